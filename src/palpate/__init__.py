@@ -1,0 +1,3 @@
+"""palpate: the law of a material from instrumented indentation, and the physics that a model left out."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,51 @@
+"""Errors that a user can act on: each says what came, what was expected and what to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class PalpateError(Exception):
+    """Base of every error that palpate raises on purpose."""
+
+
+class InputError(PalpateError):
+    """Bad input from outside: a file, a configuration key, a parameter value.
+
+    Parameters
+    ----------
+    problem
+        What is wrong, with the value that came and what was expected.
+    remedy
+        What the user should do.
+    file
+        The file that holds the mistake, if there is one.
+    place
+        Where in the file: a key, a line, a column.
+    """
+
+    def __init__(self, problem: str, *, remedy: str, file: str | Path | None = None, place: str | None = None):
+        self.problem, self.remedy, self.file, self.place = problem, remedy, file, place
+        where = ", ".join(str(part) for part in (file, place) if part is not None)
+        line = f"{where}: {problem}; {remedy}" if where else f"{problem}; {remedy}"
+        super().__init__(" ".join(line.split()))
+
+    def located(self, *, file: str | Path | None = None, place: str | None = None) -> InputError:
+        """Return the same error with a file or a place filled in where it had none."""
+        return InputError(self.problem, remedy=self.remedy, file=self.file or file, place=self.place or place)
+
+
+class ConvergenceError(PalpateError):
+    """The solver could not complete a load history.
+
+    Parameters
+    ----------
+    reason
+        What failed.
+    time
+        Time reached [s].
+    """
+
+    def __init__(self, reason: str, *, time: float):
+        self.reason, self.time = reason, time
+        super().__init__(f"{reason} (time reached: {time:.6g} s)")

@@ -1,0 +1,88 @@
+"""What a parameter is: declared once, with its name, symbol, unit, physical range and meaning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from palpate.errors import InputError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A named physical quantity with its admissible range.
+
+    Parameters
+    ----------
+    name
+        Word used at every interface, such as ``steady_exponent``.
+    symbol
+        Symbol used inside formulas and on figures, such as ``m_s`` (mathtext without dollars).
+    unit
+        Unit as printed, such as ``GPa``; ``-`` for a pure number.
+    lower, upper
+        Open or closed physical range: values must lie in [lower, upper].
+    meaning
+        One line for people.
+    default
+        Value taken when none is given; ``None`` means the value is required.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    lower: float
+    upper: float
+    meaning: str
+    default: float | None = None
+
+    def check(self, value: object) -> float:
+        """Return `value` as a float, or raise `InputError` naming the parameter and its range."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(
+                f"{self.name} is {value!r}, expected a number", remedy=f"give a number in {self.unit}", place=self.name
+            )
+        number = float(value)
+        if not math.isfinite(number) or not self.lower <= number <= self.upper:
+            raise InputError(
+                f"{self.name} = {number:g} {self.unit} is outside its range {self.lower:g} to {self.upper:g} {self.unit}",
+                remedy="correct the value or its unit",
+                place=self.name,
+            )
+        return number
+
+
+def check_values(declared: Iterable[Parameter], values: Mapping[str, object], owner: str) -> dict[str, float]:
+    """Check `values` against `declared` and fill in defaults.
+
+    Returns
+    -------
+    dict
+        Every declared parameter by name, in the declared order.
+
+    Raises
+    ------
+    InputError
+        On an unknown name, a missing required parameter, or a value outside its range.
+    """
+    declared = tuple(declared)
+    names = [parameter.name for parameter in declared]
+    for name in values:
+        if name not in names:
+            raise InputError(
+                f"{owner} has no parameter {name!r}", remedy=f"use one of: {', '.join(names)}", place=str(name)
+            )
+    checked = {}
+    for parameter in declared:
+        if parameter.name in values:
+            checked[parameter.name] = parameter.check(values[parameter.name])
+        elif parameter.default is not None:
+            checked[parameter.name] = parameter.default
+        else:
+            raise InputError(
+                f"{owner} lacks its parameter {parameter.name!r}",
+                remedy=f"give {parameter.meaning} in {parameter.unit}",
+                place=parameter.name,
+            )
+    return checked

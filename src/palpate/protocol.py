@@ -1,0 +1,111 @@
+"""The load history that the instrument imposes, and the times at which the depth is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Protocol:
+    """A piecewise linear load history with its sampling times.
+
+    Parameters
+    ----------
+    knot_time, knot_load : ndarray, shape (k,)
+        Corners of the load history [s], [mN]; the first knot is (0, 0).
+    sample_time : ndarray, shape (n,)
+        Times at which a recording has points [s], increasing, within the history, all positive.
+
+    Raises
+    ------
+    InputError
+        If times do not increase, a load is negative, or nothing is loaded at all.
+    """
+
+    knot_time: np.ndarray
+    knot_load: np.ndarray
+    sample_time: np.ndarray
+
+    def __post_init__(self) -> None:
+        time, load, sample = (np.asarray(a, dtype=float) for a in (self.knot_time, self.knot_load, self.sample_time))
+        for name, value in (("knot_time", time), ("knot_load", load), ("sample_time", sample)):
+            object.__setattr__(self, name, value)
+            if value.ndim != 1 or not np.all(np.isfinite(value)):
+                raise InputError(f"{name} must be a finite 1D array", remedy="remove missing values", place=name)
+        if len(time) < 2 or len(time) != len(load):
+            raise InputError("the load history needs at least two knots", remedy="give times and loads of equal number")
+        if time[0] != 0.0 or np.any(np.diff(time) <= 0):
+            raise InputError("times of the load history must start at 0 and increase", remedy="sort or correct the times")
+        if np.any(load < 0) or load.max() <= 0:
+            raise InputError("loads must be non-negative with a positive maximum", remedy="check sign and unit (mN)")
+        if len(sample) == 0 or np.any(np.diff(sample) <= 0) or sample[0] <= 0 or sample[-1] > time[-1] * (1 + 1e-12):
+            raise InputError("sample times must be positive, increasing and within the history", remedy="correct the times")
+
+    @property
+    def max_load(self) -> float:
+        """Largest load [mN]."""
+        return float(self.knot_load.max())
+
+    @property
+    def sample_load(self) -> np.ndarray:
+        """Load at the sampling times [mN], shape (n,)."""
+        return self.load_at(self.sample_time)
+
+    def load_at(self, time: np.ndarray) -> np.ndarray:
+        """Load at any times [mN]."""
+        return np.interp(time, self.knot_time, self.knot_load)
+
+
+def trapezoid(
+    max_load: float, loading_time: float, hold_time: float, unloading_time: float, points: int = 100
+) -> Protocol:
+    """Linear loading, hold and linear unloading to zero, sampled evenly in time within each segment.
+
+    Points are shared among the segments in proportion to their durations, at least two each; the ends of all
+    segments are sampled, so the peak and the end of the hold are never missed.
+
+    Parameters
+    ----------
+    max_load
+        [mN]
+    loading_time, hold_time, unloading_time
+        [s]; `hold_time` may be zero.
+    points
+        Number of samples; time zero is not one of them.
+    """
+    if max_load <= 0 or loading_time <= 0 or unloading_time <= 0 or hold_time < 0:
+        raise InputError(
+            "max_load, loading_time and unloading_time must be positive and hold_time not negative",
+            remedy="correct the protocol",
+        )
+    durations = [d for d in (loading_time, hold_time, unloading_time) if d > 0]
+    if points < 2 * len(durations):
+        raise InputError(f"points = {points} is too few", remedy="use at least two a segment", place="points")
+    total = sum(durations)
+    ends = np.cumsum(durations)
+    counts = np.maximum(2, np.round(np.asarray(durations) / total * points)).astype(int)
+    counts[int(np.argmax(counts))] += points - counts.sum()
+    starts = np.concatenate([[0.0], ends[:-1]])
+    sample = np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
+    loads = [max_load] * (len(durations) - 1) + [0.0]
+    return Protocol(np.concatenate([[0.0], ends]), np.concatenate([[0.0], loads]), sample)
+
+
+def recorded(time: np.ndarray, load: np.ndarray, points: int = 100) -> Protocol:
+    """Load history taken from a recording, sampled at `points` times spread evenly over its duration.
+
+    Parameters
+    ----------
+    time, load : ndarray, shape (n,)
+        Recorded times [s] and loads [mN]; loads below zero (noise before contact) are taken as zero.
+    """
+    time = np.asarray(time, dtype=float)
+    load = np.clip(np.asarray(load, dtype=float), 0.0, None)
+    if time[0] > 0:
+        time, load = np.concatenate([[0.0], time]), np.concatenate([[0.0], load])
+    sample = np.linspace(0.0, time[-1] - time[0], points + 1)[1:]
+    return Protocol(time - time[0], np.concatenate([[0.0], load[1:]]), sample)

@@ -1,0 +1,124 @@
+"""A recording: time, load and depth of one test, and the CSV it is kept in."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from palpate.errors import InputError
+
+HEADER = "time_s,load_mN,depth_nm"
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Time, load and depth of one indentation test.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s] strictly increasing, [mN], [nm]. Load and depth are zero at contact.
+    name
+        Such as ``P1.00_T030_1``.
+    notes
+        Lines kept as comments at the head of the CSV.
+    """
+
+    time: np.ndarray
+    load: np.ndarray
+    depth: np.ndarray
+    name: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        for key in ("time", "load", "depth"):
+            object.__setattr__(self, key, np.asarray(getattr(self, key), dtype=float))
+        if not len(self.time) == len(self.load) == len(self.depth):
+            raise InputError("time, load and depth differ in length", remedy="give one value of each a point")
+        for key, values in (("time_s", self.time), ("load_mN", self.load), ("depth_nm", self.depth)):
+            if not np.all(np.isfinite(values)):
+                row = int(np.flatnonzero(~np.isfinite(values))[0])
+                raise InputError(
+                    f"{key} is not a number at point {row + 1}", remedy="remove the point or fill it in", place=key
+                )
+        if len(self.time) == 0:
+            raise InputError("the recording is empty", remedy="export the test again")
+        steps = np.diff(self.time)
+        if np.any(steps <= 0):
+            row = int(np.flatnonzero(steps <= 0)[0])
+            raise InputError(
+                f"time does not increase from point {row + 1} ({self.time[row]:g} s) to point {row + 2} "
+                f"({self.time[row + 1]:g} s)",
+                remedy="sort the points and drop repeated times",
+                place="time_s",
+            )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def write(self, path: str | Path) -> None:
+        """Write the recording as CSV; the file appears whole or not at all."""
+        path = Path(path)
+        text = io.StringIO()
+        for note in self.notes:
+            text.write(f"# {note}\n")
+        text.write(HEADER + "\n")
+        np.savetxt(text, np.column_stack([self.time, self.load, self.depth]), fmt="%.9g", delimiter=",")
+        partial = path.with_name(path.name + ".partial")
+        partial.write_text(text.getvalue(), encoding="utf-8")
+        partial.replace(path)
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read a recording CSV and check it.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, has another header, text, gaps or times that do not increase.
+    """
+    path = Path(path)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError("is not a text file", remedy="convert vendor files with `palpate read`", file=path) from error
+    notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
+    body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if not body:
+        raise InputError("the recording is empty", remedy="export the test again", file=path)
+    number, header = body[0]
+    if header.strip() != HEADER:
+        raise InputError(
+            f"header is {header.strip()[:60]!r}, expected {HEADER!r}",
+            remedy="rename the columns, with these units",
+            file=path,
+            place=f"line {number}",
+        )
+    try:
+        table = pd.read_csv(io.StringIO("\n".join(line for _, line in body)), dtype=float)
+    except (ValueError, pd.errors.ParserError) as error:
+        for line_number, line in body[1:]:
+            cells = line.split(",")
+            try:
+                whole = len([float(cell) for cell in cells]) == 3
+            except ValueError:
+                whole = False
+            if not whole:
+                raise InputError(
+                    f"{line.strip()[:40]!r} is not three numbers",
+                    remedy="write time, load and depth with decimal points",
+                    file=path,
+                    place=f"line {line_number}",
+                ) from error
+        raise
+    try:
+        columns = (table[key].to_numpy() for key in HEADER.split(","))
+        return Recording(*columns, name=path.stem, notes=notes)
+    except InputError as error:
+        raise error.located(file=path) from None
