@@ -1,0 +1,1 @@
+"""Axisymmetric finite elements for indentation: mesh, element, contact, Newton, load history."""

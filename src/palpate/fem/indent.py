@@ -1,0 +1,165 @@
+"""A whole load history: choose mesh and steps, march, halve what does not converge, return depth against time."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.errors import ConvergenceError
+from palpate.fem.contact import Profile
+from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
+from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
+from palpate.indenters import Indenter
+from palpate.materials.radial import HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.protocol import Protocol
+
+RESOLUTIONS = {
+    "standard": Resolution(growth=1.10, sectors=8),
+    "fine": Resolution(growth=1.05, sectors=16, refine=2),
+}
+HALVINGS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Outcome of one simulated indentation.
+
+    Attributes
+    ----------
+    depth : ndarray, shape (n,)
+        Depth at the protocol's sampling times [nm]; NaN from a failure on.
+    reason
+        Why the history is incomplete; empty when it is whole.
+    seconds
+        Wall time spent in the solver.
+    iterations, steps
+        Newton iterations and time steps done.
+    """
+
+    depth: np.ndarray
+    reason: str
+    seconds: float
+    iterations: int
+    steps: int
+
+
+def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:
+    """Estimate the mean contact pressure under a cone [GPa], for the size of the mesh alone.
+
+    A cone of slope cot(alpha) strains what lies under it by about 0.2 cot(alpha) (Johnson, Contact Mechanics, 1985,
+    section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
+    modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
+    """
+    shear, bulk = coefficients[SHEAR], coefficients[1]
+    ratio = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+
+    def pressure(secant_shear: float) -> float:
+        return secant_shear * (1 + ratio) * slope / (1 - ratio**2)
+
+    p = pressure(shear)
+    for _ in range(30):
+        q = p / 3.0
+        strain = q / (2 * shear) + duration * coefficients[STEADY] * q ** (2 * coefficients[STEADY_EXPONENT] + 1)
+        for c_t, m_t, _t in coefficients[VOIGT:].reshape(-1, 3):
+            strain += c_t * q ** (2 * m_t + 1)
+        p = np.sqrt(p * pressure(q / (2 * strain)))
+    flow = coefficients[YIELD] + 0.2 * slope * coefficients[HARDENING]
+    return float(min(p, 2.8 * flow))
+
+
+def contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
+    """Estimate the smallest contact radius that counts and the largest one [um]."""
+    radius = indenter.radius * 1e-3
+    duration = float(protocol.knot_time[-1] * 0.6)
+    slope = indenter.slope
+    loads = protocol.sample_load
+    smallest_load = loads[loads > 0].min(initial=protocol.max_load, where=loads[loads > 0] > 0.005 * protocol.max_load)
+
+    def contact_radius(load: float) -> float:
+        if radius == 0.0:
+            return float(np.sqrt(load / (np.pi * mean_pressure(coefficients, slope, duration))))
+        a = radius * 0.1
+        for _ in range(40):
+            local = min(slope, 0.7 * a / radius)
+            a = 0.5 * (a + np.sqrt(load / (np.pi * mean_pressure(coefficients, local, duration))))
+        return float(a)
+
+    return contact_radius(smallest_load), contact_radius(protocol.max_load)
+
+
+def step_times(protocol: Protocol, refine: int) -> np.ndarray:
+    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded start."""
+    ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
+    ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
+    starts = np.concatenate([[0.0], ends[:-1]])
+    fine = np.concatenate([np.linspace(a, b, refine + 1)[1:] for a, b in zip(starts, ends, strict=True)])
+    first = fine[0]
+    return np.concatenate([first * np.array([0.02, 0.05, 0.12, 0.25, 0.45, 0.7]), fine])
+
+
+def indent(
+    coefficients: np.ndarray,
+    indenter: Indenter,
+    protocol: Protocol,
+    resolution: Resolution,
+    large: bool = False,
+) -> History:
+    """Simulate an indentation of a homogeneous half-space.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (c,)
+        The law, see `palpate.materials.radial`.
+
+    Returns
+    -------
+    History
+        A failure is reported in it, never raised.
+    """
+    began = clock.perf_counter()
+    smallest, largest = contact_range(coefficients, indenter, protocol)
+    mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
+    region = np.zeros(len(mesh.elements), dtype=np.int64)
+    problem = Problem(mesh, Profile.of(indenter), coefficients[None, :], region, large)
+    work = Workspace.of(mesh)
+    state, before = State.initial(problem), None
+    depth = np.full(len(protocol.sample_time), np.nan)
+    reason, steps = "", 0
+    corners = set(protocol.knot_time)
+    for target in step_times(protocol, resolution.refine):
+        try:
+            state, before, taken = _reach(problem, protocol, state, before, target, work)
+        except ConvergenceError as error:
+            reason = str(error)
+            break
+        steps += taken
+        where = np.searchsorted(protocol.sample_time, target * (1 - 1e-12))
+        if where < len(depth) and abs(protocol.sample_time[where] - target) <= 1e-9 * target:
+            depth[where] = state.depth * 1e3
+        if target in corners:
+            before = None
+    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps)
+
+
+def _reach(
+    problem: Problem, protocol: Protocol, state: State, before: State | None, target: float, work: Workspace
+) -> tuple[State, State, int]:
+    """March to `target`, halving what does not converge; return the state there, the one before, and the steps."""
+    shortest = (target - state.time) / 2**HALVINGS
+    step, taken = target - state.time, 0
+    while True:
+        end = target if state.time + 1.5 * step > target else state.time + step
+        load = float(protocol.load_at(np.array(end)))
+        try:
+            guess = extrapolate(state, before, end)
+            after = advance(problem, state, end, load, protocol.max_load, guess, work)
+        except ConvergenceError:
+            step, before = 0.5 * step, None
+            if step < shortest:
+                raise
+            continue
+        state, before, taken = after, state, taken + 1
+        if end == target:
+            return state, before, taken

@@ -1,0 +1,133 @@
+"""A polar mesh of the half-space under an axisymmetric indenter.
+
+Rings of nodes grow geometrically from the tip, because a sharp indenter has no length of its own: the mesh then
+resolves every contact radius of a loading history equally well, the first point of a curve like the last.
+Beyond the largest contact radius the fields decay smoothly and the growth speeds up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How fine a mesh and its time steps are.
+
+    Parameters
+    ----------
+    growth
+        Ratio of neighbouring ring radii within the contact.
+    sectors
+        Elements over the quarter circle between surface and axis.
+    inner
+        Innermost ring radius over the smallest contact radius that counts.
+    far
+        Far boundary over the largest contact radius.
+    refine
+        Time steps taken between two samples.
+    """
+
+    growth: float
+    sectors: int
+    inner: float = 0.25
+    far: float = 2000.0
+    refine: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Four-node axisymmetric elements with everything that does not change during a simulation.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (n, 2)
+        Reference coordinates (r, z), z <= 0.
+    elements : ndarray of int, shape (m, 4)
+    equations : ndarray of int, shape (n, 2)
+        Equation of each displacement component, -1 where it is held at zero.
+    surface : ndarray of int, shape (k,)
+        Nodes of the free surface, from the axis outwards.
+    gradients : ndarray, shape (m, 4, 3, 4)
+        At each Gauss point dN/dr, dN/dz and N/r of the four nodes.
+    weights : ndarray, shape (m, 4)
+        Volume of each Gauss point, 2 pi r dA.
+    bandwidth : int
+        Half bandwidth of the stiffness matrix.
+    """
+
+    nodes: np.ndarray
+    elements: np.ndarray
+    equations: np.ndarray
+    surface: np.ndarray
+    gradients: np.ndarray
+    weights: np.ndarray
+    bandwidth: int
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return int(self.equations.max()) + 1
+
+
+def ring_radii(smallest: float, largest: float, resolution: Resolution) -> np.ndarray:
+    """Radii of the rings, for contact radii between `smallest` and `largest`."""
+    radii = [resolution.inner * smallest]
+    growth = resolution.growth
+    limit = 1.0 + 8.0 * (resolution.growth - 1.0)
+    while radii[-1] < resolution.far * largest:
+        radii.append(radii[-1] * growth)
+        if radii[-1] > 1.5 * largest:
+            growth = min(1.0 + (growth - 1.0) * resolution.growth, limit)
+    return np.array(radii)
+
+
+def polar_mesh(radii: np.ndarray, sectors: int) -> Mesh:
+    """Mesh the quarter plane r >= 0, z <= 0 with rings at `radii` and `sectors` elements around.
+
+    The innermost ring is a fan of quadrilaterals that collapse at the tip. The outermost ring of nodes is held.
+    Nodes are numbered ring by ring, so that the half bandwidth is 2 (sectors + 2) + 1.
+    """
+    angles = np.linspace(0.0, 0.5 * np.pi, sectors + 1)
+    rings = np.stack([np.outer(radii, np.cos(angles)), -np.outer(radii, np.sin(angles))], axis=-1)
+    rings[:, -1, 0] = 0.0
+    nodes = np.concatenate([np.zeros((1, 2)), rings.reshape(-1, 2)])
+    count = sectors + 1
+    number = np.arange(1, len(nodes)).reshape(len(radii), count)
+    inner = np.vstack([np.zeros((1, count), dtype=int), number[:-1]])
+    elements = np.stack([inner[:, 1:], number[:, 1:], number[:, :-1], inner[:, :-1]], axis=-1).reshape(-1, 4)
+    free = np.ones((len(nodes), 2), dtype=bool)
+    free[number[-1]] = False
+    free[0, 0] = False
+    free[number[:, -1], 0] = False
+    equations = np.where(free, np.cumsum(free.ravel()).reshape(free.shape) - 1, -1)
+    gradients, weights = _integration(nodes[elements])
+    return Mesh(
+        nodes=nodes,
+        elements=elements,
+        equations=equations,
+        surface=np.concatenate([[0], number[:-1, 0]]),
+        gradients=gradients,
+        weights=weights,
+        bandwidth=2 * (count + 1) + 1,
+    )
+
+
+def _integration(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return shape function gradients and volumes at the 2 x 2 Gauss points of elements with these corners."""
+    offset = 1.0 / np.sqrt(3.0)
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    gradients = np.empty((len(corners), 4, 3, 4))
+    weights = np.empty((len(corners), 4))
+    for point, (xi, eta) in enumerate(offset * signs):
+        shape = 0.25 * (1 + xi * signs[:, 0]) * (1 + eta * signs[:, 1])
+        local = 0.25 * np.stack([signs[:, 0] * (1 + eta * signs[:, 1]), signs[:, 1] * (1 + xi * signs[:, 0])])
+        jacobian = np.einsum("ia,eaj->eij", local, corners)
+        determinant = np.linalg.det(jacobian)
+        radius = corners[:, :, 0] @ shape
+        gradients[:, point, :2] = np.linalg.solve(jacobian, np.broadcast_to(local, (len(corners), 2, 4)))
+        gradients[:, point, 2] = shape / radius[:, None]
+        weights[:, point] = 2 * np.pi * radius * determinant
+    return gradients, weights

@@ -1,0 +1,220 @@
+"""One time step: Newton's method on equilibrium, the material update and the contact set together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.linalg import lapack
+
+from palpate.errors import ConvergenceError
+from palpate.fem.contact import Profile
+from palpate.fem.element import assemble, begin_step, end_step
+from palpate.fem.linear import fixed_matrices
+from palpate.fem.mesh import Mesh
+from palpate.materials.radial import state_size, step_weights
+
+ITERATIONS = 25
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What does not change during a simulation.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    profile : Profile
+    coefficients : ndarray, shape (regions, c)
+        Law of each region, see `palpate.materials.radial`.
+    region : ndarray of int, shape (m,)
+        Region of each element.
+    large : bool
+        Logarithmic instead of linear strains.
+    """
+
+    mesh: Mesh
+    profile: Profile
+    coefficients: np.ndarray
+    region: np.ndarray
+    large: bool
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Everything that a step hands to the next one.
+
+    Attributes
+    ----------
+    time, depth : float
+        [s], [um]
+    displacement : ndarray, shape (n, 2)
+    material : ndarray, shape (m, 4, s)
+        State variables at the Gauss points.
+    contact : ndarray of bool, shape (n,)
+    guesses : ndarray, shape (m, 4)
+        Last q at each Gauss point, where the next search begins.
+    reaction : ndarray, shape (n,)
+        Vertical contact force at the nodes [mN].
+    """
+
+    time: float
+    depth: float
+    displacement: np.ndarray
+    material: np.ndarray
+    contact: np.ndarray
+    guesses: np.ndarray
+    reaction: np.ndarray
+
+    @classmethod
+    def initial(cls, problem: Problem) -> State:
+        """Return the unloaded body that the apex just touches."""
+        n, m = len(problem.mesh.nodes), len(problem.mesh.elements)
+        contact = np.zeros(n, dtype=bool)
+        contact[0] = True
+        material = np.zeros((m, 4, state_size(problem.coefficients[0])))
+        return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros(n))
+
+
+@dataclass
+class Workspace:
+    """Arrays of the linear system, allocated once a simulation, and a count of the work done."""
+
+    band: np.ndarray
+    residual: np.ndarray
+    border: np.ndarray
+    past: np.ndarray
+    alpha: np.ndarray
+    local: np.ndarray
+    deviatoric: np.ndarray
+    dilatation: np.ndarray
+    iterations: int = 0
+    norms: list[float] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Workspace:
+        """Allocate for `mesh`."""
+        m = len(mesh.elements)
+        return cls(
+            np.empty((mesh.size, mesh.bandwidth + 1)),
+            np.empty(mesh.size),
+            np.empty(mesh.size),
+            np.empty((m, 4, 4)),
+            np.empty((m, 4)),
+            np.empty((m, 4, 4)),
+            *fixed_matrices(mesh.gradients, mesh.weights),
+        )
+
+
+def advance(problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace) -> State:
+    """Advance to `time` under `load`.
+
+    Parameters
+    ----------
+    load
+        Load at the end of the step [mN].
+    scale
+        Largest load of the history [mN]; forces converge to 1e-9 of it.
+    guess
+        State whose displacement, depth and contact set start the iteration.
+
+    Raises
+    ------
+    ConvergenceError
+        When the iteration limit is reached or an element turns inside out.
+    """
+    mesh, profile = problem.mesh, problem.profile
+    step = time - state.time
+    weights = np.stack([step_weights(row, step) for row in problem.coefficients])
+    begin_step(state.material, problem.region, problem.coefficients, weights, work.past, work.alpha)
+    displacement, depth = guess.displacement.copy(), guess.depth
+    contact, guesses = guess.contact.copy(), state.guesses.copy()
+    reaction = np.empty(len(mesh.nodes))
+    surface = mesh.surface
+    free = mesh.equations >= 0
+    slope, curvature = np.zeros(len(mesh.nodes)), np.zeros(len(mesh.nodes))
+    work.norms.clear()
+    forces = np.zeros(mesh.size + 1)
+    search = None
+    for iteration in range(ITERATIONS):
+        height, slope[surface], curvature[surface] = profile(mesh.nodes[surface, 0] + displacement[surface, 0])
+        gap = height - depth - displacement[surface, 1]
+        contact[surface] |= gap < 0.0
+        displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
+        corner = assemble(
+            displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
+            problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
+            contact, slope, curvature, work.band, work.residual, work.border, reaction,
+        )  # fmt: skip
+        if not np.isfinite(corner):
+            raise ConvergenceError("an element turned inside out", time=state.time)
+        work.iterations += 1
+        pulled = contact & (reaction < -TOLERANCE * scale)
+        if iteration > 0 and pulled.any() and contact.sum() > 1:
+            contact &= ~pulled
+            if not contact.any():
+                contact[np.argmin(np.where(pulled, reaction, np.inf))] = True
+            search = None
+            continue
+        forces[:-1], forces[-1] = work.residual, reaction.sum() - load
+        norm = np.abs(forces).max() / scale
+        work.norms.append(norm)
+        if norm < TOLERANCE and not pulled.any():
+            material = state.material.copy()
+            end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
+            return State(time, depth, displacement, material, contact, guesses, reaction)
+        if search is not None and (shorter := search.shorten(forces)) != 0.0:
+            displacement[free] += shorter * search.direction[:-1]
+            depth += shorter * search.direction[-1]
+            continue
+        factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
+        if failed:
+            raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
+        solution, _ = lapack.dpbtrs(factor, np.column_stack([work.residual, work.border]), lower=1, overwrite_b=1)
+        forward, sideways = solution.T
+        change = (work.border @ forward - forces[-1]) / (corner - work.border @ sideways)
+        search = Search.along(np.append(-forward - change * sideways, change), forces)
+        displacement[free] += search.direction[:-1]
+        depth += change
+    raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+
+
+@dataclass
+class Search:
+    """A line search for the zero of the work of the residual along Newton's direction, by the secant.
+
+    Every law here has an incremental potential, so the exact minimum along the line is where that work vanishes.
+    """
+
+    direction: np.ndarray
+    start: float
+    fraction: float = 1.0
+    tries: int = 0
+
+    @classmethod
+    def along(cls, direction: np.ndarray, forces: np.ndarray) -> Search:
+        """Begin a search at the point whose out-of-balance `forces` gave the `direction`."""
+        return cls(direction, float(direction @ forces))
+
+    def shorten(self, forces: np.ndarray) -> float:
+        """Return how far to move along the direction again (negative: back), or zero to accept the point."""
+        work = float(self.direction @ forces)
+        if self.tries >= 5 or work * self.start > 0.0 or abs(work) < 0.8 * abs(self.start):
+            return 0.0
+        self.tries += 1
+        fraction = self.fraction * max(0.1, self.start / (self.start - work))
+        move, self.fraction = fraction - self.fraction, fraction
+        return move
+
+
+def extrapolate(state: State, before: State | None, time: float) -> State:
+    """Guess the next state by carrying the last change on."""
+    if before is None or state.time == before.time:
+        return state
+    ratio = (time - state.time) / (state.time - before.time)
+    return replace(
+        state,
+        displacement=state.displacement + ratio * (state.displacement - before.displacement),
+        depth=state.depth + ratio * (state.depth - before.depth),
+    )

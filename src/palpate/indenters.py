@@ -1,0 +1,57 @@
+"""Rigid axisymmetric indenters: a straight cone, a sphere, and a cone whose tip is a spherical cap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from palpate.errors import InputError
+from palpate.parameters import Parameter, check_values
+
+HALF_ANGLE = Parameter("half_angle", r"\alpha", "deg", 20.0, 89.0, "half-angle of the cone, from its axis")
+RADIUS = Parameter("radius", "R", "nm", 1e-3, 1e9, "radius of the sphere or of the spherical cap")
+FRICTION = Parameter("friction", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient", default=0.0)
+SHAPES = {
+    "cone": (HALF_ANGLE, FRICTION),
+    "sphere": (RADIUS, FRICTION),
+    "sphero_cone": (HALF_ANGLE, RADIUS, FRICTION),
+}
+
+
+@dataclass(frozen=True)
+class Indenter:
+    """A rigid indenter.
+
+    Parameters
+    ----------
+    shape
+        ``cone``, ``sphere`` or ``sphero_cone``.
+    half_angle
+        Half-angle of the cone [deg]; 0 for a sphere.
+    radius
+        Radius of the sphere or cap [nm]; 0 for a sharp cone. The cap runs tangentially into the cone.
+    friction
+        Coulomb coefficient.
+    """
+
+    shape: str
+    half_angle: float = 0.0
+    radius: float = 0.0
+    friction: float = 0.0
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, object]) -> Indenter:
+        """Build from configuration keys; raises `InputError` on an unknown shape, key or value out of range."""
+        shape = values.get("shape")
+        if shape not in SHAPES:
+            raise InputError(
+                f"indenter shape {shape!r} is not known", remedy=f"use one of: {', '.join(SHAPES)}", place="shape"
+            )
+        given = {name: value for name, value in values.items() if name != "shape"}
+        return cls(str(shape), **check_values(SHAPES[str(shape)], given, f"indenter {shape}"))
+
+    @property
+    def slope(self) -> float:
+        """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere."""
+        return 1.0 / math.tan(math.radians(self.half_angle)) if self.half_angle else math.inf

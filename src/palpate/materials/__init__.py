@@ -1,0 +1,8 @@
+"""Constitutive laws: every module of this folder that defines ``LAW`` is found by itself."""
+
+from palpate.discovery import discover
+from palpate.materials.law import Law
+
+LAWS: dict[str, Law] = {law.key: law for law in discover(__name__, __path__, "LAW")}
+
+__all__ = ["LAWS", "Law"]
