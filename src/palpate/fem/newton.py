@@ -15,7 +15,7 @@ from palpate.fem.mesh import Mesh
 from palpate.materials.radial import state_size, step_weights
 
 ITERATIONS = 25
-TOLERANCE = 1e-9
+TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,9 @@ class Workspace:
         )
 
 
-def advance(problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace) -> State:
+def advance(
+    problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
+) -> State:
     """Advance to `time` under `load`.
 
     Parameters
@@ -115,7 +117,7 @@ def advance(problem: Problem, state: State, time: float, load: float, scale: flo
     load
         Load at the end of the step [mN].
     scale
-        Largest load of the history [mN]; forces converge to 1e-9 of it.
+        Largest load of the history [mN]; forces converge to 1e-7 of it.
     guess
         State whose displacement, depth and contact set start the iteration.
 

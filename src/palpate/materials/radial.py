@@ -124,7 +124,7 @@ def solve_radial(rho, guess, alpha, weights, coefficients):
         if change >= q:
             change = 0.5 * q
         q -= change
-        if abs(change) <= 1e-13 * q:
+        if abs(change) <= 1e-8 * q:
             break
     return q, 1.0 / slope
 
