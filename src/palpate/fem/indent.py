@@ -20,6 +20,7 @@ RESOLUTIONS = {
     "fine": Resolution(growth=1.05, sectors=16, refine=2),
 }
 HALVINGS = 6
+GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ def step_times(protocol: Protocol, refine: int) -> np.ndarray:
     starts = np.concatenate([[0.0], ends[:-1]])
     fine = np.concatenate([np.linspace(a, b, refine + 1)[1:] for a, b in zip(starts, ends, strict=True)])
     first = fine[0]
-    return np.concatenate([first * np.array([0.02, 0.05, 0.12, 0.25, 0.45, 0.7]), fine])
+    return np.concatenate([first * GRADED_START, fine])
 
 
 def indent(

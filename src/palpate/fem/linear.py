@@ -13,7 +13,7 @@ from palpate.materials.radial import BULK, invariant, solve_radial
 
 @njit(cache=True)
 def fixed_matrices(gradients, volumes):
-    """Return, for all elements, the deviatoric matrices M (m, 4, 8, 8) times volume and the mean rows of tr B (m, 8)."""
+    """Return the deviatoric matrices M (m, 4, 8, 8) times volume, and the mean rows of tr B (m, 8)."""
     count = gradients.shape[0]
     deviatoric = np.zeros((count, 4, 8, 8))
     dilatation = np.zeros((count, 8))

@@ -36,7 +36,7 @@ class Resolution:
 
     growth: float
     sectors: int
-    inner: float = 0.25
+    inner: float = 0.2
     far: float = 2000.0
     refine: int = 1
 
