@@ -17,7 +17,7 @@ from palpate.protocol import Protocol
 
 RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=8),
-    "fine": Resolution(growth=1.05, sectors=16, refine=2),
+    "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
@@ -131,7 +131,7 @@ def indent(
     corners = set(protocol.knot_time)
     for target in step_times(protocol, resolution.refine):
         try:
-            state, before, taken = _reach(problem, protocol, state, before, target, work)
+            state, before, taken = march(problem, protocol, state, before, target, work)
         except ConvergenceError as error:
             reason = str(error)
             break
@@ -144,7 +144,7 @@ def indent(
     return History(depth, reason, clock.perf_counter() - began, work.iterations, steps)
 
 
-def _reach(
+def march(
     problem: Problem, protocol: Protocol, state: State, before: State | None, target: float, work: Workspace
 ) -> tuple[State, State, int]:
     """March to `target`, halving what does not converge; return the state there, the one before, and the steps."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-OUTER_GROWTH = 1.4
 SECTOR_GRADING = 1.2
 
 
@@ -30,6 +29,8 @@ class Resolution:
         Innermost ring radius over the smallest contact radius that counts.
     far
         Far boundary over the largest contact radius.
+    outer_growth
+        Largest ratio of neighbouring ring radii far from the contact.
     refine
         Time steps taken between two samples.
     """
@@ -38,6 +39,7 @@ class Resolution:
     sectors: int
     inner: float = 0.2
     far: float = 2000.0
+    outer_growth: float = 1.4
     refine: int = 1
 
 
@@ -83,7 +85,7 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution) -> np.nd
     while radii[-1] < resolution.far * largest:
         radii.append(radii[-1] * growth)
         if radii[-1] > 2.0 * largest:
-            growth = min(1.0 + 1.05 * (growth - 1.0), OUTER_GROWTH)
+            growth = min(1.0 + 1.05 * (growth - 1.0), resolution.outer_growth)
     return np.array(radii)
 
 
