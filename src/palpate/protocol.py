@@ -39,11 +39,15 @@ class Protocol:
         if len(time) < 2 or len(time) != len(load):
             raise InputError("the load history needs at least two knots", remedy="give times and loads of equal number")
         if time[0] != 0.0 or np.any(np.diff(time) <= 0):
-            raise InputError("times of the load history must start at 0 and increase", remedy="sort or correct the times")
+            raise InputError(
+                "times of the load history must start at 0 and increase", remedy="sort or correct the times"
+            )
         if np.any(load < 0) or load.max() <= 0:
             raise InputError("loads must be non-negative with a positive maximum", remedy="check sign and unit (mN)")
         if len(sample) == 0 or np.any(np.diff(sample) <= 0) or sample[0] <= 0 or sample[-1] > time[-1] * (1 + 1e-12):
-            raise InputError("sample times must be positive, increasing and within the history", remedy="correct the times")
+            raise InputError(
+                "sample times must be positive, increasing and within the history", remedy="correct the times"
+            )
 
     @property
     def max_load(self) -> float:
@@ -95,17 +99,35 @@ def trapezoid(
     return Protocol(np.concatenate([[0.0], ends]), np.concatenate([[0.0], loads]), sample)
 
 
-def recorded(time: np.ndarray, load: np.ndarray, points: int = 100) -> Protocol:
+def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:
     """Load history taken from a recording, sampled at `points` times spread evenly over its duration.
+
+    The history is thinned to the corners that keep it within `tolerance` of the largest load everywhere (Douglas and
+    Peucker's rule, with the distance measured along the load), so that a long recording costs no more steps than its
+    shape deserves.
 
     Parameters
     ----------
     time, load : ndarray, shape (n,)
-        Recorded times [s] and loads [mN]; loads below zero (noise before contact) are taken as zero.
+        Recorded times [s] and loads [mN]; loads below zero (noise before contact) count as zero, and so does the first.
+    tolerance
+        Largest departure, as a fraction of the largest load.
     """
-    time = np.asarray(time, dtype=float)
+    time = np.asarray(time, dtype=float) - time[0]
     load = np.clip(np.asarray(load, dtype=float), 0.0, None)
-    if time[0] > 0:
-        time, load = np.concatenate([[0.0], time]), np.concatenate([[0.0], load])
-    sample = np.linspace(0.0, time[-1] - time[0], points + 1)[1:]
-    return Protocol(time - time[0], np.concatenate([[0.0], load[1:]]), sample)
+    load[0] = 0.0
+    allowed = tolerance * load.max()
+    keep = np.zeros(len(time), dtype=bool)
+    keep[[0, -1]] = True
+    pending = [(0, len(time) - 1)]
+    while pending:
+        first, last = pending.pop()
+        if last - first < 2:
+            continue
+        chord = np.interp(time[first : last + 1], time[[first, last]], load[[first, last]])
+        distance = np.abs(load[first : last + 1] - chord)
+        worst = first + int(np.argmax(distance))
+        if distance.max() > allowed:
+            keep[worst] = True
+            pending += [(first, worst), (worst, last)]
+    return Protocol(time[keep], load[keep], np.linspace(0.0, time[-1], points + 1)[1:])

@@ -118,7 +118,7 @@ def read_recording(path: str | Path) -> Recording:
                 ) from error
         raise
     try:
-        columns = (table[key].to_numpy() for key in HEADER.split(","))
-        return Recording(*columns, name=path.stem, notes=notes)
+        time, load, depth = (table[key].to_numpy() for key in HEADER.split(","))
+        return Recording(time, load, depth, name=path.stem, notes=notes)
     except InputError as error:
         raise error.located(file=path) from None

@@ -1,0 +1,350 @@
+"""A study: what is simulated, what was recorded, and how the two are brought together. Read from one YAML file."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import yaml
+
+from palpate.errors import InputError
+from palpate.indenters import Indenter
+from palpate.materials import LAWS
+from palpate.model import Specification
+from palpate.protocol import Protocol, recorded, trapezoid
+from palpate.recording import Recording, read_recording
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One loading condition of a study.
+
+    Parameters
+    ----------
+    name
+        Such as ``P1.00_T030``; recordings of it are ``NAME_REPLICATE.csv``.
+    role
+        ``calibrate``, or ``validate``: takes no part in a calibration and judges it.
+    protocol
+        Load history and sampling times.
+    """
+
+    name: str
+    role: str
+    protocol: Protocol
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study; see the contracts of the project for the meaning of each key.
+
+    Attributes
+    ----------
+    name, title, file
+        Name, title for people, and the YAML file.
+    model
+        Key of the constitutive law.
+    fixed
+        Material parameters that are not on the grid.
+    levels
+        Levels of the snapshot grid for each parameter, in order; one level holds a parameter constant.
+    indenter, kinematics, accuracy, points
+        How a snapshot is simulated.
+    conditions
+        All loading conditions.
+    condition_sets
+        Names of the conditions that each calibration uses; ``all`` is always there.
+    recordings
+        Folder of each set of recordings.
+    cells_per_job, seed, surrogate, calibration, laboratory, source
+        Settings with their defaults filled in.
+    """
+
+    name: str
+    title: str
+    file: Path
+    model: str
+    fixed: Mapping[str, float]
+    levels: Mapping[str, tuple[float, ...]]
+    indenter: Indenter
+    kinematics: str
+    accuracy: str
+    points: int
+    conditions: tuple[Condition, ...]
+    condition_sets: Mapping[str, tuple[str, ...]]
+    recordings: Mapping[str, Path]
+    cells_per_job: int
+    seed: int
+    surrogate: Mapping[str, Any]
+    calibration: Mapping[str, Any]
+    laboratory: Mapping[str, Mapping[str, Any]]
+    source: Mapping[str, Any]
+
+    @property
+    def free_parameters(self) -> tuple[str, ...]:
+        """Parameters with more than one level: those that a calibration looks for."""
+        return tuple(name for name, levels in self.levels.items() if len(levels) > 1)
+
+    @property
+    def cells(self) -> list[dict[str, float]]:
+        """Every combination of the levels, the last parameter running fastest."""
+        return [dict(zip(self.levels, cell, strict=True)) for cell in itertools.product(*self.levels.values())]
+
+    def condition(self, name: str) -> Condition:
+        """Return the condition called `name`."""
+        return next(condition for condition in self.conditions if condition.name == name)
+
+    def specification(
+        self, cell: Mapping[str, float], condition: Condition, accuracy: str | None = None
+    ) -> Specification:
+        """Return what to simulate for material parameters `cell` under `condition`."""
+        parameters = {**self.fixed, **cell}
+        return Specification(
+            self.model,
+            parameters,
+            self.indenter,
+            condition.protocol,
+            kinematics=self.kinematics,
+            accuracy=accuracy or self.accuracy,
+        )
+
+
+def load_study(path: str | Path, data: str | None = None) -> Study:
+    """Read and check a study.
+
+    Parameters
+    ----------
+    path
+        The YAML file.
+    data
+        Path of the vendor's file, in place of the one that ``source`` names.
+
+    Raises
+    ------
+    InputError
+        With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
+    """
+    path = Path(path)
+    try:
+        values = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        place = f"line {mark.line + 1}" if mark else None
+        raise InputError(
+            "is not valid YAML", remedy="correct the indentation or quotes", file=path, place=place
+        ) from error
+    try:
+        return _study(values, path, data)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _study(values: Any, path: Path, data: str | None) -> Study:
+    schema = json.loads(resources.files("palpate").joinpath("study.schema.json").read_text(encoding="utf-8"))
+    _check_schema(values, schema)
+    settings = _with_defaults(values, schema)
+    material = dict(values["material"])
+    model = material.pop("model")
+    if model not in LAWS:
+        raise InputError(
+            f"material model {model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="material.model"
+        )
+    if data is not None and "source" in settings:
+        settings["source"] = {**settings["source"], "file": data}
+    levels = _levels(model, material, values["parameters"])
+    try:
+        indenter = Indenter.from_mapping(values["indenter"])
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
+    recordings = {name: Path(folder) for name, folder in values.get("recordings", {}).items()}
+    source = settings.get("source", {})
+    conditions = tuple(
+        _condition(k, entry, settings["points"], recordings, source) for k, entry in enumerate(values["conditions"])
+    )
+    names = [condition.name for condition in conditions]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"condition {name!r} is given twice", remedy="rename one of them", place="conditions")
+    study = Study(
+        name=values["study"],
+        title=values.get("title", values["study"]),
+        file=path,
+        model=model,
+        fixed=material,
+        levels=levels,
+        indenter=indenter,
+        kinematics=settings["kinematics"],
+        accuracy=settings["accuracy"],
+        points=settings["points"],
+        conditions=conditions,
+        condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
+        recordings=recordings,
+        cells_per_job=settings["cells_per_job"],
+        seed=settings["seed"],
+        surrogate=settings["surrogate"],
+        calibration=settings["calibration"],
+        laboratory=settings.get("laboratory", {}),
+        source=source,
+    )
+    for key in study.laboratory:
+        if key not in recordings:
+            raise InputError(
+                f"laboratory {key!r} writes no recordings", remedy="add its folder under recordings", place="laboratory"
+            )
+    study.specification(study.cells[0], conditions[0])
+    return study
+
+
+def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]) -> dict[str, tuple[float, ...]]:
+    """Check fixed values and levels against the law."""
+    declared = {p.name: p for p in LAWS[model].declared({**material, **given})}
+    for owner, names in (("material", material), ("parameters", given)):
+        for name in names:
+            if name not in declared:
+                raise InputError(
+                    f"{name!r} is no parameter of {model}{_suggestion(name, declared)}",
+                    remedy=f"use one of: {', '.join(declared)}",
+                    place=f"{owner}.{name}",
+                )
+    for name, parameter in declared.items():
+        if (name in material) == (name in given):
+            problem = "given twice" if name in material else "missing"
+            raise InputError(
+                f"{name} ({parameter.meaning}) is {problem}", remedy="give it once, under material or parameters",
+                place="parameters",
+            )  # fmt: skip
+        for owner, values in (
+            ("material", [material.get(name, given.get(name, [0])[0])]),
+            ("parameters", given.get(name, [])),
+        ):
+            for value in values:
+                try:
+                    parameter.check(value)
+                except InputError as error:
+                    raise InputError(error.problem, remedy=error.remedy, place=f"{owner}.{name}") from None
+    for name, levels in given.items():
+        if len(set(levels)) != len(levels):
+            raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")
+    return {name: tuple(float(level) for level in levels) for name, levels in given.items()}
+
+
+def _condition(
+    index: int, entry: Mapping[str, Any], points: int, recordings: Mapping[str, Path], source: Mapping[str, Any]
+) -> Condition:
+    place = f"conditions[{index}] ({entry['name']})"
+    numbers = ("max_load", "loading_time", "unloading_time")
+    given = [key for key in (*numbers, "hold_time") if key in entry]
+    if "load_history" in entry:
+        if given:
+            raise InputError(f"load_history and {given[0]} exclude each other", remedy="keep one", place=place)
+        history = _load_history(entry, recordings, source, place)
+        protocol = recorded(history.time, history.load, points)
+    else:
+        missing = [key for key in numbers if key not in entry]
+        if missing:
+            raise InputError(f"{missing[0]} is missing", remedy="give it, or a load_history", place=place)
+        protocol = trapezoid(
+            entry["max_load"], entry["loading_time"], entry.get("hold_time", 0.0), entry["unloading_time"], points
+        )
+    return Condition(entry["name"], entry.get("role", "calibrate"), protocol)
+
+
+def _load_history(
+    entry: Mapping[str, Any], recordings: Mapping[str, Path], source: Mapping[str, Any], place: str
+) -> Recording:
+    """Return the recording whose load a condition follows."""
+    if entry["load_history"] != "recorded":
+        return read_recording_columns(Path(entry["load_history"]))
+    if source.get("condition") == entry["name"]:
+        from palpate.readers import read_vendor_file
+
+        return read_vendor_file(source["file"], source.get("sha256"))[0].recording
+    for folder in recordings.values():
+        for file in sorted(folder.glob(f"{entry['name']}_*.csv")):
+            return read_recording(file)
+    raise InputError(
+        "load_history is `recorded`, but there is no recording of this condition",
+        remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
+        place=place,
+    )
+
+
+def read_recording_columns(path: Path) -> Recording:
+    """Read a load history: a recording, or a CSV of ``time_s,load_mN`` alone."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    body = [line for line in lines if line.strip() and not line.startswith("#")]
+    if not body or body[0].strip() != "time_s,load_mN":
+        return read_recording(path)
+    try:
+        rows = [[float(cell) for cell in line.split(",")] for line in body[1:]]
+        return Recording([row[0] for row in rows], [row[1] for row in rows], [0.0] * len(rows))  # type: ignore[arg-type]
+    except (ValueError, IndexError) as error:
+        raise InputError("has a line that is not two numbers", remedy="write time_s,load_mN", file=path) from error
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:
+    calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
+    if not calibrate:
+        raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")
+    for key, names in given.items():
+        for name in names:
+            if name not in calibrate:
+                known = name in [condition.name for condition in conditions]
+                raise InputError(
+                    f"{name!r} {'has the role validate' if known else 'is no condition'}{_suggestion(name, calibrate)}",
+                    remedy=f"use calibrate conditions: {', '.join(calibrate)}",
+                    place=f"condition_sets.{key}",
+                )
+    return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}
+
+
+def _check_schema(values: Any, schema: Mapping[str, Any]) -> None:
+    """Raise `InputError` for the first thing in `values` that the schema does not allow."""
+    errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=lambda e: list(map(str, e.path)))
+    if not errors:
+        return
+    error = errors[0]
+    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
+    if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
+        known = error.schema.get("properties", {})
+        key = next(key for key in error.instance if key not in known)
+        raise InputError(
+            f"unknown key {key!r}{_suggestion(key, known)}",
+            remedy=f"use one of: {', '.join(known)}",
+            place=f"{place}.{key}".lstrip("."),
+        )
+    raise InputError(error.message, remedy="see the study configuration in the README", place=place or "top level")
+
+
+def _suggestion(word: str, known: Any) -> str:
+    near = difflib.get_close_matches(str(word), list(known), n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+def _with_defaults(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `values` with the defaults of the schema filled in, section by section."""
+    filled = dict(values)
+    for key, rule in schema.get("properties", {}).items():
+        if "default" in rule:
+            filled.setdefault(key, rule["default"])
+        elif rule.get("type") == "object" and (key in values or not rule.get("required")):
+            inner = rule.get("additionalProperties")
+            if isinstance(inner, Mapping) and inner.get("properties"):
+                filled[key] = {name: _with_defaults(entry, inner) for name, entry in values.get(key, {}).items()}
+            elif rule.get("additionalProperties") is False:
+                filled[key] = _with_defaults(values.get(key, {}), rule)
+    return filled
