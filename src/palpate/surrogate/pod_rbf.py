@@ -1,0 +1,148 @@
+"""POD-RBF: modes of the snapshot curves, interpolated over the parameters by radial basis functions."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+from sklearn.utils import Tags
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from palpate.errors import InputError
+from palpate.surrogate.kernels import KERNELS
+from palpate.surrogate.leave_one_out import ConditionError, choose_shape, leave_one_out, system_inverse
+from palpate.surrogate.pod import pod
+
+
+class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    r"""Surrogate of depth curves over material parameters.
+
+    Every parameter is scaled to [0, 1] by its range in training (one that never varies is ignored), the curves are
+    reduced to their POD coordinates, and each coordinate is interpolated by SciPy's `RBFInterpolator`:
+    a(x) = sum_j w_j phi(|x - x_j|; c) + polynomial (Buljak and Maier 2011, Eng. Struct. 33, 492).
+
+    Parameters
+    ----------
+    kernel
+        ``linear`` r, ``cubic`` r^3, ``multiquadric`` sqrt(r^2 + c^2), ``gaussian`` exp(-(r/c)^2) or
+        ``inverse_multiquadric`` 1/sqrt(r^2 + c^2). A linear polynomial goes with cubic, a constant with the others.
+    shape
+        Length c in scaled parameters, or ``"loo"``: the length of least leave-one-out error.
+    energy
+        Fraction of the energy that the modes must keep, in (0, 1].
+    n_modes
+        Number of modes; overrides `energy`.
+    max_condition
+        Largest condition number (1-norm) allowed of the interpolation system.
+
+    Attributes
+    ----------
+    shape_ : float
+        Length c that was used.
+    condition_number_ : float
+        1-norm condition number of the interpolation system.
+    n_modes_ : int
+        Number of modes kept.
+    energy_ : ndarray
+        Cumulative energy of all modes.
+    loo_error_ : ndarray, shape (n_snapshots, n_points)
+        Curve less its prediction from all other snapshots [nm], in closed form, the modes kept.
+    loo_rms_ : ndarray, shape (n_points,)
+        Root mean square of `loo_error_` over the snapshots [nm].
+
+    Raises
+    ------
+    InputError
+        In `fit`: a constructor parameter out of its range, or no parameter that varies.
+    ConditionError
+        In `fit`: an interpolation system worse conditioned than `max_condition`.
+    """
+
+    def __init__(
+        self,
+        kernel: str = "multiquadric",
+        shape: float | str = 0.5,
+        energy: float = 1.0 - 1e-8,
+        n_modes: int | None = None,
+        max_condition: float = 1e12,
+    ):
+        self.kernel = kernel
+        self.shape = shape
+        self.energy = energy
+        self.n_modes = n_modes
+        self.max_condition = max_condition
+
+    def fit(self, X: Any, y: Any) -> PODRBF:
+        """Fit to parameters X (n_snapshots, n_parameters) and curves y (n_snapshots, n_points) [nm]."""
+        self._check_parameters()
+        X, y = validate_data(self, X, y, multi_output=True, y_numeric=True, ensure_min_samples=2, dtype=float)
+        self.single_output_ = y.ndim == 1
+        curves = np.asarray(y, dtype=float).reshape(len(X), -1)
+        self.lower_, self.upper_ = X.min(axis=0), X.max(axis=0)
+        self.varies_ = self.upper_ > self.lower_
+        if not self.varies_.any():
+            raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
+        self.pod_ = pod(curves, energy=self.energy, n_modes=self.n_modes)
+        self.n_modes_, self.energy_ = len(self.pod_.modes), self.pod_.energy
+        points, data = self._scale(X), self.pod_.reduce(curves)
+        kernel = KERNELS[self.kernel]
+        if not kernel.scaled:
+            self.shape_ = 1.0
+        elif self.shape == "loo":
+            self.shape_ = choose_shape(points, data, self.kernel, self.max_condition)
+        else:
+            self.shape_ = float(self.shape)
+        inverse, self.condition_number_ = system_inverse(points, self.kernel, self.shape_)
+        if not self.condition_number_ <= self.max_condition:
+            raise ConditionError(self.condition_number_, self.max_condition, self.kernel, self.shape_)
+        self.interpolator_ = RBFInterpolator(
+            points, data, kernel=self.kernel, epsilon=1.0 / self.shape_, degree=kernel.degree
+        )
+        truncation = curves - self.pod_.expand(data)
+        self.loo_error_ = self.pod_.expand(leave_one_out(inverse, data)) + truncation
+        self.loo_rms_ = np.sqrt(np.mean(self.loo_error_**2, axis=0))
+        return self
+
+    def predict(self, X: Any) -> np.ndarray:
+        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once."""
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False, dtype=float)
+        curves = self.pod_.expand(self.interpolator_(self._scale(X)))
+        return curves[:, 0] if self.single_output_ else curves
+
+    def jacobian(self, x: Any, step: float = 1e-5) -> np.ndarray:
+        """Slope (n_points, n_parameters) of the curve at the parameters x (n_parameters,) [nm per unit of x].
+
+        Central differences over `step` of each training range; zero for parameters that never varied.
+        """
+        check_is_fitted(self)
+        x = np.asarray(x, dtype=float)
+        steps = step * np.diag(self.upper_ - self.lower_)[self.varies_]
+        ahead, behind = np.split(np.reshape(self.predict(np.vstack([x + steps, x - steps])), (2 * len(steps), -1)), 2)
+        slope = np.zeros((ahead.shape[1], len(x)))
+        slope[:, self.varies_] = (ahead - behind).T / (2.0 * steps.sum(axis=1))
+        return slope
+
+    def __sklearn_tags__(self) -> Tags:
+        tags = super().__sklearn_tags__()
+        tags.target_tags.multi_output = True
+        return tags
+
+    def _scale(self, X: np.ndarray) -> np.ndarray:
+        low, high = self.lower_[self.varies_], self.upper_[self.varies_]
+        return (X[:, self.varies_] - low) / (high - low)
+
+    def _check_parameters(self) -> None:
+        if self.kernel not in KERNELS:
+            raise InputError(
+                f"kernel {self.kernel!r} is not known", remedy=f"use one of: {', '.join(KERNELS)}", place="kernel"
+            )
+        if self.shape != "loo" and not (isinstance(self.shape, Real) and 0 < self.shape < np.inf):
+            raise InputError(f"shape is {self.shape!r}", remedy="give a positive length or 'loo'", place="shape")
+        if not 0 < self.energy <= 1:
+            raise InputError(f"energy is {self.energy!r}", remedy="give a fraction in (0, 1]", place="energy")
+        if self.n_modes is not None and self.n_modes < 1:
+            raise InputError(f"n_modes is {self.n_modes!r}", remedy="give a positive number", place="n_modes")

@@ -1,0 +1,141 @@
+"""The POD-RBF surrogate: exact laws of interpolation, brute-force leave-one-out, scikit-learn's own checks."""
+
+import itertools
+import pickle
+
+import numpy as np
+import pytest
+from scipy.interpolate import RBFInterpolator
+from scipy.spatial.distance import cdist
+from sklearn.base import clone
+from sklearn.utils.estimator_checks import estimator_checks_generator
+
+from palpate.errors import InputError
+from palpate.surrogate import KERNELS, PODRBF, ConditionError
+
+T = np.linspace(0.0, 1.0, 40)
+
+
+def grid(*levels):
+    return np.array(list(itertools.product(*levels)))
+
+
+def curves(X):
+    """Smooth family with a held third parameter: depth [nm] over T."""
+    e, c = X[:, [0]], X[:, [1]]
+    return 500.0 * np.sqrt(T * 3.0 / e) * (1.0 + 4.0 * c * T) + 100.0 * np.exp(-8.0 * c) * T**2
+
+
+X = grid(np.linspace(3.0, 3.5, 4), np.linspace(0.02, 0.1, 4), [0.34])
+Y = curves(X)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_interpolates_its_snapshots(kernel):
+    model = PODRBF(kernel, n_modes=8).fit(X, Y)
+    assert np.abs(model.predict(X) - Y).max() < 1e-6 * Y.max()
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_kernel_formula_spans_scipys_interpolant(kernel):
+    rng = np.random.default_rng(1)
+    centres, data, query = rng.random((12, 2)), rng.random(12), rng.random((5, 2))
+    phi, degree = KERNELS[kernel].formula, KERNELS[kernel].degree
+    polynomial = np.hstack([np.ones((12, 1)), centres][: degree + 1])
+    m = polynomial.shape[1]
+    system = np.block([[phi(cdist(centres, centres), 0.7), polynomial], [polynomial.T, np.zeros((m, m))]])
+    weights = np.linalg.solve(system, np.concatenate([data, np.zeros(m)]))
+    ours = np.hstack([phi(cdist(query, centres), 0.7), np.ones((5, 1)), query][: degree + 2]) @ weights
+    scipys = RBFInterpolator(centres, data, kernel=kernel, epsilon=1 / 0.7, degree=degree)(query)
+    assert ours == pytest.approx(scipys, rel=1e-7)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_leave_one_out_equals_refits(kernel):
+    model = PODRBF(kernel, n_modes=3).fit(X, Y)
+    points = model._scale(X)
+    coordinates = model.pod_.reduce(Y)
+    for i in (0, 5, 10, 15):
+        rest = np.delete(np.arange(len(X)), i)
+        refit = RBFInterpolator(
+            points[rest], coordinates[rest], kernel=kernel, epsilon=1 / model.shape_, degree=KERNELS[kernel].degree
+        )
+        without = model.pod_.expand(refit(points[i : i + 1]))[0]
+        assert model.loo_error_[i] == pytest.approx(Y[i] - without, abs=1e-6 * Y.max())
+
+
+def test_unit_of_a_parameter_does_not_matter():
+    factors = np.array([1e3, 1e-3, 7.0])
+    query = np.array([[3.2, 0.05, 0.34]])
+    assert PODRBF().fit(X * factors, Y).predict(query * factors) == pytest.approx(PODRBF().fit(X, Y).predict(query))
+
+
+def test_error_between_the_snapshots_is_small_and_its_estimate_covers_it():
+    rng = np.random.default_rng(0)
+    query = np.column_stack([rng.uniform(3.0, 3.5, 50), rng.uniform(0.02, 0.1, 50), np.full(50, 0.34)])
+    model = PODRBF().fit(X, Y)
+    rms = np.sqrt(np.mean((model.predict(query) - curves(query)) ** 2))
+    assert rms < 0.002 * Y.max()
+    assert rms < np.sqrt(np.mean(model.loo_error_**2))
+
+
+def test_chosen_shape_is_no_worse_than_the_default():
+    chosen, default = PODRBF(shape="loo").fit(X, Y), PODRBF().fit(X, Y)
+    assert np.mean(chosen.loo_error_**2) <= np.mean(default.loo_error_**2)
+
+
+def test_energy_keeps_as_few_modes_as_it_says():
+    model = PODRBF(energy=0.9999).fit(X, Y)
+    assert model.energy_[model.n_modes_ - 1] >= 0.9999
+    assert model.n_modes_ == 1 or model.energy_[model.n_modes_ - 2] < 0.9999
+    assert PODRBF(n_modes=2).fit(X, Y).n_modes_ == 2
+
+
+def test_jacobian_is_the_slope_of_the_prediction():
+    model, x = PODRBF().fit(X, Y), np.array([3.21, 0.047, 0.34])
+    slope = model.jacobian(x)
+    for j, h in enumerate((1e-3, 1e-4)):
+        step = np.eye(3)[j] * h
+        expected = (model.predict([x + step]) - model.predict([x - step]))[0] / (2 * h)
+        assert slope[:, j] == pytest.approx(expected, rel=1e-3, abs=1e-3)
+    assert not slope[:, 2].any()
+
+
+def test_bad_conditioning_is_an_error_with_a_remedy():
+    with pytest.raises(ConditionError, match="use a smaller shape") as caught:
+        PODRBF("gaussian", shape=50.0).fit(X, Y)
+    assert caught.value.condition_number > caught.value.limit
+    with pytest.raises(ConditionError):
+        PODRBF().fit(np.vstack([X, X[:1]]), np.vstack([Y, Y[:1]]))
+
+
+@pytest.mark.parametrize(
+    "bad", [{"kernel": "spline"}, {"shape": -1.0}, {"shape": "best"}, {"energy": 0.0}, {"n_modes": 0}]
+)
+def test_bad_settings_name_their_key(bad):
+    with pytest.raises(InputError, match=next(iter(bad))):
+        PODRBF(**bad).fit(X, Y)
+
+
+def test_no_varying_parameter_is_refused():
+    with pytest.raises(InputError, match="no parameter varies"):
+        PODRBF().fit(np.ones((3, 2)), np.ones((3, 5)))
+
+
+def test_clones_refits_and_pickles():
+    model = PODRBF("cubic", n_modes=4).fit(X, Y)
+    assert clone(model).get_params() == model.get_params()
+    again = pickle.loads(pickle.dumps(model))
+    assert np.array_equal(again.predict(X[:3]), model.predict(X[:3]))
+    refit = PODRBF(shape="loo").fit(X, Y).fit(X, 2.0 * Y)
+    assert refit.predict(X) == pytest.approx(2.0 * Y, rel=1e-3, abs=1.0)
+
+
+CHECKS = estimator_checks_generator(
+    PODRBF("linear"), expected_failed_checks={"check_positive_only_tag_during_fit": "repeats a snapshot"}, mark="skip"
+)
+
+
+@pytest.mark.parametrize(("estimator", "check"), list(CHECKS))
+def test_scikit_learn_contract(estimator, check):
+    check(estimator)
