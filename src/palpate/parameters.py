@@ -46,7 +46,7 @@ class Parameter:
         number = float(value)
         if not math.isfinite(number) or not self.lower <= number <= self.upper:
             raise InputError(
-                f"{self.name} = {number:g} {self.unit} is outside its range {self.lower:g} to {self.upper:g} {self.unit}",
+                f"{self.name} = {number:g} {self.unit} is outside its range {self.lower:g} to {self.upper:g}",
                 remedy="correct the value or its unit",
                 place=self.name,
             )
