@@ -1,0 +1,87 @@
+"""A virtual laboratory: synthetic recordings of a known material, for studies whose real recordings are not public.
+
+It simulates on a finer mesh and time grid than the snapshots, gives each recording its own depth factor (scatter
+between sites on the specimen) and adds noise that is correlated in time (a stationary Ornstein-Uhlenbeck process).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.config import Study
+from palpate.errors import PalpateError
+from palpate.model import simulate
+from palpate.protocol import Protocol
+from palpate.recording import Recording
+
+DENSER = 4
+
+
+def correlated_noise(time: np.ndarray, deviation: float, memory: float, rng: np.random.Generator) -> np.ndarray:
+    """Return a stationary Gaussian process with covariance deviation^2 exp(-|t - t'| / memory) at `time` (n,)."""
+    shocks = rng.standard_normal(len(time))
+    noise = np.empty(len(time))
+    noise[0] = shocks[0]
+    decay = np.exp(-np.diff(time) / memory)
+    for i, keep in enumerate(decay, 1):
+        noise[i] = keep * noise[i - 1] + np.sqrt(1 - keep**2) * shocks[i]
+    return deviation * noise
+
+
+def denser(protocol: Protocol, factor: int) -> Protocol:
+    """Return the protocol with `factor` samples in place of each one."""
+    ends = protocol.sample_time
+    starts = np.concatenate([[0.0], ends[:-1]])
+    parts = np.arange(1, factor + 1) / factor
+    sample = (starts[:, None] + (ends - starts)[:, None] * parts).ravel()
+    sample[factor - 1 :: factor] = ends
+    return replace(protocol, sample_time=sample)
+
+
+def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
+    """Return synthetic recordings of every condition by file name (without ending).
+
+    Parameters
+    ----------
+    settings
+        `parameters` (the truth), `seed`, `replicates`, `noise_nm`, `noise_time` [s], `site_scatter`.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation of the truth fails.
+    """
+    rng = np.random.default_rng(settings["seed"])
+    recordings = {}
+    for condition in study.conditions:
+        exact = replace(condition, protocol=denser(condition.protocol, DENSER))
+        simulation = simulate(study.specification(settings["parameters"], exact, accuracy="fine"))
+        if simulation.status != "ok":
+            raise PalpateError(f"virtual laboratory, {condition.name}: {simulation.reason}")
+        for replicate in range(1, settings["replicates"] + 1):
+            factor = 1 + settings["site_scatter"] * rng.standard_normal()
+            noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
+            name = f"{condition.name}_{replicate}"
+            recordings[name] = Recording(
+                simulation.time,
+                simulation.load,
+                factor * simulation.depth + noise,
+                name=name,
+                notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
+            )
+    return recordings
+
+
+def write(study: Study, name: str, folder: Path) -> None:
+    """Write the recordings of laboratory `name` and, beside them, the truth in ``truth.json``."""
+    settings = study.laboratory[name]
+    folder.mkdir(parents=True, exist_ok=True)
+    for recording in record(study, settings).values():
+        recording.write(folder / f"{recording.name}.csv")
+    (folder / "truth.json").write_text(json.dumps(dict(settings), indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,133 @@
+"""The recordings of a study: found, checked against the study before anything is simulated, and resampled."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from palpate.calibration.noise import Observation, observe
+from palpate.config import Condition, Study
+from palpate.errors import InputError
+from palpate.recording import Recording, read_recording
+
+LOAD_TOLERANCE = 0.05
+DEPTH_FACTOR = 20.0
+
+
+def find(study: Study, name: str) -> dict[str, list[Path]]:
+    """Return the files of each condition in set `name`.
+
+    Raises
+    ------
+    InputError
+        When the folder or a condition's recordings are missing, or a file belongs to no condition.
+    """
+    folder = study.recordings[name]
+    if not folder.is_dir():
+        raise InputError("the folder is missing", remedy=f"correct recordings.{name} in {study.file}", file=folder)
+    names = [condition.name for condition in study.conditions]
+    found: dict[str, list[Path]] = {name: [] for name in names}
+    for file in sorted(folder.glob("*.csv")):
+        match = re.fullmatch(r"(.+)_[^_]+", file.stem)
+        if match is None or match[1] not in found:
+            raise InputError(
+                "the file's name is not CONDITION_REPLICATE.csv",
+                remedy=f"use one of the conditions {', '.join(names)}",
+                file=file,
+            )
+        found[match[1]].append(file)
+    for condition, files in found.items():
+        if not files:
+            raise InputError(
+                f"no recording of condition {condition!r}",
+                remedy=f"add {condition}_1.csv or remove the condition",
+                file=folder,
+            )
+    return found
+
+
+def check(study: Study, name: str) -> dict[str, list[Recording]]:
+    """Read every recording of set `name` and check it against the study; raises `InputError`."""
+    checked: dict[str, list[Recording]] = {}
+    for condition, files in find(study, name).items():
+        checked[condition] = []
+        for file in files:
+            recording = read_recording(file)
+            try:
+                _check_one(study, study.condition(condition), recording)
+            except InputError as error:
+                raise error.located(file=file) from None
+            checked[condition].append(recording)
+    return checked
+
+
+def check_given(study: Study) -> None:
+    """Check every set of recordings that exists before the workflow runs (not those that it writes itself)."""
+    for name in study.recordings:
+        if name not in study.laboratory and name != study.source.get("recordings"):
+            check(study, name)
+
+
+def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
+    count = len(study.levels)
+    if len(recording) <= count:
+        raise InputError(
+            f"has {len(recording)} points, fewer than the {count} parameters need", remedy="export the whole curve"
+        )
+    peak, expected = recording.load.max(), condition.protocol.max_load
+    if abs(peak / expected - 1) > LOAD_TOLERANCE:
+        hint = "; are loads in uN?" if peak > 100 * expected else "; are loads in N?" if peak < expected / 100 else ""
+        raise InputError(
+            f"the largest load is {peak:.4g} mN, the condition's is {expected:.4g} mN{hint}",
+            remedy="correct the unit or max_load",
+            place="load_mN",
+        )
+    duration, needed = recording.time[-1] - recording.time[0], condition.protocol.sample_time[-1]
+    if duration < 0.95 * needed:
+        raise InputError(
+            f"ends after {duration:.4g} s, the condition lasts {needed:.4g} s",
+            remedy="export the whole test or correct the times",
+            place="time_s",
+        )
+    elastic = [_elastic_depth(study, condition, modulus) for modulus in _moduli(study)]
+    depth = recording.depth.max()
+    if depth < min(elastic) / DEPTH_FACTOR:
+        raise InputError(
+            f"the largest depth is {depth:.4g} nm, an elastic body would give {min(elastic):.0f} nm or more; "
+            "are depths in micrometres?",
+            remedy="write depths in nm",
+            place="depth_nm",
+        )
+    if depth > 100 * DEPTH_FACTOR * max(elastic):
+        raise InputError(
+            f"the largest depth is {depth:.4g} nm, far beyond any material of the grid",
+            remedy="write depths in nm",
+            place="depth_nm",
+        )
+
+
+def _moduli(study: Study) -> Iterable[float]:
+    return study.levels.get("youngs_modulus") or (study.fixed["youngs_modulus"],)
+
+
+def _elastic_depth(study: Study, condition: Condition, modulus: float) -> float:
+    """Depth of a purely elastic body [nm]: Sneddon for a cone, Hertz for a sphere; the order is all that matters."""
+    load, indenter = condition.protocol.max_load, study.indenter
+    if indenter.half_angle:
+        return 1e3 * float(np.sqrt(0.5 * np.pi * load / modulus * indenter.slope))
+    return 1e3 * float((9 / 16 * (load / modulus) ** 2 / (indenter.radius * 1e-3)) ** (1 / 3))
+
+
+def observations(study: Study, name: str) -> dict[str, Observation]:
+    """Return all conditions of set `name`, resampled to the sampling times of their protocols."""
+    time, depths = {}, {}
+    for condition, recordings in check(study, name).items():
+        sample = study.condition(condition).protocol.sample_time
+        time[condition] = sample
+        depths[condition] = np.stack(
+            [np.interp(sample, r.time - r.time[0] if r.time[0] < 0 else r.time, r.depth) for r in recordings]
+        )
+    return observe(time, depths)

@@ -1,0 +1,50 @@
+"""Anton Paar (CSM) indentation exports ``.TXT``: one test with a header of settings and results."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from palpate.errors import InputError
+from palpate.readers.text import table
+from palpate.readers.vendor import Reader, VendorTest
+from palpate.recording import Recording
+
+COLUMNS = "Time (s)\tPd (nm)\tFn (mN)"
+
+
+def matches(head: bytes) -> bool:
+    """Return whether the file begins with the word Indentation and names the measured columns."""
+    return head.lstrip(b"\xef\xbb\xbf").startswith(b"Indentation")
+
+
+def read(path: Path, raw: bool) -> list[VendorTest]:
+    """Read the one test of the file; depth and load are the vendor's, from contact on."""
+    if raw:
+        raise InputError(
+            "this export holds corrected channels only", remedy="leave --raw off or export raw data", file=path
+        )
+    lines = path.read_text(encoding="latin-1").splitlines()
+    starts = [k for k, line in enumerate(lines) if line.startswith(COLUMNS)]
+    if not starts:
+        raise InputError(f"lacks its column line {COLUMNS!r}", remedy="export the test again, with data", file=path)
+    start = starts[0]
+    values = table(lines[start + 1 :], start + 2, 3, path)
+    try:
+        recording = Recording(values[:, 0], values[:, 2], values[:, 1], name=path.stem, notes=(f"from {path.name}",))
+    except InputError as error:
+        raise error.located(file=path) from None
+    return [VendorTest(path.stem, recording, metadata(lines[:start]))]
+
+
+def metadata(lines: list[str]) -> dict[str, str]:
+    """Return the header's entries ``name : value`` and ``name= value`` as text."""
+    entries = {}
+    for line in lines:
+        found = re.match(r"\s*([^:=]+?)\s*[:=]\s*(.*\S)", line)
+        if found:
+            entries[found[1]] = " ".join(found[2].split())
+    return entries
+
+
+READER = Reader("anton_paar", "Anton Paar indentation export", matches, read)

@@ -1,0 +1,231 @@
+"""Snapshots: simulated curves, each kept under the content of what decides it.
+
+The address of a snapshot is a hash of its specification and of the physics in the source code, docstrings and comments
+aside. One store serves all studies; a study's own folder holds hard links into it. So a new level, condition or study
+never recomputes a snapshot that exists, and a job that was killed loses only the snapshot it was working on.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from palpate.config import Condition, Study
+from palpate.errors import PalpateError
+from palpate.model import Simulation, Specification, simulate
+
+PHYSICS = ("fem", "materials", "mechanisms", "indenters.py", "protocol.py", "model.py")
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """One (grid cell, loading condition) of a study.
+
+    Parameters
+    ----------
+    cell
+        Material parameters on the grid.
+    condition
+        Name of the loading condition.
+    specification
+        Everything that decides the curve.
+    """
+
+    cell: Mapping[str, float]
+    condition: str
+    specification: Specification
+
+    @functools.cached_property
+    def address(self) -> str:
+        """Hash of everything that decides the curve."""
+        return address(self.specification)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Snapshots that one job computes.
+
+    Parameters
+    ----------
+    name
+        Unique in the study.
+    condition
+        Name of the loading condition that they share.
+    cells
+        Indices of grid cells.
+    files
+        Target of each snapshot, in the same order.
+    """
+
+    name: str
+    condition: str
+    cells: tuple[int, ...]
+    files: tuple[str, ...]
+
+
+@functools.cache
+def physics_fingerprint() -> str:
+    """Return a hash of the code that decides a curve; comments, layout and docstrings do not change it."""
+    root = Path(__file__).parent
+    digest = hashlib.sha256()
+    for part in PHYSICS:
+        files = [root / part] if part.endswith(".py") else sorted((root / part).rglob("*.py"))
+        for file in files:
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            for node in ast.walk(tree):
+                body = getattr(node, "body", None)
+                if (
+                    isinstance(body, list)
+                    and body
+                    and isinstance(body[0], ast.Expr)
+                    and isinstance(body[0].value, ast.Constant)
+                ):
+                    node.body = body[1:]  # type: ignore[attr-defined]
+            digest.update(f"{file.relative_to(root)}\n{ast.dump(tree)}".encode())
+    return digest.hexdigest()
+
+
+def address(specification: Specification) -> str:
+    """Return the address of the curve that `specification` decides."""
+    protocol, indenter = specification.protocol, specification.indenter
+    content = {
+        "model": specification.model,
+        "parameters": {name: float(value) for name, value in sorted(specification.parameters.items())},
+        "indenter": [indenter.shape, indenter.half_angle, indenter.radius, indenter.friction],
+        "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
+        "kinematics": specification.kinematics,
+        "accuracy": specification.accuracy,
+        "physics": physics_fingerprint(),
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
+    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
+    batches = []
+    cells = study.cells
+    for condition in study.conditions:
+        if condition.role != "calibrate":
+            continue
+        files = [str(target(study, condition, cell, results)) for cell in cells]
+        for number, first in enumerate(range(0, len(cells), study.cells_per_job)):
+            members = tuple(range(first, min(first + study.cells_per_job, len(cells))))
+            name = f"{condition.name}_{number:03d}"
+            batches.append(Batch(name, condition.name, members, tuple(files[k] for k in members)))
+    return batches
+
+
+def target(study: Study, condition: Condition, cell: Mapping[str, float], results: Path) -> Path:
+    """Return the file of one snapshot in the study's folder."""
+    snapshot = Snapshot(cell, condition.name, study.specification(cell, condition))
+    return results / study.name / "snapshots" / condition.name / f"{snapshot.address}.npz"
+
+
+def compute(
+    study: Study,
+    batch: Batch,
+    results: Path = Path("results"),
+    report: Callable[[str], None] = print,
+    solve: Callable[[Specification], Simulation] = simulate,
+) -> int:
+    """Bring every snapshot of a batch into the study's folder, computing those that the store lacks.
+
+    Returns
+    -------
+    int
+        Number of snapshots computed.
+    """
+    condition = study.condition(batch.condition)
+    cells = study.cells
+    computed = 0
+    for done, (k, file) in enumerate(zip(batch.cells, batch.files, strict=True), 1):
+        stored = results / "store" / Path(file).stem[:2] / Path(file).name
+        if not stored.exists():
+            specification = study.specification(cells[k], condition)
+            write(stored, solve(specification), cells[k], batch.condition)
+            computed += 1
+        link(stored, Path(file))
+        if done % 6 == 0 or done == len(batch.files):
+            report(f"{batch.name}: {done} of {len(batch.files)} snapshots, {computed} computed")
+    return computed
+
+
+def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
+    """Write one snapshot; the file appears whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_suffix(f".{os.getpid()}.partial")
+    with partial.open("wb") as stream:
+        np.savez(
+            stream,
+            time=simulation.time,
+            load=simulation.load,
+            depth=simulation.depth,
+            status=simulation.status,
+            reason=simulation.reason,
+            solver_seconds=simulation.solver_seconds,
+            parameters=json.dumps(dict(cell)),
+            condition=condition,
+        )
+    partial.replace(path)
+
+
+def link(stored: Path, path: Path) -> None:
+    """Put a stored snapshot where the study looks for it: a hard link, or a copy where links cannot be made."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
+    try:
+        os.link(stored, path)
+    except OSError:
+        shutil.copyfile(stored, path)
+    os.utime(path)
+
+
+def read(path: str | Path) -> dict[str, Any]:
+    """Return the content of one snapshot file by name; `parameters` as a dictionary."""
+    with np.load(path) as stored:
+        content: dict[str, Any] = {key: stored[key] if stored[key].ndim else stored[key].item() for key in stored.files}
+    content["parameters"] = json.loads(content["parameters"])
+    return content
+
+
+def index(files: Iterable[str | Path]) -> pd.DataFrame:
+    """Return a table of snapshots: address, condition, status, reason, solver seconds and parameters."""
+    rows = []
+    for file in files:
+        content = read(file)
+        keep = {key: content[key] for key in ("condition", "status", "reason", "solver_seconds")}
+        rows.append({"address": Path(file).stem, **keep, **content["parameters"]})
+    return pd.DataFrame(rows)
+
+
+def matrix(files: Iterable[str | Path], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Return parameters (n, d) and curves (n, points) of the snapshots that succeeded, and the reasons of the others.
+
+    Raises
+    ------
+    PalpateError
+        When fewer than two snapshots succeeded.
+    """
+    names = list(names)
+    parameters, curves, failures = [], [], []
+    for file in files:
+        content = read(file)
+        if content["status"] == "ok":
+            parameters.append([content["parameters"][name] for name in names])
+            curves.append(content["depth"])
+        else:
+            failures.append(f"{content['parameters']}: {content['reason']}")
+    if len(curves) < 2:
+        raise PalpateError(f"{len(failures)} snapshots failed, the first with: {failures[0] if failures else 'none'}")
+    return np.array(parameters), np.array(curves), failures
