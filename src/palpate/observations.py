@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.calibration.noise import Observation, observe
+from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.recording import Recording, read_recording
@@ -123,11 +123,8 @@ def _elastic_depth(study: Study, condition: Condition, modulus: float) -> float:
 
 def observations(study: Study, name: str) -> dict[str, Observation]:
     """Return all conditions of set `name`, resampled to the sampling times of their protocols."""
-    time, depths = {}, {}
-    for condition, recordings in check(study, name).items():
-        sample = study.condition(condition).protocol.sample_time
-        time[condition] = sample
-        depths[condition] = np.stack(
-            [np.interp(sample, r.time - r.time[0] if r.time[0] < 0 else r.time, r.depth) for r in recordings]
-        )
-    return observe(time, depths)
+    found = {}
+    for key, recordings in check(study, name).items():
+        condition = study.condition(key)
+        found[key] = Observation.from_recordings(condition.protocol.sample_time, recordings, condition.role)
+    return found

@@ -1,0 +1,149 @@
+"""The steps between files: snapshots to surrogates, surrogates and recordings to calibrations, and those to tables."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import joblib
+import numpy as np
+import pandas as pd
+
+from palpate import snapshots
+from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, calibrate
+from palpate.config import Study
+from palpate.errors import PalpateError
+from palpate.model import simulate
+from palpate.observations import observations
+from palpate.surrogate import PODRBF
+
+
+def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
+    """Fit the surrogate of one condition to its snapshots.
+
+    Returns
+    -------
+    model, parameters, curves, summary
+        The estimator, what it was fitted to, and its figures of merit.
+    """
+    parameters, curves, failures = snapshots.matrix(files, study.levels)
+    model = PODRBF(**study.surrogate).fit(parameters, curves)
+    relative = np.sqrt(np.mean((model.loo_error_ / curves) ** 2, axis=0))
+    summary = {
+        "snapshots": len(curves),
+        "failed_snapshots": len(failures),
+        "modes": int(model.n_modes_),
+        "energy_of_first_mode": float(model.energy_[0]),
+        "shape": float(model.shape_),
+        "condition_number": float(model.condition_number_),
+        "loo_rmse_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
+        "loo_largest_point_rms_nm": float(model.loo_rms_.max()),
+        "loo_relative_percent": float(100 * relative.mean()),
+        "loo_rms_nm": model.loo_rms_.tolist(),
+        "spectrum": np.diff(model.energy_, prepend=0.0).tolist(),
+        "failures": failures,
+    }
+    return model, parameters, curves, summary
+
+
+def settings_of(study: Study) -> CalibrationSettings:
+    """Return the calibration settings of a study."""
+    given = dict(study.calibration)
+    own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
+    own |= {key: given.pop(key) for key in ("corrections", "site_scatter")}
+    return CalibrationSettings(genetic=GeneticSettings(**given), **own)
+
+
+def run_calibration(
+    study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
+) -> tuple[Calibration, pd.DataFrame]:
+    """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
+
+    Returns
+    -------
+    calibration, curves
+        The outcome, and a table of all curves: condition, role, time_s, load_mN, recorded_nm (mean), spread_nm
+        (standard deviation over replicates), surrogate_nm, simulated_nm.
+    """
+    members = study.condition_sets[condition_set]
+    models: dict[str, PODRBF] = {name: joblib.load(surrogate_files[name]) for name in members}
+    measured = observations(study, recordings)
+    judged = {
+        name: item if name in members or item.role == "validate" else type(item)(item.time, item.depth, "validate")
+        for name, item in measured.items()
+    }
+
+    def confirm(values: dict[str, float]) -> dict[str, np.ndarray]:
+        depths = {}
+        for condition in study.conditions:
+            simulation = simulate(study.specification(values, condition))
+            if simulation.status != "ok":
+                raise PalpateError(f"{condition.name} at {values}: {simulation.reason}")
+            depths[condition.name] = simulation.depth
+        return depths
+
+    result = calibrate(
+        models,
+        judged,
+        {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
+        rng=np.random.default_rng(study.seed),
+        settings=settings_of(study),
+        surrogate_error={name: model.loo_error_ for name, model in models.items()},
+        confirm=confirm,
+    )
+    tables = []
+    for condition in study.conditions:
+        item = judged[condition.name]
+        count = len(item.depth)
+        blank = np.full(len(item.time), np.nan)
+        tables.append(
+            pd.DataFrame(
+                {
+                    "condition": condition.name,
+                    "role": item.role,
+                    "time_s": item.time,
+                    "load_mN": condition.protocol.sample_load,
+                    "recorded_nm": item.mean,
+                    "spread_nm": item.depth.std(axis=0, ddof=1) if count > 1 else blank,
+                    "surrogate_nm": result.surrogate_curves.get(condition.name, blank),
+                    "simulated_nm": result.fe_curves[condition.name],
+                }
+            )
+        )
+    return result, pd.concat(tables, ignore_index=True)
+
+
+def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the thesis' error table, one row a condition, from the content of a calibration's JSON."""
+    rows = [{"condition": name, **entry} for name, entry in calibration["conditions"].items()]
+    columns = ["condition", "role", "rmse_nm", "r2", "mean_abs_error_nm", "percent_error"]
+    return pd.DataFrame(rows)[columns]
+
+
+def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mapping[str, float] | None) -> pd.DataFrame:
+    """Return the parameters of all condition sets side by side, beside the truth where it is known."""
+    rows = []
+    for condition_set, calibration in calibrations.items():
+        for name, entry in calibration["parameters"].items():
+            row = {"parameter": name, "condition_set": condition_set}
+            row |= {key: entry[key] for key in ("estimate", "lower", "upper", "identified", "held")}
+            if truth is not None:
+                row["truth"] = truth.get(name)
+            rows.append(row)
+    return pd.DataFrame(rows).sort_values("parameter", kind="stable")
+
+
+def write_json(path: str | Path, content: Mapping[str, Any]) -> None:
+    """Write JSON; the file appears whole or not at all."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """Read JSON."""
+    return json.loads(Path(path).read_text(encoding="utf-8"))

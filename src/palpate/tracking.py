@@ -1,0 +1,127 @@
+"""Everything that MLflow keeps: one parent run for each execution of the workflow, one nested run a surrogate or fit.
+
+The store is a local SQLite file unless ``MLFLOW_TRACKING_URI`` names another. Only the workflow's scripts use this module.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import mlflow
+import numpy as np
+from filelock import FileLock
+from mlflow.entities import Metric
+from mlflow.models import infer_signature
+
+STORE = "sqlite:///results/mlflow.db"
+EXECUTION = "PALPATE_EXECUTION"
+LOCK = Path("results/.mlflow.lock")
+
+
+def connect(study: str) -> None:
+    """Point MLflow at the store and make sure that the study's experiment exists; safe for several jobs at once."""
+    LOCK.parent.mkdir(parents=True, exist_ok=True)
+    uri = os.environ.get("MLFLOW_TRACKING_URI")
+    mlflow.set_tracking_uri(uri or STORE)
+    with FileLock(LOCK):
+        if mlflow.get_experiment_by_name(study) is None:
+            location = None if uri else (Path("results/mlartifacts") / study).resolve().as_uri()
+            mlflow.create_experiment(study, artifact_location=location)
+    mlflow.set_experiment(study)
+
+
+def parent_run(study: str) -> str:
+    """Return the id of this execution's parent run, making it if this is the first job to ask."""
+    execution = os.environ.get(EXECUTION, "interactive")
+    with FileLock(LOCK):
+        found = mlflow.search_runs(
+            experiment_names=[study],
+            filter_string=f"tags.execution = '{execution}' and tags.kind = 'workflow'",
+            output_format="list",
+        )
+        if found:
+            return found[0].info.run_id
+        run = mlflow.MlflowClient().create_run(
+            mlflow.get_experiment_by_name(study).experiment_id,
+            run_name=f"workflow {execution}",
+            tags={"execution": execution, "kind": "workflow", "git_commit": git_commit()},
+        )
+        mlflow.MlflowClient().set_terminated(run.info.run_id)
+        return run.info.run_id
+
+
+def git_commit() -> str:
+    """Return the commit of the working tree, or ``unknown`` outside a repository."""
+    try:
+        answer = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return answer.stdout.strip()
+
+
+@contextmanager
+def nested_run(study: str, name: str, kind: str, configuration: Path, tags: Mapping[str, str]) -> Iterator[None]:
+    """Open a run under the execution's parent, with the configuration and the commit as tags."""
+    connect(study)
+    everything = {
+        "kind": kind,
+        "mlflow.parentRunId": parent_run(study),
+        "configuration": str(configuration),
+        "git_commit": git_commit(),
+        **tags,
+    }
+    with mlflow.start_run(run_name=name, tags=everything):
+        mlflow.log_artifact(str(configuration))
+        yield
+
+
+def log_series(key: str, values: Iterable[float], steps: Iterable[int]) -> None:
+    """Log a metric with many steps to the open run in one go."""
+    run = mlflow.active_run()
+    now = int(time.time() * 1000)
+    metrics = [Metric(key, float(value), now, int(step)) for value, step in zip(values, steps, strict=True)]
+    for first in range(0, len(metrics), 1000):
+        mlflow.MlflowClient().log_batch(run.info.run_id, metrics=metrics[first : first + 1000])
+
+
+def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metrics: Mapping[str, float]) -> None:
+    """Log a surrogate: its settings, its metrics, its error along the curve, and itself as a loadable model."""
+    mlflow.log_params(model.get_params())
+    mlflow.log_metrics(dict(metrics))
+    log_series("loo_rms_nm_at_point", model.loo_rms_, range(len(model.loo_rms_)))
+    mlflow.sklearn.log_model(
+        model,
+        name="surrogate",
+        signature=infer_signature(parameters[:2], curves[:2]),
+        pip_requirements=["palpate", "scikit-learn", "scipy", "numpy"],
+        serialization_format="cloudpickle",
+    )
+
+
+def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
+    """Log a calibration: settings, estimates with intervals, errors of each condition, convergence."""
+    mlflow.log_params(dict(settings))
+    metrics = {}
+    for name, entry in result["parameters"].items():
+        metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
+    for name, entry in result["conditions"].items():
+        metrics |= {f"{name}.{key}": float(entry[key]) for key in ("rmse_nm", "r2", "percent_error")}
+    for role in ("calibrate", "validate"):
+        errors = [entry["rmse_nm"] for entry in result["conditions"].values() if entry["role"] == role]
+        if errors:
+            metrics[f"{role}.rmse_nm"] = float(np.sqrt(np.mean(np.square(errors))))
+    mlflow.log_metrics(metrics)
+    generations = [row["generation"] for row in result["history"]]
+    log_series("best_sum_of_objectives", [row["best_sum"] for row in result["history"]], generations)
+
+
+def log_files(files: Iterable[str | Path]) -> None:
+    """Log files as artifacts of the open run."""
+    for file in files:
+        mlflow.log_artifact(str(file))
