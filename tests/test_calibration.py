@@ -1,159 +1,227 @@
-"""Calibration on families of curves whose truth is known, and the genetic algorithm against DEAP's own sort."""
+"""Calibration on families with a known answer: recovery, coverage, noise, what the data do not fix."""
+
+import json
 
 import numpy as np
 import pytest
-from deap import base, creator, tools
 
-from palpate.calibration import GeneticSettings, Observation, calibrate, evolve, observe
-from palpate.calibration.genetic import crowding, gaussian_mutation, intermediate_crossover, ranks, survivors
-from palpate.calibration.measures import error_table
+from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
+from palpate.calibration.intervals import intervals
+from palpate.calibration.measures import error_measures, mean_square, relative
+from palpate.calibration.noise import replicate_noise
+from palpate.calibration.polish import WeightedFit
+from palpate.calibration.space import Space
+from palpate.errors import InputError
+from palpate.recording import Recording
 
-TIME = np.linspace(0.5, 30.0, 60)
-RANGES = {"modulus": (2.0, 4.0), "creep": (0.0, 0.2), "idle": (0.1, 0.9), "held": (0.25, 0.25)}
-QUICK = GeneticSettings(population=60, generations=60)
+T = np.linspace(0.02, 1.0, 50)
+QUICK = CalibrationSettings(GeneticSettings(population=40, generations=30, subpopulations=2), solver_error=0.0)
 
 
 class Family:
-    """Curves that do not depend on `idle`."""
+    """Depth 500 (a t^b) (1 + 0 c) + bias, with exact slopes; c does nothing."""
 
-    loo_rms_ = np.zeros(len(TIME))
-
-    def __init__(self, load):
-        self.load = load
+    def __init__(self, rate=1.0, bias=0.0):
+        self.rate, self.bias = rate, bias
 
     def predict(self, X):
-        modulus, creep = X[:, :1], X[:, 1:2]
-        return 400 * np.sqrt(self.load * TIME / 30) * np.sqrt(3 / modulus + creep * TIME)
+        a, b = np.asarray(X)[:, :2].T[:, :, None]
+        return 500.0 * a * self.rate**0.3 * T ** (b * self.rate) + self.bias * T
+
+    def jacobian(self, x):
+        depth = self.predict(x[None])[0] - self.bias * T
+        return np.column_stack([depth / x[0], depth * self.rate * np.log(T), np.zeros((len(T), len(x) - 2))])
 
 
-FAMILIES = {"a": Family(1.0), "b": Family(0.6)}
-TRUTH = {"modulus": 3.1, "creep": 0.07, "idle": 0.4, "held": 0.25}
+FAMILIES = {"slow": Family(), "fast": Family(0.5)}
+BOUNDS = {"a": (0.5, 1.5), "b": (0.2, 0.9), "c": (0.0, 1.0), "d": (0.34, 0.34)}
+TRUTH = {"a": 1.1, "b": 0.45, "c": 0.2, "d": 0.34}
 
 
-def record(rng, replicates=3, sigma=1.0, rho=0.8, site=0.01):
-    depths = {}
-    for name, family in FAMILIES.items():
-        curve = family.predict(np.array([list(TRUTH.values())]))[0]
-        noise = rng.standard_normal((replicates, len(TIME)))
-        for i in range(1, len(TIME)):
-            noise[:, i] = rho * noise[:, i - 1] + np.sqrt(1 - rho**2) * noise[:, i]
-        depths[name] = (1 + site * rng.standard_normal((replicates, 1))) * curve + sigma * noise
-    return observe({name: TIME for name in FAMILIES}, depths)
+def recordings(rng, clean, replicates=3, sigma=1.0, rho=0.7, site=0.01):
+    n = len(clean)
+    factor = np.linalg.cholesky(sigma**2 * rho ** np.abs(np.subtract.outer(np.arange(n), np.arange(n))))
+    return (1 + site * rng.standard_normal((replicates, 1))) * clean + rng.standard_normal((replicates, n)) @ factor.T
 
 
-def run(seed, **options):
-    rng = np.random.default_rng(seed)
-    observations = record(rng)
-    return calibrate(
-        FAMILIES,
-        observations,
-        {"a": "calibrate", "b": "calibrate"},
-        RANGES,
-        lambda values: {n: f.predict(np.array([list(values.values())]))[0] for n, f in FAMILIES.items()},
-        QUICK,
-        rng,
-        **options,
+def observed(rng, families=FAMILIES, **options):
+    x = np.array([list(TRUTH.values())])
+    return {name: Observation(T, recordings(rng, f.predict(x)[0], **options)) for name, f in families.items()}
+
+
+@pytest.mark.parametrize("aggregated", [False, True])
+@pytest.mark.parametrize("objective", ["mean_square", "relative"])
+def test_recovers_the_truth_and_says_what_the_data_do_not_fix(aggregated, objective):
+    settings = CalibrationSettings(QUICK.genetic, objective, aggregated)
+    found = calibrate(
+        FAMILIES, observed(np.random.default_rng(5)), BOUNDS, rng=np.random.default_rng(0), settings=settings
     )
+    for name in "ab":
+        parameter = found.parameters[name]
+        assert parameter.identified and parameter.lower < TRUTH[name] < parameter.upper
+        assert parameter.estimate == pytest.approx(TRUTH[name], rel=0.03)
+    free, held = found.parameters["c"], found.parameters["d"]
+    assert not free.identified and (free.lower, free.upper) == (0.0, 1.0)
+    assert held.held and not held.identified and held.estimate == held.lower == held.upper == 0.34
+    assert 0.3 < found.misfit_ratio < 2.0
+    assert len(found.pareto["objectives"]) == (1 if aggregated else 2)
 
 
-@pytest.mark.parametrize("strategy", ["nsga2", "aggregate"])
-def test_finds_the_truth_and_says_what_the_data_do_not_fix(strategy):
-    found = run(1, strategy=strategy).parameters
-    for name in ("modulus", "creep"):
-        assert found[name]["lower"] <= TRUTH[name] <= found[name]["upper"]
-        assert found[name]["identified"]
-    assert not found["idle"]["identified"]
-    assert (found["idle"]["lower"], found["idle"]["upper"]) == RANGES["idle"]
-    assert found["held"]["estimate"] == 0.25
-    assert not found["held"]["identified"]
+def test_reproducible_from_its_seed_and_written_as_json():
+    data = observed(np.random.default_rng(5))
+    runs = [calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(7), settings=QUICK) for _ in range(2)]
+    texts = [json.dumps(run.to_mapping(condition_set="all"), allow_nan=False) for run in runs]
+    assert texts[0] == texts[1]
+    read = json.loads(texts[0])
+    assert set(read["parameters"]["a"]) >= {"estimate", "lower", "upper", "identified"}
+    assert set(read["conditions"]["slow"]) >= {"rmse_nm", "r2", "mean_abs_error_nm", "percent_error", "role"}
+    assert read["seed"] == 7 and read["condition_set"] == "all" and read["confirmed_by"] == "surrogate"
 
 
-def test_the_same_seed_gives_the_same_numbers():
-    assert run(5).to_mapping() == run(5).to_mapping()
-    assert run(5).estimate != run(6).estimate
+def test_clean_data_give_the_truth_itself():
+    x = np.array([list(TRUTH.values())])
+    data = {name: Observation(T, f.predict(x)) for name, f in FAMILIES.items()}
+    found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK)
+    assert [found.values[n] for n in "ab"] == pytest.approx([TRUTH[n] for n in "ab"], rel=1e-5)
+    assert found.conditions["slow"]["r2"] == pytest.approx(1.0)
 
 
-def test_intervals_cover_the_truth():
-    hits = 0
-    trials = 60
-    for seed in range(trials):
-        found = run(1000 + seed, confirmations=1).parameters["creep"]
-        hits += found["lower"] <= TRUTH["creep"] <= found["upper"]
-    assert hits >= 0.85 * trials
-
-
-def test_solver_correction_removes_the_surrogates_bias():
-    class Biased(Family):
-        def predict(self, X):
-            return super().predict(X) * 1.02
-
-    rng = np.random.default_rng(2)
-    observations = record(rng, sigma=0.1, site=0.001)
-    truth = {n: f.predict(np.array([list(TRUTH.values())]))[0] for n, f in FAMILIES.items()}
-    options = (
-        {n: Biased(f.load) for n, f in FAMILIES.items()},
-        {n: Observation(TIME, curve[None], 0.1, 0.0, 0.001) for n, curve in truth.items()},
-        {n: "calibrate" for n in FAMILIES},
-        RANGES,
-        lambda values: {n: f.predict(np.array([list(values.values())]))[0] for n, f in FAMILIES.items()},
-        QUICK,
+def test_an_estimate_on_a_bound_is_not_identified():
+    bounds = BOUNDS | {"a": (0.5, 1.0)}
+    found = calibrate(
+        FAMILIES, observed(np.random.default_rng(1)), bounds, rng=np.random.default_rng(0), settings=QUICK
     )
-    assert len(observations) == 2
-    once = calibrate(*options, np.random.default_rng(0), confirmations=1).estimate
-    thrice = calibrate(*options, np.random.default_rng(0), confirmations=3).estimate
-    assert abs(once["modulus"] - TRUTH["modulus"]) > 0.05
-    assert thrice["modulus"] == pytest.approx(TRUTH["modulus"], abs=0.01)
+    assert found.parameters["a"].at_bound and not found.parameters["a"].identified
 
 
-def test_noise_is_estimated_from_replicates():
-    estimates = [record(np.random.default_rng(s), replicates=5, sigma=2.0, rho=0.7)["a"] for s in range(30)]
-    assert np.mean([o.sigma for o in estimates]) == pytest.approx(2.0, rel=0.1)
-    assert np.mean([o.rho for o in estimates]) == pytest.approx(0.7, abs=0.1)
-    assert np.sqrt(np.mean([o.site**2 for o in estimates])) == pytest.approx(0.01, rel=0.2)
+def test_validation_conditions_are_judged_but_never_fitted():
+    data = observed(np.random.default_rng(5))
+    absurd = {"check": Observation(T, 3.0 * data["slow"].depth, role="validate")}
+    surrogates = FAMILIES | {"check": Family()}
+    with_it, without = (
+        calibrate(surrogates, chosen, BOUNDS, rng=np.random.default_rng(0), settings=QUICK)
+        for chosen in (data | absurd, data)
+    )
+    assert with_it.values == without.values
+    assert with_it.conditions["check"]["role"] == "validate" and with_it.conditions["check"]["rmse_nm"] > 100
 
 
-def test_fronts_equal_deaps():
-    rng = np.random.default_rng(3)
-    objectives = rng.random((80, 3)).round(1)
-    if not hasattr(creator, "Least3"):
-        creator.create("Least3", base.Fitness, weights=(-1.0, -1.0, -1.0))
-        creator.create("Point3", list, fitness=creator.Least3)
-    population = [creator.Point3([i]) for i in range(80)]
-    for individual, values in zip(population, objectives, strict=True):
-        individual.fitness.values = tuple(values)
-    rank = ranks(objectives)
-    for number, front in enumerate(tools.sortNondominated(population, 80)):
-        assert {individual[0] for individual in front} == set(np.flatnonzero(rank == number))
+def test_confirmation_removes_the_bias_of_the_surrogate():
+    x = np.array([list(TRUTH.values())])
+    data = {name: Observation(T, f.predict(x)) for name, f in FAMILIES.items()}
+    biased = {"slow": Family(bias=15.0), "fast": Family(0.5, bias=-5.0)}
+
+    def confirm(values):
+        return {name: f.predict(np.array([list(values.values())]))[0] for name, f in FAMILIES.items()}
+
+    surrogate_only, confirmed = (
+        calibrate(biased, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK, confirm=call)
+        for call in (None, confirm)
+    )
+    assert abs(surrogate_only.values["b"] - TRUTH["b"]) > 5e-4
+    assert confirmed.values["b"] == pytest.approx(TRUTH["b"], abs=1e-6)
+    assert confirmed.confirmed_by == "fe" and 1 < len(confirmed.confirmations) <= QUICK.corrections + 1
+    assert confirmed.conditions["slow"]["curve"] == "fe" and confirmed.conditions["slow"]["rmse_nm"] < 0.01
+    assert confirmed.confirmations[-1]["surrogate_error_nm"]["slow"] == pytest.approx(15.0)
 
 
-def test_crowding_prefers_the_lonely():
-    objectives = np.array([[0.0, 1.0], [0.1, 0.9], [0.12, 0.88], [0.5, 0.5], [1.0, 0.0]])
-    distance = crowding(objectives, ranks(objectives))
-    assert np.isinf(distance[[0, 4]]).all()
-    assert np.argmax(np.where(np.isinf(distance), -1, distance)) == 3
-    assert set(survivors(objectives, 3)) == {0, 3, 4}
+def test_surrogate_error_widens_the_intervals():
+    data = observed(np.random.default_rng(5))
+    error = {name: 5.0 * np.random.default_rng(0).standard_normal((30, 1)) * T for name in FAMILIES}
+    plain, wide = (
+        calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK, surrogate_error=e)
+        for e in (None, error)
+    )
+    width = [run.parameters["b"].upper - run.parameters["b"].lower for run in (plain, wide)]
+    assert width[1] > 1.2 * width[0]
 
 
-def test_crossover_lies_between_parents_and_mutation_has_its_deviation():
+class Linear:
+    """Depth 400 t + two shapes, linear in two parameters."""
+
+    def __init__(self, scale):
+        self.basis = scale * np.column_stack([T, T**2, np.sin(4 * T)]) * [400.0, 60.0, 20.0]
+
+    def predict(self, X):
+        return self.basis[:, 0] + np.asarray(X) @ self.basis[:, 1:].T
+
+    def jacobian(self, x):
+        return self.basis[:, 1:]
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say():
+    rng, truth = np.random.default_rng(0), np.array([0.4, 0.55])
+    families = {"p": Linear(1.0), "q": Linear(0.6)}
+    space, trials, hits = Space({"x": (0.0, 1.0), "y": (0.0, 1.0)}), 400, np.zeros(2)
+    for _ in range(trials):
+        data = {n: Observation(T, recordings(rng, f.predict(truth[None])[0])) for n, f in families.items()}
+        noise = replicate_noise(data)
+        covariance = np.zeros((100, 100))
+        for i, name in enumerate(data):
+            rows = slice(50 * i, 50 * i + 50)
+            covariance[rows, rows] = noise[name].mean_covariance(data[name])
+        fit = WeightedFit(space, families, {n: o.mean for n, o in data.items()}, covariance)
+        u = fit.solve([np.array([0.5, 0.5])])
+        hits += np.abs(u - truth) <= intervals(fit, u, noise, data).half_width
+    assert np.all(hits / trials > 0.92)
+    assert np.all(hits / trials < 0.99)
+
+
+def test_noise_is_recovered_from_replicates():
+    clean = {name: Family(rate).predict(np.array([[1.0, 0.5]]))[0] for name, rate in (("p", 1.0), ("q", 0.5))}
     rng = np.random.default_rng(0)
-    first, second = rng.random((2, 4000, 2))
-    children = intermediate_crossover(first, second, 1.0, rng)
-    assert np.all(children >= np.minimum(first, second))
-    assert np.all(children <= np.maximum(first, second))
-    moved = gaussian_mutation(np.full((20000, 1), 0.5), 0.05, rng) - 0.5
-    assert moved.std() == pytest.approx(0.05, rel=0.03)
+    found = replicate_noise({name: Observation(T, recordings(rng, c, replicates=200)) for name, c in clean.items()})
+    for noise in found.values():
+        assert noise.sigma == pytest.approx(1.0, rel=0.05)
+        assert noise.correlation == pytest.approx(0.7, abs=0.05)
+        assert noise.site_scatter == pytest.approx(0.01, rel=0.1)
+        assert noise.site_freedom == 398
 
 
-def test_evolution_reaches_a_known_front():
-    """Schaffer's problem: f1 = x^2, f2 = (x - 2)^2; its front is 0 <= x <= 2."""
-    run = evolve(
-        lambda x: np.column_stack([x[:, 0] ** 2, (x[:, 0] - 2) ** 2]), [-10.0], [10.0], QUICK, np.random.default_rng(0)
-    )
-    assert run.front.min() > -0.05
-    assert run.front.max() < 2.05
-    assert np.ptp(run.front) > 1.8
+def test_single_recordings_take_their_noise_from_the_misfit():
+    data = observed(np.random.default_rng(3), replicates=1, sigma=2.0, rho=0.0)
+    found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK)
+    assert found.noise["slow"]["sigma_nm"] == pytest.approx(2.0, rel=0.4)
+    assert found.noise["slow"]["site_scatter"] == QUICK.site_scatter
+    assert found.parameters["a"].lower < TRUTH["a"] < found.parameters["a"].upper
 
 
-def test_error_table_of_a_perfect_curve():
-    table = error_table(TIME, TIME)
-    assert table == {"rmse_nm": 0.0, "r2": 1.0, "mean_abs_error_nm": 0.0, "percent_error": 0.0}
+def test_error_measures_on_a_case_done_by_hand():
+    measured, simulated = np.array([0.0, 100.0, 200.0]), np.array([0.0, 110.0, 190.0])
+    table = error_measures(measured, simulated)
+    assert table["rmse_nm"] == pytest.approx(np.sqrt(200 / 3))
+    assert table["r2"] == pytest.approx(1 - 200 / 20000)
+    assert table["mean_abs_error_nm"] == pytest.approx(20 / 3)
+    assert table["percent_error"] == pytest.approx(7.5)
+    assert mean_square(measured, simulated) == pytest.approx(200 / 3)
+    assert relative(measured[1:], simulated[1:]) == pytest.approx(np.sqrt((0.1**2 + 0.05**2) / 2))
+
+
+def test_recordings_are_resampled_on_the_sample_times():
+    fine = np.linspace(0.0, 1.0, 501)
+    seen = Observation.from_recordings(T, [Recording(fine, 2 * fine, 300 * fine)] * 2)
+    assert seen.depth == pytest.approx(np.tile(300 * T, (2, 1)))
+    with pytest.raises(InputError, match=r"ends at 0\.5 s"):
+        Observation.from_recordings(T, [Recording(fine / 2, fine, fine, name="P_1")])
+
+
+def call(**changes):
+    arguments = {"surrogates": FAMILIES, "observations": observed(np.random.default_rng(0)), "bounds": BOUNDS} | changes
+    return calibrate(**arguments, rng=np.random.default_rng(0), settings=changes.get("settings", QUICK))
+
+
+def test_what_cannot_be_calibrated_is_refused():
+    with pytest.raises(InputError, match="no condition"):
+        call(observations={})
+    with pytest.raises(InputError, match="has no surrogate"):
+        call(surrogates={"slow": Family()})
+    with pytest.raises(InputError, match="every parameter is held"):
+        call(bounds={"a": (1.0, 1.0), "b": (0.3, 0.3), "c": (0.0, 0.0), "d": (0.3, 0.3)})
+    with pytest.raises(InputError, match="bounds of a"):
+        call(bounds=BOUNDS | {"a": (2.0, 1.0)})
+    with pytest.raises(InputError, match="measured at 20 points"):
+        call(observations={"slow": Observation(T[:20], np.ones((2, 20)))})
+    with pytest.raises(InputError, match="objective"):
+        CalibrationSettings(objective="absolute")
+    with pytest.raises(InputError, match="not a number"):
+        Observation(T, np.full(50, np.nan))

@@ -1,7 +1,8 @@
-"""Calibration: the parameters that bring simulation and recordings together, and how well the data fix them."""
+"""Calibration: the parameters of a law that explain recordings, with intervals."""
 
-from palpate.calibration.calibrate import Calibration, calibrate
-from palpate.calibration.genetic import GeneticSettings, evolve
-from palpate.calibration.noise import Observation, observe
+from palpate.calibration.calibrate import CalibrationSettings, calibrate
+from palpate.calibration.genetic import GeneticSettings
+from palpate.calibration.observation import Observation
+from palpate.calibration.result import Calibration, Estimate
 
-__all__ = ["Calibration", "GeneticSettings", "Observation", "calibrate", "evolve", "observe"]
+__all__ = ["Calibration", "CalibrationSettings", "Estimate", "GeneticSettings", "Observation", "calibrate"]

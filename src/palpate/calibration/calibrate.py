@@ -1,263 +1,197 @@
-"""From surrogates and recordings to parameters with intervals, confirmed by the solver itself.
-
-1. A genetic algorithm searches the surrogates, one objective a condition (or their mean).
-2. Generalised least squares polishes its best points: residuals are whitened by the covariance of the recordings.
-3. The solver runs at the result; what it differs from the surrogate there is added to the surrogate, and 2 is repeated.
-   The surrogate's own error thus drops out where it matters.
-4. Intervals are profiles of the same least squares: all values of a parameter for which the others can be chosen so
-   that the sum of squares rises by less than the 95 % point of chi-square with one degree of freedom (times the reduced
-   chi-square where that exceeds one). A parameter counts as identified when its interval is shorter than half of the
-   range that was searched.
-"""
+"""From recordings to parameters: genetic search, least-squares polish, forward-model confirmation, intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
-from scipy.stats import chi2
+from scipy.linalg import block_diag
 
-from palpate.calibration.genetic import Evolution, GeneticSettings, evolve
-from palpate.calibration.measures import OBJECTIVES, error_table
-from palpate.calibration.noise import Observation
-
-
-class Predictor(Protocol):
-    """What a surrogate must offer."""
-
-    def predict(self, X: np.ndarray) -> np.ndarray:
-        """Return curves (n, points) [nm] for parameters (n, d)."""
-
-    @property
-    def loo_rms_(self) -> np.ndarray:
-        """Leave-one-out error at each point [nm]."""
+from palpate.calibration.confirm import Confirm, correct
+from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
+from palpate.calibration.intervals import intervals
+from palpate.calibration.measures import OBJECTIVES, check_measurable
+from palpate.calibration.noise import complete_noise, model_covariance
+from palpate.calibration.observation import Observation
+from palpate.calibration.polish import Predictor, WeightedFit
+from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted
+from palpate.calibration.result import Calibration
+from palpate.calibration.space import Space
+from palpate.errors import InputError
 
 
-Confirm = Callable[[Mapping[str, float]], dict[str, np.ndarray]]
+@dataclass(frozen=True)
+class CalibrationSettings:
+    """How to calibrate.
 
-
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """Outcome of a calibration.
-
-    Attributes
+    Parameters
     ----------
-    parameters
-        Estimate, lower and upper end of the 95 % interval, and whether the data identify it, by name.
-    conditions
-        Error measures of the solver's curves by condition, with the condition's role.
-    simulated
-        The solver's curves at the estimate, by condition [nm].
-    surrogate
-        The surrogates' curves there, for the conditions that have one [nm].
-    reduced_chi_square
-        Sum of squared whitened residuals over degrees of freedom: near 1 when the model explains the recordings.
-    evolution
-        The genetic algorithm's run.
+    genetic
+        Numbers of the genetic search.
+    objective
+        ``mean_square`` [nm^2] (chapter 5 of the thesis) or ``relative`` [-] (its chapter 4), of each condition.
+    aggregated
+        Search for the least sum of all objectives instead of the Pareto front with one objective a condition.
+    site_scatter
+        Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
+    solver_error
+        Relative discretisation error of the forward model, standard deviation [-]; the default is that of
+        `accuracy: standard` against `accuracy: fine` (0.2 to 0.4 % too stiff, the same at all rates).
+    corrections
+        Largest number of times the polish is repeated after a confirmation has shown the surrogate's error.
     """
 
-    parameters: dict[str, dict[str, Any]]
-    conditions: dict[str, dict[str, Any]]
-    simulated: dict[str, np.ndarray]
-    surrogate: dict[str, np.ndarray]
-    reduced_chi_square: float
-    evolution: Evolution
-    notes: dict[str, Any] = field(default_factory=dict)
+    genetic: GeneticSettings = field(default_factory=GeneticSettings)
+    objective: str = "mean_square"
+    aggregated: bool = False
+    site_scatter: float = 0.01
+    solver_error: float = 0.003
+    corrections: int = 3
 
-    @property
-    def estimate(self) -> dict[str, float]:
-        """Estimates by name."""
-        return {name: entry["estimate"] for name, entry in self.parameters.items()}
-
-    def to_mapping(self) -> dict[str, Any]:
-        """Return the content of calibration.json."""
-        return {
-            "parameters": self.parameters,
-            "conditions": self.conditions,
-            "reduced_chi_square": self.reduced_chi_square,
-            "evaluations": self.evolution.evaluations,
-            "generations": self.evolution.history[-1]["generation"],
-            **self.notes,
-        }
+    def __post_init__(self) -> None:
+        if self.objective not in OBJECTIVES:
+            raise InputError(
+                f"objective is {self.objective!r}", remedy=f"use one of: {', '.join(OBJECTIVES)}", place="objective"
+            )
+        for name in ("site_scatter", "solver_error", "corrections"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} is negative", remedy="give zero or more", place=name)
 
 
 def calibrate(
     surrogates: Mapping[str, Predictor],
     observations: Mapping[str, Observation],
-    roles: Mapping[str, str],
-    ranges: Mapping[str, tuple[float, float]],
-    confirm: Confirm,
-    settings: GeneticSettings,
-    rng: np.random.Generator,
+    bounds: Mapping[str, tuple[float, float]],
     *,
-    strategy: str = "nsga2",
-    objective: str = "squared",
-    confirmations: int = 3,
+    rng: np.random.Generator,
+    settings: CalibrationSettings | None = None,
+    surrogate_error: Mapping[str, np.ndarray] | None = None,
+    confirm: Confirm | None = None,
 ) -> Calibration:
-    """Calibrate.
+    """Calibrate the parameters on all conditions whose role is ``calibrate``.
+
+    The genetic search minimises the thesis' objectives on the mean curves. Its best points are polished by
+    generalised least squares with the noise of the recordings. Each confirmation then adds the surrogate's error
+    at the estimate to the surrogate, and the polish is repeated until the estimate moves by less than a tenth
+    of its standard deviation: what bias the surrogate has cancels.
 
     Parameters
     ----------
     surrogates
-        One for each condition that takes part, over all parameters in `ranges`, in that order.
+        Predictor of each calibrated condition; columns in the order of `bounds`.
     observations
-        Of every condition, those that only judge included.
-    roles
-        ``calibrate`` or ``validate`` by condition.
-    ranges
-        Least and largest value of each parameter; equal for one that is held constant.
+        What was measured. Conditions with the role ``validate`` are only judged, never fitted.
+    bounds
+        (lower, upper) of each parameter in its unit; equal bounds hold it.
+    rng
+        Source of all randomness.
+    surrogate_error
+        Errors of the surrogate (k, n_points) of each condition [nm], such as `PODRBF.loo_error_`; their second
+        moments join the noise as long as no confirmation has corrected the surrogate.
     confirm
-        Runs the solver: parameters by name to curves by condition.
-    strategy
-        ``nsga2``, one objective a condition, or ``aggregate``, their mean.
-    objective
-        ``squared`` or ``relative``, see `palpate.calibration.measures`.
-    confirmations
-        Times that the solver runs, each but the last followed by another polish.
+        The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
+        validation conditions included.
+
+    Raises
+    ------
+    InputError
+        When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
+        parameters, or the relative objective meets a depth that is not positive.
     """
-    names = list(ranges)
-    lower, upper = (np.array([ranges[name][side] for name in names]) for side in (0, 1))
-    free = upper > lower
-    measure = OBJECTIVES[objective]
+    settings = settings or CalibrationSettings()
+    space = Space(bounds)
+    fitted = {name: item for name, item in observations.items() if item.role == "calibrate"}
+    measured = {name: item.mean for name, item in fitted.items()}
+    check_consistent(space, surrogates, measured, settings.objective)
 
-    def complete(x: np.ndarray) -> np.ndarray:
-        whole = np.tile(lower, (len(x), 1))
-        whole[:, free] = x
-        return whole
-
-    def evaluate(x: np.ndarray) -> np.ndarray:
-        whole = complete(x)
-        errors = [measure(model.predict(whole), observations[name].mean) for name, model in surrogates.items()]
-        scores = np.stack(errors, axis=1)
-        return scores if strategy == "nsga2" else scores.mean(axis=1, keepdims=True)
-
-    evolution = evolve(evaluate, lower[free], upper[free], settings, rng)
-    misfit = Misfit(surrogates, observations, lower[free], upper[free], complete)
-    x = misfit.polish(evolution.best)
-    for _ in range(confirmations - 1):
-        solved = confirm(dict(zip(names, complete(x[None])[0], strict=True)))
-        misfit.correct(x, solved)
-        x = misfit.polish(x)
-    estimate = complete(x[None])[0]
-    values = {name: float(value) for name, value in zip(names, estimate, strict=True)}
-    solved = confirm(values)
-    intervals = iter(misfit.intervals(x))
-    parameters = {}
-    for name, is_free in zip(names, free, strict=True):
-        low, high = next(intervals) if is_free else (values[name], values[name])
-        searched = ranges[name][1] - ranges[name][0]
-        parameters[name] = {
-            "estimate": values[name],
-            "lower": low,
-            "upper": high,
-            "identified": bool(is_free and high - low < 0.5 * searched),
-        }
-        if not is_free:
-            parameters[name]["held"] = True
+    evolution = evolve(objectives(space, surrogates, measured, settings), space.dimensions, settings.genetic, rng)
+    starts = starting_points(evolution)
+    plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
+    noise = complete_noise(fitted, plain.curves(plain.solve(starts)), settings.site_scatter)
+    covariance = block_diag(*(noise[name].mean_covariance(item) for name, item in fitted.items()))
+    covariance += model_covariance(measured, settings.solver_error)
+    confirmed: Mapping[str, np.ndarray] = {}
+    confirmations: list[dict[str, Any]] = []
+    fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
+    u = fit.solve(starts)
+    if confirm is not None:
+        fit = WeightedFit(space, surrogates, measured, covariance)
+        fit, u, confirmed, confirmations = correct(fit, u, confirm, settings.corrections)
+    found = intervals(fit, u, noise, fitted)
+    curves = predicted(surrogates, observations, space.physical(u))
+    seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
     return Calibration(
-        parameters=parameters,
-        conditions={
-            name: error_table(solved[name], observation.mean) | {"role": roles[name]}
-            for name, observation in observations.items()
-        },
-        simulated=solved,
-        surrogate={name: model.predict(estimate[None])[0] for name, model in surrogates.items()},
-        reduced_chi_square=misfit.reduced_chi_square(x),
-        evolution=evolution,
-        notes={"strategy": strategy, "objective": objective, "confirmed_by": "finite elements"},
+        parameters=estimates(space, u, found),
+        conditions=judged(observations, curves, confirmed),
+        surrogate_curves=curves,
+        fe_curves=dict(confirmed),
+        confirmed_by="fe" if confirmed else "surrogate",
+        confirmations=confirmations,
+        misfit_ratio=found.misfit_ratio,
+        correlation=named_matrix(space, found.correlation),
+        noise={name: described(noise[name], fitted[name]) for name in fitted},
+        pareto=front(space, evolution, ["sum"] if settings.aggregated else list(measured)),
+        history=[dict(entry) for entry in evolution.history],
+        evaluations=int(evolution.history[-1]["evaluations"]),
+        settings=asdict(settings),
+        seed=seed,
     )
 
 
-class Misfit:
-    """Whitened residuals of all conditions, over the parameters that are free."""
-
-    def __init__(
-        self,
-        surrogates: Mapping[str, Predictor],
-        observations: Mapping[str, Observation],
-        lower: np.ndarray,
-        upper: np.ndarray,
-        complete: Callable[[np.ndarray], np.ndarray],
-    ):
-        self._surrogates, self._lower, self._upper, self._complete = surrogates, lower, upper, complete
-        self._means = {name: observations[name].mean for name in surrogates}
-        self._whiten = {
-            name: np.linalg.inv(np.linalg.cholesky(observations[name].covariance(model.loo_rms_**2)))
-            for name, model in surrogates.items()
-        }
-        self._offsets = {name: np.zeros(len(mean)) for name, mean in self._means.items()}
-
-    def correct(self, x: np.ndarray, solved: Mapping[str, np.ndarray]) -> None:
-        """Shift the surrogates so that they meet the solver's curves at `x`."""
-        whole = self._complete(x[None])
-        for name, model in self._surrogates.items():
-            self._offsets[name] = solved[name] - model.predict(whole)[0]
-
-    def residuals(self, x: np.ndarray) -> np.ndarray:
-        """Return whitened residuals of all conditions at a batch `x` (b, d), shape (b, points of all)."""
-        whole = self._complete(x)
-        return np.concatenate(
-            [
-                (model.predict(whole) + self._offsets[name] - self._means[name]) @ self._whiten[name].T
-                for name, model in self._surrogates.items()
-            ],
-            axis=1,
+def check_consistent(
+    space: Space, surrogates: Mapping[str, Predictor], measured: Mapping[str, np.ndarray], objective: str
+) -> None:
+    """Raise `InputError` where observations and surrogates do not fit together."""
+    if not measured:
+        raise InputError("no condition has the role calibrate", remedy="give at least one", place="conditions")
+    for name, mean in measured.items():
+        check_measurable(name, mean, objective)
+        if name not in surrogates:
+            raise InputError(f"condition {name} has no surrogate", remedy="fit one", place=name)
+        predicted_points = surrogates[name].predict(space.physical(np.full(space.dimensions, 0.5))).shape[1]
+        if predicted_points != len(mean):
+            raise InputError(
+                f"condition {name} was measured at {len(mean)} points, its surrogate has {predicted_points}",
+                remedy="resample the recordings on the sample times of the snapshots",
+                place=name,
+            )
+    points = sum(len(mean) for mean in measured.values())
+    if points < space.dimensions:
+        raise InputError(
+            f"{points} points cannot fix {space.dimensions} parameters", remedy="give more points or hold parameters"
         )
 
-    def reduced_chi_square(self, x: np.ndarray) -> float:
-        """Return the sum of squares over the degrees of freedom."""
-        residual = self.residuals(x[None])[0]
-        return float(residual @ residual / (len(residual) - len(x)))
 
-    def polish(self, x: np.ndarray) -> np.ndarray:
-        """Return the least-squares point near `x`, within the bounds."""
-        return self._minimise(x, np.ones(len(x), dtype=bool))[0]
+def objectives(
+    space: Space,
+    surrogates: Mapping[str, Predictor],
+    measured: Mapping[str, np.ndarray],
+    settings: CalibrationSettings,
+) -> Evaluate:
+    """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum."""
+    measure = OBJECTIVES[settings.objective]
 
-    def intervals(self, x: np.ndarray) -> list[tuple[float, float]]:
-        """Return the 95 % profile interval of each parameter, within the range searched."""
-        least = self._minimise(x, np.ones(len(x), dtype=bool))[1]
-        allowed = chi2.ppf(0.95, 1) * max(1.0, self.reduced_chi_square(x))
-        found = []
-        for k in range(len(x)):
-            ends = []
-            for bound in (self._lower[k], self._upper[k]):
+    def evaluate(u: np.ndarray) -> np.ndarray:
+        x = space.physical(u)
+        columns = np.column_stack([measure(mean, surrogates[name].predict(x)) for name, mean in measured.items()])
+        return columns.sum(axis=1, keepdims=True) if settings.aggregated else columns
 
-                def excess(value: float, k: int = k) -> float:
-                    start = x.copy()
-                    start[k] = value
-                    return self._minimise(start, np.arange(len(x)) != k)[1] - least - allowed
+    return evaluate
 
-                if abs(bound - x[k]) < 1e-9 * (self._upper[k] - self._lower[k]) or excess(bound) <= 0:
-                    ends.append(float(bound))
-                else:
-                    tolerance = 1e-3 * (self._upper[k] - self._lower[k])
-                    ends.append(float(brentq(excess, x[k], bound, xtol=tolerance)))
-            found.append((ends[0], ends[1]))
-        return found
 
-    def _minimise(self, x: np.ndarray, moving: np.ndarray) -> tuple[np.ndarray, float]:
-        """Minimise over the coordinates `moving`; return the point and its sum of squares."""
-        span = self._upper - self._lower
-        unit = np.clip((x - self._lower) / span, 0.0, 1.0)
+def starting_points(evolution: Evolution) -> list[np.ndarray]:
+    """Where the polish starts: the best points by the sum of objectives and by each objective."""
+    chosen = {int(np.argmin(evolution.objectives.sum(axis=1)))} | {int(i) for i in evolution.objectives.argmin(axis=0)}
+    return [evolution.points[i] for i in sorted(chosen)]
 
-        def batch(parts: np.ndarray) -> np.ndarray:
-            whole = np.tile(unit, (len(parts), 1))
-            whole[:, moving] = parts
-            return self.residuals(self._lower + whole * span)
 
-        def jacobian(part: np.ndarray) -> np.ndarray:
-            moves = 1e-4 * np.eye(len(part))
-            both = batch(np.concatenate([part + moves, part - moves]))
-            return (both[: len(part)] - both[len(part) :]).T / 2e-4
-
-        if not moving.any():
-            residual = batch(np.empty((1, 0)))[0]
-            return x, float(residual @ residual)
-        start = np.clip(unit[moving], 1e-6, 1 - 1e-6)
-        result = least_squares(lambda part: batch(part[None])[0], start, jacobian, bounds=(0.0, 1.0), xtol=1e-10)
-        whole = unit.copy()
-        whole[moving] = result.x
-        return self._lower + whole * span, float(2 * result.cost)
+def surrogate_covariance(measured: Mapping[str, np.ndarray], errors: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Mean outer product of the error curves (k, n_points) of each condition; zero for a condition without."""
+    return block_diag(
+        *(
+            errors[name].T @ errors[name] / len(errors[name]) if name in errors else np.zeros((mean.size, mean.size))
+            for name, mean in measured.items()
+        )
+    )

@@ -1,36 +1,50 @@
-"""Error measures between a recorded and a simulated curve."""
+"""How far a simulated curve lies from a measured one."""
 
 from __future__ import annotations
 
 import numpy as np
 
-
-def mean_squared(simulated: np.ndarray, recorded: np.ndarray) -> np.ndarray:
-    """Return mean((h_exp - h_sim)^2) [nm^2] over the last axis (the thesis' chapter 5)."""
-    return np.mean((recorded - simulated) ** 2, axis=-1)
+from palpate.errors import InputError
 
 
-def relative(simulated: np.ndarray, recorded: np.ndarray) -> np.ndarray:
-    """Return sqrt(mean(((h_sim - h_exp) / h_exp)^2)) over the last axis (the thesis' chapter 4)."""
-    return np.sqrt(np.mean(((simulated - recorded) / recorded) ** 2, axis=-1))
+def mean_square(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Objective of the thesis' chapter 5, mean((h_exp - h_sim)^2) over the points, the last axis [nm^2]."""
+    return np.mean((simulated - measured) ** 2, axis=-1)
 
 
-OBJECTIVES = {"squared": mean_squared, "relative": relative}
+def relative(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Objective of the thesis' chapter 4, sqrt(mean(((h_sim - h_exp)/h_exp)^2)) over the last axis [-]."""
+    return np.sqrt(np.mean(((simulated - measured) / measured) ** 2, axis=-1))
 
 
-def error_table(simulated: np.ndarray, recorded: np.ndarray) -> dict[str, float]:
-    """Return the four measures of the thesis' tables for one curve.
+OBJECTIVES = {"mean_square": mean_square, "relative": relative}
 
-    Parameters
-    ----------
-    simulated, recorded : ndarray, shape (n,)
-        Depths [nm].
+
+def check_measurable(name: str, measured: np.ndarray, objective: str) -> None:
+    """Raise `InputError` where the relative objective would divide by a depth that is not positive."""
+    if objective == "relative" and np.any(measured <= 0):
+        raise InputError(
+            f"the mean depth of {name} is not positive at point {int(np.argmin(measured)) + 1}, "
+            "so that its relative error is undefined",
+            remedy="use the objective mean_square",
+            place="objective",
+        )
+
+
+def error_measures(measured: np.ndarray, simulated: np.ndarray) -> dict[str, float]:
+    """Error table of the thesis' chapter 5 for one curve.
+
+    Returns
+    -------
+    dict
+        `rmse_nm`; `r2`, 1 - sum of squared errors / sum of squares about the mean depth; `mean_abs_error_nm`;
+        `percent_error`, the mean of 100 |error| / depth over points deeper than 1 % of the largest depth.
     """
-    difference = simulated - recorded
-    spread = np.sum((recorded - recorded.mean()) ** 2)
+    error = simulated - measured
+    deep = measured > 0.01 * measured.max()
     return {
-        "rmse_nm": float(np.sqrt(np.mean(difference**2))),
-        "r2": float(1 - np.sum(difference**2) / spread),
-        "mean_abs_error_nm": float(np.mean(np.abs(difference))),
-        "percent_error": float(100 * np.mean(np.abs(difference)) / np.mean(recorded)),
+        "rmse_nm": float(np.sqrt(np.mean(error**2))),
+        "r2": float(1.0 - np.sum(error**2) / np.sum((measured - measured.mean()) ** 2)),
+        "mean_abs_error_nm": float(np.mean(np.abs(error))),
+        "percent_error": float(100.0 * np.mean(np.abs(error[deep]) / measured[deep])),
     }

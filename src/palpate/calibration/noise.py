@@ -1,93 +1,142 @@
-"""What is not the material in a recording: noise correlated in time, and scatter from site to site.
+r"""Noise of the recordings, from their replicates.
 
-A recording r of a condition is modelled as  h_r(t) = (1 + d_r) h(t) + e_r(t),  with one depth factor d_r of standard
-deviation `site` for each recording and noise e_r of standard deviation `sigma` and lag-one correlation `rho` (AR(1)).
-The mean over n recordings then has the covariance  (sigma^2 rho^|i-j| + site^2 h_i h_j) / n.
+Replicate r of a condition is h_r = (1 + s_r) h + n_r: one factor s_r for the site (standard deviation tau, common to
+all conditions) and point noise n_r of standard deviation sigma whose correlation falls as rho^|i - j| with the lag
+(AR(1)). So the mean of R replicates has the covariance
+
+    C = (sigma^2 rho^|i - j| + tau^2 h h^T) / R
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import toeplitz
-from scipy.signal import savgol_filter
+from scipy.linalg import block_diag, toeplitz
+from scipy.optimize import brentq
 
-ASSUMED_SITE_SCATTER = 0.01
+from palpate.calibration.observation import Observation
 
-
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """All recordings of one condition at the sampling times of its protocol.
-
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        [s]
-    depths : ndarray, shape (replicates, n)
-        [nm]
-    sigma
-        Standard deviation of the noise [nm].
-    rho
-        Correlation of the noise between neighbouring points.
-    site
-        Standard deviation of the depth factor; assumed where there are no replicates.
-    """
-
-    time: np.ndarray
-    depths: np.ndarray
-    sigma: float
-    rho: float
-    site: float
-
-    @property
-    def mean(self) -> np.ndarray:
-        """Mean depth over the replicates [nm], shape (n,)."""
-        return self.depths.mean(axis=0)
-
-    def covariance(self, extra: np.ndarray | float = 0.0) -> np.ndarray:
-        """Covariance (n, n) of the mean [nm^2], with a further independent variance `extra` at each point."""
-        noise = self.sigma**2 * toeplitz(self.rho ** np.arange(len(self.time)))
-        site = self.site**2 * np.outer(self.mean, self.mean)
-        return (noise + site) / len(self.depths) + np.diag(np.broadcast_to(extra, len(self.time)) + 1e-6)
+FLOOR = 1e-5
+MAX_RHO = 0.99
 
 
-def observe(time: dict[str, np.ndarray], depths: dict[str, np.ndarray]) -> dict[str, Observation]:
-    """Estimate noise and site scatter from all conditions together.
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one recording of a condition.
 
     Parameters
     ----------
-    time : dict of ndarray, shape (n,)
-        Sampling times of each condition [s].
-    depths : dict of ndarray, shape (replicates, n)
-        Depths of each condition [nm].
+    sigma
+        Standard deviation of the point noise [nm].
+    correlation
+        Correlation rho between neighbouring points.
+    site_scatter
+        Standard deviation tau of the site factor [-].
+    site_freedom
+        Degrees of freedom on which tau rests; infinite when it is assumed.
     """
-    factors: list[float] = []
-    freedom = 0
-    noise = {}
-    for name, curves in depths.items():
-        mean = curves.mean(axis=0)
-        if len(curves) > 1:
-            slopes = curves @ mean / (mean @ mean)
-            noise[name] = curves - slopes[:, None] * mean
-            factors += list(slopes - slopes.mean())
-            freedom += len(curves) - 1
-        else:
-            window = min(11, (len(mean) // 2) * 2 - 1)
-            noise[name] = curves - savgol_filter(curves, window, 2, axis=1)
-    site = float(np.sqrt(np.sum(np.square(factors)) / freedom)) if freedom else ASSUMED_SITE_SCATTER
-    result = {}
-    for name, curves in depths.items():
-        sigma, rho = autoregression(noise[name], lost=1 if len(curves) > 1 else 0)
-        result[name] = Observation(time[name], curves, sigma, rho, site)
-    return result
+
+    sigma: float
+    correlation: float
+    site_scatter: float
+    site_freedom: float
+
+    def points(self, n: int) -> np.ndarray:
+        """Covariance (n, n) of the point noise of one recording [nm^2]."""
+        return self.sigma**2 * toeplitz(self.correlation ** np.arange(n))
+
+    def mean_covariance(self, observation: Observation) -> np.ndarray:
+        """Covariance C (n_points, n_points) of the mean of the replicates [nm^2]."""
+        mean = observation.mean
+        site = self.site_scatter**2 * np.outer(mean, mean)
+        return (self.points(len(mean)) + site) / len(observation.depth)
 
 
-def autoregression(residuals: Sequence[np.ndarray] | np.ndarray, lost: int) -> tuple[float, float]:
-    """Return deviation and lag-one correlation of residual curves, `lost` of which were spent on their mean."""
-    residuals = np.atleast_2d(residuals)
-    variance = float(np.sum(residuals**2) / (residuals.shape[1] * max(len(residuals) - lost, 1)))
-    lagged = float(np.sum(residuals[:, 1:] * residuals[:, :-1]))
-    rho = lagged / max(float(np.sum(residuals[:, :-1] ** 2)), 1e-300)
-    return float(np.sqrt(variance)), float(np.clip(rho, 0.0, 0.99))
+def point_noise(deviation: np.ndarray, mean: np.ndarray, freedom: int) -> tuple[float, float, float]:
+    """Split deviations (k, n_points) from the mean curve into site factors and point noise.
+
+    The part along the mean curve is taken for the site factors. Point noise has such a part too: sigma and rho are
+    those whose AR(1) noise, less its part along the mean, has the variance and lag-one correlation that is left.
+
+    Parameters
+    ----------
+    freedom
+        Number of independent curves among the deviations.
+
+    Returns
+    -------
+    sigma, rho, squares
+        Sigma [nm], at least 1e-5 of the largest depth so that recordings without noise do no harm; rho; and
+        the sum of squared site factors less what the point noise adds to it.
+    """
+    along = mean / np.linalg.norm(mean)
+    site = deviation @ along
+    rest = deviation - np.outer(site, along)
+    total, lagged = float(np.sum(rest**2)), float(np.sum(rest[:, 1:] * rest[:, :-1]))
+
+    def left(rho: float) -> np.ndarray:
+        """Covariance of unit AR(1) noise less its part along the mean."""
+        projection = np.eye(len(mean)) - np.outer(along, along)
+        return projection @ toeplitz(rho ** np.arange(len(mean))) @ projection
+
+    def excess(rho: float) -> float:
+        """By how much the lag-one correlation that rho would leave exceeds the one found."""
+        matrix = left(rho)
+        return float(np.trace(matrix, offset=1) / np.trace(matrix) - lagged / total)
+
+    floor = FLOOR * float(np.abs(mean).max())
+    if total <= freedom * len(mean) * floor**2:
+        return floor, 0.0, float(site @ site) / float(mean @ mean)
+    low, high = excess(0.0) >= 0, excess(MAX_RHO) <= 0
+    rho = 0.0 if low else MAX_RHO if high else float(brentq(excess, 0.0, MAX_RHO))
+    sigma = float(np.sqrt(total / freedom / np.trace(left(rho))))
+    by_noise = freedom * sigma**2 * float(along @ toeplitz(rho ** np.arange(len(mean))) @ along)
+    return sigma, rho, (float(site @ site) - by_noise) / float(mean @ mean)
+
+
+def replicate_noise(observations: Mapping[str, Observation]) -> dict[str, Noise]:
+    """Noise of every condition that has replicates; tau is pooled over them."""
+    points: dict[str, tuple[float, float]] = {}
+    squares, freedom = 0.0, 0
+    for name, observation in observations.items():
+        independent = len(observation.depth) - 1
+        if independent:
+            sigma, rho, site = point_noise(observation.depth - observation.mean, observation.mean, independent)
+            points[name] = sigma, rho
+            squares, freedom = squares + site, freedom + independent
+    tau = np.sqrt(max(squares, 0.0) / freedom) if freedom else 0.0
+    return {name: Noise(sigma, rho, float(tau), freedom) for name, (sigma, rho) in points.items()}
+
+
+def complete_noise(
+    observations: Mapping[str, Observation], fitted: Mapping[str, np.ndarray], site_scatter: float
+) -> dict[str, Noise]:
+    """Noise of every condition; those without replicates take it from the residual of a fit.
+
+    Parameters
+    ----------
+    fitted
+        A fitted curve (n_points,) for each condition [nm]. Its misfit, less a common factor, counts as noise.
+    site_scatter
+        Assumed tau where no condition has replicates.
+    """
+    known = replicate_noise(observations)
+    tau, freedom = next(((n.site_scatter, n.site_freedom) for n in known.values()), (site_scatter, np.inf))
+    for name, observation in observations.items():
+        if name not in known:
+            sigma, rho, _ = point_noise(observation.depth - fitted[name], observation.mean, 1)
+            known[name] = Noise(sigma, rho, tau, freedom)
+    return {name: known[name] for name in observations}
+
+
+def model_covariance(measured: Mapping[str, np.ndarray], relative_error: float) -> np.ndarray:
+    """Covariance (n, n) of the discretisation error of the forward model, all conditions one after the other [nm^2].
+
+    It is mostly the same factor for every curve, because a sharp indenter has no length, with the standard deviation
+    `relative_error`; a third of that varies along each curve, correlated over a tenth of its points.
+    """
+    depth = np.concatenate(list(measured.values()))
+    ripple = block_diag(*(toeplitz(np.exp(-np.arange(len(h)) / (0.1 * len(h)))) for h in measured.values()))
+    return relative_error**2 * np.outer(depth, depth) * (1.0 + ripple / 9.0)
