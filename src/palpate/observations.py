@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
+from palpate.readers import read_vendor_file
 from palpate.recording import Recording, read_recording
 
 LOAD_TOLERANCE = 0.05
@@ -128,3 +130,14 @@ def observations(study: Study, name: str) -> dict[str, Observation]:
         condition = study.condition(key)
         found[key] = Observation.from_recordings(condition.protocol.sample_time, recordings, condition.role)
     return found
+
+
+def convert_source(study: Study, folder: Path) -> None:
+    """Write the tests of the study's vendor file as replicates of its condition."""
+    source = study.source
+    notes = tuple(f"{key}: {source[key]}" for key in ("repository", "commit", "path", "licence") if key in source)
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, test in enumerate(read_vendor_file(source["file"], source.get("sha256")), 1):
+        replace(test.recording, notes=(*test.recording.notes, *notes)).write(
+            folder / f"{source['condition']}_{number}.csv"
+        )

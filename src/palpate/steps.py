@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -11,7 +12,7 @@ import joblib
 import numpy as np
 import pandas as pd
 
-from palpate import snapshots
+from palpate import report, snapshots
 from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, calibrate
 from palpate.config import Study
 from palpate.errors import PalpateError
@@ -133,6 +134,39 @@ def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mappin
                 row["truth"] = truth.get(name)
             rows.append(row)
     return pd.DataFrame(rows).sort_values("parameter", kind="stable")
+
+
+def write_report(study: Study, folder: Path, path: Path) -> None:
+    """Write the report of a study from what its `folder` holds."""
+    index = pd.read_csv(folder / "snapshots.csv")
+    failed = int((index["status"] != "ok").sum())
+    summary = (
+        f"<p>{len(index)} snapshots, {failed} failed, {index['solver_seconds'].sum():.0f} s of solver time "
+        f"({index['solver_seconds'].mean():.2f} s each).</p>"
+    )
+    sections: list[tuple[str, list[str]]] = [
+        ("Snapshots and surrogates", [summary, report.image(folder / "figures/surrogates.png", "surrogates")])
+    ]
+    notes = []
+    for recordings in study.recordings:
+        found = folder / recordings
+        if recordings in study.laboratory:
+            notes.append(
+                f"Recordings `{recordings}` are synthetic: a virtual laboratory wrote them, nobody measured them."
+            )
+        pieces = [
+            f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
+            report.table(pd.read_csv(found / "errors.csv")),
+            report.table(pd.read_csv(found / "parameters.csv")),
+            report.image(found / "figures/parameters.png", "calibrated parameters"),
+            *(report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
+            report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),
+        ]
+        sections.append((f"Recordings: {recordings}", pieces))
+    if study.source:
+        facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
+        sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
+    report.build(study.title, sections, notes, path)
 
 
 def write_json(path: str | Path, content: Mapping[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """Everything that MLflow keeps: one parent run for each execution of the workflow, one nested run a surrogate or fit.
 
-The store is a local SQLite file unless ``MLFLOW_TRACKING_URI`` names another. Only the workflow's scripts use this module.
+The store is a local SQLite file unless ``MLFLOW_TRACKING_URI`` names another. Only the workflow's scripts use this
+module.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ def parent_run(study: str) -> str:
         if found:
             return found[0].info.run_id
         run = mlflow.MlflowClient().create_run(
-            mlflow.get_experiment_by_name(study).experiment_id,
+            mlflow.set_experiment(study).experiment_id,
             run_name=f"workflow {execution}",
             tags={"execution": execution, "kind": "workflow", "git_commit": git_commit()},
         )
@@ -83,7 +84,7 @@ def nested_run(study: str, name: str, kind: str, configuration: Path, tags: Mapp
 
 def log_series(key: str, values: Iterable[float], steps: Iterable[int]) -> None:
     """Log a metric with many steps to the open run in one go."""
-    run = mlflow.active_run()
+    run = mlflow.active_run() or mlflow.start_run()
     now = int(time.time() * 1000)
     metrics = [Metric(key, float(value), now, int(step)) for value, step in zip(values, steps, strict=True)]
     for first in range(0, len(metrics), 1000):
@@ -107,7 +108,7 @@ def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metric
 def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
     """Log a calibration: settings, estimates with intervals, errors of each condition, convergence."""
     mlflow.log_params(dict(settings))
-    metrics = {}
+    metrics: dict[str, float] = {}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():

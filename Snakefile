@@ -1,0 +1,16 @@
+# The whole of a study, from its configuration to its report: snakemake --cores 2 [--configfile STUDY.yaml]
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/recordings.smk"
+include: "workflow/rules/snapshots.smk"
+include: "workflow/rules/surrogates.smk"
+include: "workflow/rules/calibration.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        f"results/{STUDY.name}/report.html",
+        f"results/{STUDY.name}/snapshots.csv",

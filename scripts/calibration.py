@@ -1,0 +1,25 @@
+"""Calibrate one condition set on one set of recordings, draw the fit, and log both."""
+
+from palpate import steps, tracking
+from palpate.config import load_study
+from palpate.figures import fit
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    recordings, condition_set = snakemake.wildcards.recordings, snakemake.wildcards.condition_set
+    models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
+    result, curves = steps.run_calibration(study, recordings, condition_set, models)
+    content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
+    steps.write_json(snakemake.output.result, content)
+    curves.to_csv(snakemake.output.curves, index=False)
+    title = f"{study.title}: calibrated on `{condition_set}`"
+    fit.draw(curves, snakemake.output.figure, title, synthetic=recordings in study.laboratory)
+    tags = {"recordings": recordings, "condition_set": condition_set}
+    with tracking.nested_run(study.name, f"fit {recordings} {condition_set}", "calibration", study.file, tags):
+        tracking.log_calibration(content, study.calibration)
+        tracking.log_files(snakemake.output)
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,15 @@
+"""Write the recordings of a virtual laboratory."""
+
+from pathlib import Path
+
+from palpate import laboratory
+from palpate.config import load_study
+
+
+def main(snakemake):
+    study = load_study(snakemake.input[0])
+    laboratory.write(study, snakemake.params.laboratory, Path(snakemake.output[0]))
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,15 @@
+"""Write the study's report."""
+
+from pathlib import Path
+
+from palpate import steps
+from palpate.config import load_study
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    steps.write_report(study, Path("results") / study.name, Path(snakemake.output[0]))
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,15 @@
+"""Compute one batch of snapshots, or fetch them from the store."""
+
+from palpate import snapshots
+from palpate.config import load_study
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    batch = snapshots.plan(study)[snakemake.params.number]
+    with open(snakemake.log[0], "w", encoding="utf-8") as log:
+        snapshots.compute(study, batch, report=lambda line: print(line, file=log, flush=True))
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,15 @@
+"""Draw the quality of all surrogates."""
+
+from pathlib import Path
+
+from palpate import steps
+from palpate.figures import surrogates
+
+
+def main(snakemake):
+    summaries = {Path(file).stem: steps.read_json(file) for file in snakemake.input}
+    surrogates.draw(summaries, snakemake.output[0], snakemake.params.title)
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

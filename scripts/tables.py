@@ -1,0 +1,22 @@
+"""Write error and parameter tables of one set of recordings, and their figures."""
+
+from palpate import steps
+from palpate.config import load_study
+from palpate.figures import convergence, parameters
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    recordings = snakemake.wildcards.recordings
+    found = dict(zip(study.condition_sets, map(steps.read_json, snakemake.input.calibrations), strict=True))
+    steps.error_table(found["all"]).to_csv(snakemake.output.errors, index=False)
+    truth = study.laboratory.get(recordings, {}).get("parameters")
+    table = steps.parameter_table(found, truth)
+    table.to_csv(snakemake.output.parameters, index=False)
+    synthetic = recordings in study.laboratory
+    parameters.draw(table, study.levels, snakemake.output.figure, study.title, synthetic)
+    convergence.draw(found, snakemake.output.convergence, "genetic algorithm", synthetic)
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,12 @@
+"""Make the MLflow store and this execution's parent run before several jobs write to it."""
+
+from palpate import tracking
+
+
+def main(snakemake):
+    tracking.connect(snakemake.params.study)
+    tracking.parent_run(snakemake.params.study)
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,15 @@
+"""Convert the tests of a vendor's file into the recordings of a study."""
+
+from pathlib import Path
+
+from palpate.config import load_study
+from palpate.observations import convert_source
+
+
+def main(snakemake):
+    study = load_study(snakemake.input.study, data=snakemake.params.data)
+    convert_source(study, Path(snakemake.output[0]))
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,60 @@
+"""Load-depth curves of every condition, recorded against simulated, with the misfit in time underneath."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from palpate.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, plt, save
+
+
+def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
+    """Draw one column a condition.
+
+    Parameters
+    ----------
+    curves
+        Table of `palpate.steps.run_calibration`.
+    """
+    names = list(dict.fromkeys(curves["condition"]))
+    columns = min(4, len(names))
+    rows = -(-len(names) // columns)
+    figure = plt.figure(figsize=(DOUBLE_COLUMN if columns > 1 else 4.2, 3.3 * rows + 0.4))
+    parts = figure.subfigures(rows, 1, squeeze=False)[:, 0]
+    for row, part in enumerate(parts):
+        members = names[row * columns : (row + 1) * columns]
+        axes = part.subplots(2, columns, gridspec_kw={"height_ratios": [3, 1]}, squeeze=False)
+        for blank in axes[:, len(members) :].ravel():
+            blank.set_axis_off()
+        for k, (name, upper, lower) in enumerate(zip(members, axes[0], axes[1], strict=False)):
+            _condition(curves[curves["condition"] == name], upper, lower)
+            if k == 0:
+                upper.set_ylabel("load [mN]")
+                lower.set_ylabel("sim. - rec.\n[nm]")
+            if k == 0 and row == 0:
+                upper.legend(loc="upper left", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
+    figure.suptitle(title, fontsize=9)
+    mark_synthetic(figure, synthetic)
+    save(figure, path)
+
+
+def _condition(curve, upper, lower) -> None:
+    upper.plot(
+        curve["recorded_nm"], curve["load_mN"], "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded"
+    )
+    if curve["surrogate_nm"].notna().any():
+        upper.plot(curve["surrogate_nm"], curve["load_mN"], "--", color=SURROGATE, lw=1.0, label="surrogate")
+    upper.plot(curve["simulated_nm"], curve["load_mN"], "-", color=SIMULATED, label="finite elements")
+    error = curve["simulated_nm"] - curve["recorded_nm"]
+    rmse = np.sqrt(np.mean(error**2))
+    upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}, RMSE {rmse:.1f} nm")
+    upper.set_xlabel("depth [nm]")
+    upper.set_xlim(left=0)
+    upper.set_ylim(bottom=0)
+    lower.axhline(0, color="0.7", lw=0.6)
+    if curve["spread_nm"].notna().any():
+        lower.fill_between(curve["time_s"], -curve["spread_nm"], curve["spread_nm"], color="0.88", lw=0)
+    lower.plot(curve["time_s"], error, color=SIMULATED, lw=0.9)
+    lower.set_xlabel("time [s]")

@@ -1,0 +1,42 @@
+"""Calibrated parameters with 95 % intervals, condition sets side by side, over the range that was searched."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from palpate.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, mark_synthetic, plt, save
+
+
+def draw(
+    table: pd.DataFrame, ranges: Mapping[str, Sequence[float]], path: str | Path, title: str, synthetic: bool
+) -> None:
+    """Draw one panel a parameter.
+
+    Parameters
+    ----------
+    table
+        From `palpate.steps.parameter_table`.
+    ranges
+        Levels of each parameter; those with one level are left out.
+    """
+    names = [name for name, levels in ranges.items() if len(levels) > 1]
+    figure, axes = plt.subplots(1, len(names), figsize=(DOUBLE_COLUMN, 2.0), squeeze=False, sharey=True)
+    for name, axis in zip(names, axes[0], strict=True):
+        rows = table[table["parameter"] == name].reset_index(drop=True)
+        for k, row in rows.iterrows():
+            known = bool(row["identified"])
+            axis.plot([row["lower"], row["upper"]], [k, k], color=RECORDED if known else "0.65", lw=1.6)
+            axis.plot(row["estimate"], k, "o", color=RECORDED, mfc=RECORDED if known else "white", ms=4.5)
+        if "truth" in rows and rows["truth"].notna().any():
+            axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
+        low, high = min(ranges[name]), max(ranges[name])
+        axis.set_xlim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+        axis.set_title(name.replace("_", " "))
+        axis.set_yticks(range(len(rows)), rows["condition_set"])
+        axis.set_ylim(len(rows) - 0.5, -0.5)
+    figure.suptitle(f"{title}\nbars: 95 % intervals; open: not identified; dashed: truth where it is known", fontsize=8)
+    mark_synthetic(figure, synthetic)
+    save(figure, path)

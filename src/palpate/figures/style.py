@@ -1,0 +1,42 @@
+"""One look for all figures: sizes for a journal's columns, colours that print in grey, byte-identical files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+RECORDED, SIMULATED, SURROGATE, TRUTH = "0.15", "#c1432e", "#2f6fa7", "#3f8f4f"
+DOUBLE_COLUMN = 7.2
+
+plt.rcParams.update(
+    {
+        "font.size": 8,
+        "axes.titlesize": 8,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "legend.frameon": False,
+        "lines.linewidth": 1.2,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 200,
+    }
+)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write a PNG that is the same, byte for byte, whenever its content is."""
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, metadata={"Software": None})
+    plt.close(figure)
+
+
+def mark_synthetic(figure: Figure, synthetic: bool) -> None:
+    """Say on the figure itself that the recordings are not measured."""
+    if synthetic:
+        figure.text(
+            0.995, 0.002, "synthetic recordings", ha="right", va="bottom", color="0.45", fontsize=7, style="italic"
+        )

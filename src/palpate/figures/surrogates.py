@@ -1,0 +1,26 @@
+"""How good the surrogates are: leave-one-out error along the curve, and the spectrum of the snapshots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from palpate.figures.style import DOUBLE_COLUMN, plt, save
+
+
+def draw(summaries: Mapping[str, Mapping[str, Any]], path: str | Path, title: str) -> None:
+    """Draw one line a condition."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.6))
+    for name, summary in summaries.items():
+        left.plot(range(1, len(summary["loo_rms_nm"]) + 1), summary["loo_rms_nm"], label=name)
+        right.semilogy(range(1, len(summary["spectrum"]) + 1), summary["spectrum"], ".-", ms=4)
+    left.set_xlabel("point of the curve")
+    left.set_ylabel("leave-one-out error, rms [nm]")
+    left.legend(fontsize=7)
+    right.set_xlabel("POD mode")
+    right.set_ylabel("share of energy")
+    right.set_xlim(0.5, 12.5)
+    right.set_ylim(1e-14, 2)
+    figure.suptitle(title, fontsize=9)
+    save(figure, path)

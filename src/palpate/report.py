@@ -1,0 +1,63 @@
+"""A study's report: one HTML file that opens from disk, made of saved tables and figures alone."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from string import Template
+
+import pandas as pd
+
+PAGE = Template("""<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>$title</title>
+<style>
+ body {font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222}
+ h1 {font-size: 1.5rem} h2 {font-size: 1.15rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd}
+ table {border-collapse: collapse; font-size: .88rem; margin: .8rem 0} th, td {padding: .2rem .7rem; text-align: right}
+ th {border-bottom: 1px solid #999} td:first-child, th:first-child {text-align: left} img {max-width: 100%}
+ .note {background: #fff6e0; padding: .5rem .8rem; border-left: 4px solid #d9a520}
+</style>
+<h1>$title</h1>
+$body
+</html>
+""")
+
+
+def image(path: str | Path, caption: str) -> str:
+    """Return a figure with the picture inside it."""
+    data = base64.b64encode(Path(path).read_bytes()).decode()
+    return f'<figure><img src="data:image/png;base64,{data}" alt="{html.escape(caption)}"></figure>'
+
+
+def table(frame: pd.DataFrame) -> str:
+    """Return a table; numbers to four digits."""
+    return frame.to_html(index=False, border=0, na_rep="", float_format=lambda x: f"{x:.4g}")
+
+
+def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequence[str], path: str | Path) -> None:
+    """Write the report.
+
+    Parameters
+    ----------
+    sections
+        Heading and pieces of HTML of each section.
+    notes
+        Sentences that a reader must not miss, shown first.
+    """
+    parts = [f'<p class="note">{html.escape(note)}</p>' for note in notes]
+    for heading, pieces in sections:
+        parts += [f"<h2>{html.escape(heading)}</h2>", *pieces]
+    Path(path).write_text(PAGE.substitute(title=html.escape(title), body="\n".join(parts)), encoding="utf-8")
+
+
+def misfit_sentence(calibration: Mapping) -> str:
+    """Say how far simulation and recordings agree."""
+    ratio = calibration["misfit_ratio"]
+    if ratio < 1.5:
+        return f"The model explains the recordings to their noise (chi-square per degree of freedom {ratio:.2f})."
+    return (
+        f"The model does not explain the recordings to their noise: chi-square per degree of freedom is {ratio:.3g}. "
+        "Something is missing from it; intervals are widened accordingly and may still be too narrow."
+    )

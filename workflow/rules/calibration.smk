@@ -1,0 +1,40 @@
+# One calibration for each set of recordings and each set of conditions.
+rule calibration:
+    input:
+        tracking=f"{FOLDER}/.tracking",
+        recordings=lambda wildcards: STUDY.recordings[wildcards.recordings],
+        surrogates=lambda wildcards: expand(
+            f"{FOLDER}/surrogates/{{condition}}.joblib",
+            condition=STUDY.condition_sets[wildcards.condition_set],
+        ),
+    output:
+        result=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.json",
+        curves=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.curves.csv",
+        figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
+    log:
+        f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
+    conda:
+        "../../envs/palpate.yaml"
+    resources:
+        mlflow_db=1,
+    params:
+        study=STUDY_FILE,
+        data=DATA,
+        settings=STUDY.calibration,
+        seed=STUDY.seed,
+        code=CODE,
+    script:
+        "../../scripts/calibration.py"
+
+
+rule main_calibration:
+    input:
+        f"{FOLDER}/{{recordings}}/calibrations/all.json",
+    output:
+        f"{FOLDER}/{{recordings}}/calibration.json",
+    log:
+        f"{FOLDER}/logs/main_calibration_{{recordings}}.log",
+    conda:
+        "../../envs/palpate.yaml"
+    shell:
+        "cp {input} {output} 2> {log}"

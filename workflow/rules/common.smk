@@ -1,0 +1,42 @@
+# What all rules share: the checked study, its plan of snapshots, and the identity of this execution.
+import datetime
+import os
+import re
+import sys
+
+os.environ.setdefault(
+    "PALPATE_EXECUTION", datetime.datetime.now().strftime("%Y-%m-%d %H:%M:%S")
+)
+os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
+os.environ.setdefault("DO_NOT_TRACK", "true")
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+from palpate import snapshots
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.observations import check_given
+
+STUDY_FILE = (
+    str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
+)
+try:
+    STUDY = load_study(STUDY_FILE, data=config.get("data"))
+    check_given(STUDY)
+except InputError as error:
+    print(f"palpate: {error}", file=sys.stderr)
+    sys.exit(2)
+
+FOLDER = f"results/{STUDY.name}"
+BATCHES = snapshots.plan(STUDY)
+CALIBRATED = [
+    condition.name for condition in STUDY.conditions if condition.role == "calibrate"
+]
+CODE = snapshots.physics_fingerprint()
+DATA = config.get("data")
+
+
+wildcard_constraints:
+    recordings="|".join(map(re.escape, STUDY.recordings)) or "none",
+    condition="|".join(map(re.escape, CALIBRATED)),
+    condition_set="|".join(map(re.escape, STUDY.condition_sets)),
