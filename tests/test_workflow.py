@@ -1,0 +1,143 @@
+"""The workflow from a tiny study to its report, and what it must never do: recompute, lose, or start on bad input."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+ROOT = Path(__file__).parent.parent
+TINY = {
+    "study": "tiny",
+    "material": {"model": "nonlinear_burgers", "poisson_ratio": 0.34, "transient_exponent": 0.4},
+    "parameters": {
+        "youngs_modulus": [3.0, 3.5],
+        "steady_coefficient": [0.05, 0.1],
+        "steady_exponent": [0.2],
+        "transient_coefficient": [0.24],
+        "retardation_time": [0.25],
+    },
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "points": 20,
+    "cells_per_job": 2,
+    "conditions": [
+        {"name": "T030", "max_load": 1.0, "loading_time": 30, "unloading_time": 30},
+        {"name": "T100", "max_load": 1.0, "loading_time": 100, "unloading_time": 100},
+        {"name": "V030", "max_load": 0.5, "loading_time": 30, "unloading_time": 30, "role": "validate"},
+    ],
+    "condition_sets": {"fast": ["T030"]},
+    "recordings": {"virtual": "results/tiny/recordings/virtual"},
+    "calibration": {"population": 20, "generations": 10},
+    "laboratory": {
+        "virtual": {
+            "seed": 1,
+            "parameters": {
+                "youngs_modulus": 3.2,
+                "steady_coefficient": 0.08,
+                "steady_exponent": 0.2,
+                "transient_coefficient": 0.24,
+                "retardation_time": 0.25,
+            },
+        }
+    },
+}
+
+
+def snakemake(folder, *arguments, study=None):
+    (folder / "study.yaml").write_text(yaml.safe_dump(study or TINY))
+    command = [sys.executable, "-m", "snakemake", "--cores", "2", "--configfile", "study.yaml", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("workflow")
+    for name in ("Snakefile", "workflow", "scripts", "envs"):
+        source = ROOT / name
+        (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
+    run = snakemake(folder)
+    assert run.returncode == 0, run.stderr[-3000:]
+    return folder
+
+
+def test_results_are_where_the_contract_says(finished):
+    results = finished / "results/tiny"
+    calibration = json.loads((results / "virtual/calibration.json").read_text())
+    assert set(calibration["conditions"]) == {"T030", "T100", "V030"}
+    for entry in calibration["conditions"].values():
+        assert {"rmse_nm", "r2", "mean_abs_error_nm", "percent_error", "role"} <= set(entry)
+    for entry in calibration["parameters"].values():
+        assert {"estimate", "lower", "upper", "identified"} <= set(entry)
+    assert (results / "virtual/calibrations/fast.json").exists()
+    assert len(pd.read_csv(results / "virtual/errors.csv")) == 3
+    page = (results / "report.html").read_text()
+    assert "synthetic" in page
+    assert page.count("<img") == 5
+
+
+def test_estimates_hold_the_truth(finished):
+    table = pd.read_csv(finished / "results/tiny/virtual/parameters.csv")
+    free = table[(table["condition_set"] == "all") & table["identified"]]
+    assert len(free) >= 1
+    assert ((free["lower"] <= free["truth"]) & (free["truth"] <= free["upper"])).all()
+
+
+def test_every_surrogate_and_fit_is_a_run_under_one_parent(finished):
+    import mlflow
+
+    client = mlflow.MlflowClient(f"sqlite:///{finished}/results/mlflow.db")
+    experiment = client.get_experiment_by_name("tiny")
+    runs = client.search_runs([experiment.experiment_id])
+    kinds = sorted(run.data.tags["kind"] for run in runs)
+    assert kinds == ["calibration", "calibration", "surrogate", "surrogate", "workflow"]
+    parent = next(run.info.run_id for run in runs if run.data.tags["kind"] == "workflow")
+    assert all(run.data.tags["mlflow.parentRunId"] == parent for run in runs if run.info.run_id != parent)
+
+
+def test_nothing_is_left_to_do(finished):
+    run = snakemake(finished, "--dry-run")
+    assert "Nothing to be done" in run.stdout + run.stderr
+
+
+def test_a_new_level_recomputes_no_snapshot_that_exists(finished):
+    store = finished / "results/store"
+    before = {file: file.stat().st_ino for file in store.rglob("*.npz")}
+    study = TINY | {"parameters": TINY["parameters"] | {"youngs_modulus": [3.0, 3.25, 3.5]}}
+    run = snakemake(finished, "results/tiny/snapshots.csv", study=study)
+    assert run.returncode == 0, run.stderr[-3000:]
+    after = {file: file.stat().st_ino for file in store.rglob("*.npz")}
+    assert len(after) == 12
+    assert all(after[file] == inode for file, inode in before.items())
+
+
+def test_lost_targets_come_back_from_the_store(finished):
+    run = snakemake(finished)
+    assert run.returncode == 0, run.stderr[-3000:]
+    stored = {file: file.stat().st_mtime_ns for file in (finished / "results/store").rglob("*.npz")}
+    inodes = {file.stat().st_ino for file in stored}
+    shutil.rmtree(finished / "results/tiny/snapshots/T030")
+    run = snakemake(finished, "results/tiny/snapshots.csv")
+    assert run.returncode == 0, run.stderr[-3000:]
+    assert {file.stat().st_ino for file in (finished / "results/tiny/snapshots/T030").iterdir()} <= inodes
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"materiall": {}}, ["materiall", "did you mean 'material'"]),
+        ({"parameters": TINY["parameters"] | {"youngs_modulus": [-3.0]}}, ["youngs_modulus", "-3"]),
+        ({"recordings": {"virtual": "results/x", "own": "missing"}}, ["missing", "folder"]),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_exit_code_two(finished, change, words):
+    run = snakemake(finished, study=TINY | change)
+    lines = [line for line in run.stderr.splitlines() if line.startswith("palpate:")]
+    assert run.returncode == 2
+    assert len(lines) == 1
+    assert "Traceback" not in run.stderr
+    for word in words:
+        assert word in lines[0]
