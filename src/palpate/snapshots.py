@@ -82,18 +82,23 @@ def physics_fingerprint() -> str:
     for part in PHYSICS:
         files = [root / part] if part.endswith(".py") else sorted((root / part).rglob("*.py"))
         for file in files:
-            tree = ast.parse(file.read_text(encoding="utf-8"))
-            for node in ast.walk(tree):
-                body = getattr(node, "body", None)
-                if (
-                    isinstance(body, list)
-                    and body
-                    and isinstance(body[0], ast.Expr)
-                    and isinstance(body[0].value, ast.Constant)
-                ):
-                    node.body = body[1:]  # type: ignore[attr-defined]
+            tree = without_docstrings(ast.parse(file.read_text(encoding="utf-8")))
             digest.update(f"{file.relative_to(root)}\n{ast.dump(tree)}".encode())
     return digest.hexdigest()
+
+
+def without_docstrings(tree: ast.AST) -> ast.AST:
+    """Return a syntax tree less the docstrings of its module, classes and functions (changed in place)."""
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if (
+            isinstance(body, list)
+            and body
+            and isinstance(body[0], ast.Expr)
+            and isinstance(body[0].value, ast.Constant)
+        ):
+            node.body = body[1:]  # type: ignore[attr-defined]
+    return tree
 
 
 def address(specification: Specification) -> str:

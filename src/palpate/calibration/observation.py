@@ -47,7 +47,7 @@ class Observation:
 
     @classmethod
     def from_recordings(cls, time: np.ndarray, recordings: Sequence[Recording], role: str = "calibrate") -> Observation:
-        """Resample recordings on the sample times, linearly.
+        """Resample recordings on the sample times, linearly; before its first point a recording starts at (0, 0).
 
         Raises
         ------
@@ -60,7 +60,8 @@ class Observation:
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        return cls(time, np.array([np.interp(time, r.time, r.depth) for r in recordings]), role)
+        curves = [np.interp(time, np.append(0.0, r.time), np.append(0.0, r.depth)) for r in recordings]
+        return cls(time, np.array(curves), role)
 
     @property
     def mean(self) -> np.ndarray:

@@ -1,0 +1,221 @@
+"""Bad studies and recordings are refused with file, place and remedy; good ones mean what they say."""
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate.cli import main
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.observations import check, observations
+from palpate.protocol import recorded, trapezoid
+from palpate.recording import Recording, read_recording
+
+STUDY = {
+    "study": "s",
+    "material": {"model": "nonlinear_burgers", "poisson_ratio": 0.34},
+    "parameters": {
+        "youngs_modulus": [3.0, 3.5],
+        "steady_coefficient": [0.05, 0.1],
+        "steady_exponent": [0.2],
+        "transient_coefficient": [0.24],
+        "transient_exponent": [0.4],
+        "retardation_time": [0.25],
+    },
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "conditions": [{"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
+}
+
+
+def load(folder, **changes):
+    file = folder / "study.yaml"
+    file.write_text(yaml.safe_dump(STUDY | changes, sort_keys=False))
+    return load_study(file)
+
+
+def test_defaults_and_order(tmp_path):
+    study = load(tmp_path)
+    assert study.condition_sets == {"all": ("P1_T30",)}
+    assert len(study.cells) == 4
+    assert study.cells[1] == {**study.cells[0], "steady_coefficient": 0.1}
+    assert study.free_parameters == ("youngs_modulus", "steady_coefficient")
+    assert (study.points, study.kinematics, study.calibration["population"]) == (100, "small", 200)
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"conditons": []}, "conditons", "did you mean 'conditions'"),
+        ({"calibration": {"popolation": 3}}, "calibration.popolation", "did you mean 'population'"),
+        ({"material": {"model": "burgers"}}, "material.model", "nonlinear_burgers"),
+        ({"material": {"model": "nonlinear_burgers", "poisson_ratio": 0.5}}, "material.poisson_ratio", "0.4999"),
+        ({"material": {"model": "nonlinear_burgers"}}, "parameters", "poisson_ratio"),
+        ({"parameters": STUDY["parameters"] | {"youngs_modulus": [3.0, -1.0]}}, "parameters.youngs_modulus", "-1"),
+        ({"parameters": STUDY["parameters"] | {"steady_exponent": []}}, "parameters.steady_exponent", ""),
+        ({"parameters": STUDY["parameters"] | {"steadyexponent": [1]}}, "parameters.steadyexponent", "did you mean"),
+        ({"indenter": {"shape": "cone", "half_angle": 7.03}}, "indenter.half_angle", "20 to 89"),
+        ({"indenter": {"shape": "cone", "half_angle": 70.3, "friction": 3}}, "indenter.friction", "0 to 0.5"),
+        ({"indenter": {"shape": "con"}}, "indenter.shape", "cone"),
+        ({"conditions": [STUDY["conditions"][0]] * 2}, "conditions", "twice"),
+        ({"conditions": [{"name": "a", "max_load": 1.0}]}, "conditions[0]", "loading_time"),
+        ({"conditions": [STUDY["conditions"][0] | {"role": "validate"}]}, "conditions", "calibrate"),
+        ({"condition_sets": {"fast": ["P1_T3"]}}, "condition_sets.fast", "did you mean 'P1_T30'"),
+        ({"kinematics": "huge"}, "kinematics", ""),
+    ],
+)
+def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, words):
+    with pytest.raises(InputError) as caught:
+        load(tmp_path, **change)
+    message = str(caught.value)
+    assert str(tmp_path / "study.yaml") in message
+    assert place in str(caught.value.place)
+    assert words in message
+    assert "\n" not in message
+
+
+def test_broken_yaml_names_the_line(tmp_path):
+    file = tmp_path / "study.yaml"
+    file.write_text("study: s\nmaterial: {model: x\nparameters: 3\n")
+    with pytest.raises(InputError, match="line 3"):
+        load_study(file)
+
+
+def curve(n=80, scale=1.0, end=60.0):
+    protocol = trapezoid(1.0, 30.0, 0.0, 30.0, points=n)
+    t = protocol.sample_time
+    return t * end / 60.0, protocol.sample_load, 500 * scale * np.sqrt(np.minimum(t, 30) / 30)
+
+
+def write(path, t, load, depth):
+    rows = [f"{a:.6g},{b:.6g},{c:.6g}" for a, b, c in zip(t, load, depth, strict=True)]
+    path.write_text("\n".join(["# note", "time_s,load_mN,depth_nm", *rows]) + "\n")
+
+
+def spoiled(kind):
+    t, load, depth = curve()
+    if kind == "backwards":
+        t[10] = t[9]
+    elif kind == "nan":
+        depth[5] = np.nan
+    elif kind == "micrometres":
+        depth = depth / 1000
+    elif kind == "micronewtons":
+        load = load * 1000
+    elif kind == "few":
+        t, load, depth = t[::16], load[::16], depth[::16]
+    elif kind == "short":
+        t, load, depth = t[:60], load[:60], depth[:60]
+    return t, load, depth
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("backwards", "time does not increase"),
+        ("nan", "not a number"),
+        ("micrometres", "micrometres"),
+        ("micronewtons", "uN"),
+        ("few", "fewer than"),
+        ("short", "ends after"),
+    ],
+)
+def test_a_bad_recording_is_refused_by_name(tmp_path, kind, words, capsys):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    write(folder / "P1_T30_1.csv", *spoiled(kind))
+    load(tmp_path, recordings={"lab": str(folder)})
+    assert main(["check", str(tmp_path / "study.yaml")]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1
+    assert "P1_T30_1.csv" in lines[0]
+    assert words in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "empty"),
+        ("time,load,depth\n0,0,0\n", "header"),
+        ("time_s,load_mN,depth_nm\n0,0,0\n1,abc,2\n", "line 3"),
+        ("time_s,load_mN,depth_nm\n0;0;0\n", "line 2"),
+    ],
+)
+def test_a_malformed_file_is_refused_with_its_line(tmp_path, text, words):
+    file = tmp_path / "r.csv"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_recording(file)
+    assert words in str(caught.value)
+    assert str(file) in str(caught.value)
+
+
+def test_missing_recordings_and_strange_files(tmp_path):
+    folder = tmp_path / "recordings"
+    study = load(tmp_path, recordings={"lab": str(folder)})
+    with pytest.raises(InputError, match="folder is missing"):
+        check(study, "lab")
+    folder.mkdir()
+    with pytest.raises(InputError, match="no recording of condition"):
+        check(study, "lab")
+    write(folder / "P2_T30_1.csv", *curve())
+    with pytest.raises(InputError, match="CONDITION_REPLICATE"):
+        check(study, "lab")
+
+
+def test_good_recordings_are_resampled(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    write(folder / "P1_T30_1.csv", *curve(160))
+    write(folder / "P1_T30_2.csv", *curve(100, scale=1.01))
+    item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
+    assert item.depth.shape == (2, 100)
+    assert (item.depth[1] / item.depth[0])[5:] == pytest.approx(1.01, abs=2e-3)
+
+
+def test_recordings_survive_writing(tmp_path):
+    one = Recording(*curve(), name="a", notes=("hello",))
+    one.write(tmp_path / "a.csv")
+    other = read_recording(tmp_path / "a.csv")
+    assert other.depth == pytest.approx(one.depth, rel=1e-8)
+    assert other.notes == ("hello",)
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_recorded_history_is_thinned_within_its_tolerance():
+    t = np.linspace(0, 60, 5000)
+    load = np.interp(t, [0, 30, 40, 60], [0, 5, 5, 0]) + 1e-3 * np.sin(40 * t)
+    protocol = recorded(t, load)
+    assert len(protocol.knot_time) < 60
+    assert np.abs(protocol.load_at(t) - load).max() < 2e-3 * load.max() + 1e-3
+
+
+def test_trapezoid_samples_all_corners():
+    protocol = trapezoid(2.0, 10.0, 3.0, 5.0, points=31)
+    assert len(protocol.sample_time) == 31
+    for corner in (10.0, 13.0, 18.0):
+        assert np.isclose(protocol.sample_time, corner).any()
+    assert protocol.sample_load[-1] == 0.0
+
+
+def test_simulate_writes_a_recording_and_refuses_bad_specifications(tmp_path, capsys):
+    spec = {
+        "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+    }
+    file, out = tmp_path / "spec.yaml", tmp_path / "curve.csv"
+    file.write_text(yaml.safe_dump(spec))
+    assert main(["simulate", str(file), "-o", str(out)]) == 0
+    assert len(read_recording(out)) == 12
+    for change, words in (
+        ({"protocl": {}}, "protocl"),
+        ({"protocol": {"max_load": -1, "loading_time": 1, "unloading_time": 1}}, "max_load"),
+        ({"indenter": {"shape": "cone", "half_angle": 70.3, "friction": 3}}, "indenter.friction"),
+        ({"accuracy": "best"}, "accuracy"),
+    ):
+        file.write_text(yaml.safe_dump(spec | change))
+        assert main(["simulate", str(file), "-o", str(out)]) == 2
+        line = capsys.readouterr().err.strip()
+        assert str(file) in line
+        assert words in line
+        assert "\n" not in line
