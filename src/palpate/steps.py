@@ -62,6 +62,9 @@ def run_calibration(
 ) -> tuple[Calibration, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
 
+    The solver confirms at `accuracy: fine`, whatever the snapshots were made with: what the surrogate lacks of it at the
+    estimate is added to the surrogate, so the discretisation error of the snapshots does not bias the estimate.
+
     Returns
     -------
     calibration, curves
@@ -79,7 +82,7 @@ def run_calibration(
     def confirm(values: dict[str, float]) -> dict[str, np.ndarray]:
         depths = {}
         for condition in study.conditions:
-            simulation = simulate(study.specification(values, condition))
+            simulation = simulate(study.specification(values, condition, accuracy="fine"))
             if simulation.status != "ok":
                 raise PalpateError(f"{condition.name} at {values}: {simulation.reason}")
             depths[condition.name] = simulation.depth

@@ -11,7 +11,8 @@ not blow up the intervals of those it is correlated with beyond what its bounds 
 estimate +- t sqrt(v_k), with Student's t for Satterthwaite's degrees of freedom, since the scatter between sites rests
 on a handful of recordings; v_k is multiplied by chi^2 per degree of freedom where that exceeds 1 (Birge's ratio).
 
-A parameter is identified when its interval is narrower than its bounds and its estimate does not lie on one of them.
+A parameter is identified when its interval is narrower than half the range between its bounds and its estimate does
+not lie on one of them: an interval that fills most of the range says little more than the range did.
 Intervals are reported within the bounds, because nothing outside was simulated.
 """
 
@@ -29,6 +30,7 @@ from palpate.calibration.polish import WeightedFit
 
 PRIOR_INFORMATION = 12.0
 AT_BOUND = 1e-3
+WIDEST_IDENTIFIED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,7 @@ def intervals(
         half_width = half_width * np.sqrt(variance)
     at_bound = (u < AT_BOUND) | (u > 1 - AT_BOUND)
     correlation = covariance / np.outer(spread, spread)
-    return Intervals(half_width, at_bound, (2 * half_width < 1.0) & ~at_bound, correlation, ratio)
+    return Intervals(half_width, at_bound, (2 * half_width < WIDEST_IDENTIFIED) & ~at_bound, correlation, ratio)
 
 
 def freedom(

@@ -38,5 +38,5 @@ def mark_synthetic(figure: Figure, synthetic: bool) -> None:
     """Say on the figure itself that the recordings are not measured."""
     if synthetic:
         figure.text(
-            0.995, 0.002, "synthetic recordings", ha="right", va="bottom", color="0.45", fontsize=7, style="italic"
+            0.995, 0.995, "synthetic recordings", ha="right", va="top", color="0.45", fontsize=7, style="italic"
         )

@@ -1,0 +1,45 @@
+"""Cost and accuracy of one snapshot on one core: pytest benchmarks --benchmark-only (set OMP_NUM_THREADS=1)."""
+
+import resource
+
+import numpy as np
+import pytest
+
+from palpate.model import Specification, simulate
+
+BURGERS = {
+    "model": "nonlinear_burgers",
+    "youngs_modulus": 3.28,
+    "poisson_ratio": 0.34,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.20,
+    "transient_coefficient": 0.24,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+
+
+def specification(kinematics="small", accuracy="standard", time=30.0):
+    return Specification.from_mapping(
+        {
+            "material": BURGERS,
+            "indenter": {"shape": "cone", "half_angle": 70.3},
+            "protocol": {"max_load": 1.0, "loading_time": time, "unloading_time": time, "points": 100},
+            "kinematics": kinematics,
+            "accuracy": accuracy,
+        }
+    )
+
+
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+@pytest.mark.parametrize("time", [30.0, 240.0])
+def test_snapshot(benchmark, kinematics, time):
+    spec = specification(kinematics, time=time)
+    simulate(spec)
+    simulation = benchmark.pedantic(simulate, args=(spec,), rounds=10)
+    fine = simulate(specification(kinematics, "fine", time))
+    benchmark.extra_info["largest_deviation_from_fine_percent"] = float(
+        100 * np.abs(simulation.depth / fine.depth - 1).max()
+    )
+    benchmark.extra_info["solver_seconds"] = simulation.solver_seconds
+    benchmark.extra_info["peak_memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
