@@ -7,6 +7,7 @@ import yaml
 from palpate import snapshots
 from palpate.config import load_study
 from palpate.errors import PalpateError
+from palpate.fingerprint import without_docstrings
 from palpate.model import Simulation
 
 STUDY = {
@@ -102,6 +103,6 @@ def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():
     import ast
 
     plain, commented, other = '"""A."""\nx = 1\n', '"""B."""\nx = 1  # one\n', "x = 2\n"
-    dumps = [ast.dump(snapshots.without_docstrings(ast.parse(code))) for code in (plain, commented, other)]
+    dumps = [ast.dump(without_docstrings(ast.parse(code))) for code in (plain, commented, other)]
     assert dumps[0] == dumps[1]
     assert dumps[0] != dumps[2]

@@ -7,7 +7,6 @@ never recomputes a snapshot that exists, and a job that was killed loses only th
 
 from __future__ import annotations
 
-import ast
 import functools
 import hashlib
 import json
@@ -23,9 +22,8 @@ import pandas as pd
 
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
+from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.model import Simulation, Specification, simulate
-
-PHYSICS = ("fem", "materials", "mechanisms", "indenters.py", "protocol.py", "model.py")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,33 +72,6 @@ class Batch:
     files: tuple[str, ...]
 
 
-@functools.cache
-def physics_fingerprint() -> str:
-    """Return a hash of the code that decides a curve; comments, layout and docstrings do not change it."""
-    root = Path(__file__).parent
-    digest = hashlib.sha256()
-    for part in PHYSICS:
-        files = [root / part] if part.endswith(".py") else sorted((root / part).rglob("*.py"))
-        for file in files:
-            tree = without_docstrings(ast.parse(file.read_text(encoding="utf-8")))
-            digest.update(f"{file.relative_to(root)}\n{ast.dump(tree)}".encode())
-    return digest.hexdigest()
-
-
-def without_docstrings(tree: ast.AST) -> ast.AST:
-    """Return a syntax tree less the docstrings of its module, classes and functions (changed in place)."""
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if (
-            isinstance(body, list)
-            and body
-            and isinstance(body[0], ast.Expr)
-            and isinstance(body[0].value, ast.Constant)
-        ):
-            node.body = body[1:]  # type: ignore[attr-defined]
-    return tree
-
-
 def address(specification: Specification) -> str:
     """Return the address of the curve that `specification` decides."""
     protocol, indenter = specification.protocol, specification.indenter
@@ -111,7 +82,7 @@ def address(specification: Specification) -> str:
         "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
         "kinematics": specification.kinematics,
         "accuracy": specification.accuracy,
-        "physics": physics_fingerprint(),
+        "physics": fingerprint(*PHYSICS),
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 

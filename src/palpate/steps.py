@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -57,13 +57,36 @@ def settings_of(study: Study) -> CalibrationSettings:
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
+class SolvedCurves(Mapping):
+    """The solver's curves at given parameters by condition, at `accuracy: fine`, each solved when first asked for."""
+
+    def __init__(self, study: Study, values: Mapping[str, float]):
+        self._study, self._values = study, dict(values)
+        self._depths: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._depths:
+            condition = self._study.condition(name)
+            simulation = simulate(self._study.specification(self._values, condition, accuracy="fine"))
+            if simulation.status != "ok":
+                raise PalpateError(f"{name} at {self._values}: {simulation.reason}")
+            self._depths[name] = simulation.depth
+        return self._depths[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return (condition.name for condition in self._study.conditions)
+
+    def __len__(self) -> int:
+        return len(self._study.conditions)
+
+
 def run_calibration(
     study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
 ) -> tuple[Calibration, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
 
-    The solver confirms at `accuracy: fine`, whatever the snapshots were made with: what the surrogate lacks of it at the
-    estimate is added to the surrogate, so the discretisation error of the snapshots does not bias the estimate.
+    The solver confirms at `accuracy: fine`, whatever the snapshots were made with: what the surrogate lacks of it at
+    the estimate is added to the surrogate, so the discretisation error of the snapshots does not bias the estimate.
 
     Returns
     -------
@@ -79,15 +102,6 @@ def run_calibration(
         for name, item in measured.items()
     }
 
-    def confirm(values: dict[str, float]) -> dict[str, np.ndarray]:
-        depths = {}
-        for condition in study.conditions:
-            simulation = simulate(study.specification(values, condition, accuracy="fine"))
-            if simulation.status != "ok":
-                raise PalpateError(f"{condition.name} at {values}: {simulation.reason}")
-            depths[condition.name] = simulation.depth
-        return depths
-
     result = calibrate(
         models,
         judged,
@@ -95,7 +109,7 @@ def run_calibration(
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        confirm=confirm,
+        confirm=lambda values: SolvedCurves(study, values),
     )
     tables = []
     for condition in study.conditions:

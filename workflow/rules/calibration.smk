@@ -22,7 +22,7 @@ rule calibration:
         data=DATA,
         settings=STUDY.calibration,
         seed=STUDY.seed,
-        code=CODE,
+        code=CALIBRATION_CODE + FIGURE_CODE,
     script:
         "../../scripts/calibration.py"
 

@@ -15,6 +15,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 from palpate import snapshots
 from palpate.config import load_study
 from palpate.errors import InputError
+from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import check_given
 
 STUDY_FILE = (
@@ -32,7 +33,10 @@ BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
-CODE = snapshots.physics_fingerprint()
+PHYSICS_CODE = fingerprint(*PHYSICS)
+SURROGATE_CODE = fingerprint("surrogate", "steps.py")
+CALIBRATION_CODE = fingerprint(*PHYSICS, "calibration", "observations.py", "recording.py", "steps.py")
+FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 DATA = config.get("data")
 
 

@@ -15,7 +15,7 @@ for laboratory, settings in STUDY.laboratory.items():
         params:
             laboratory=laboratory,
             settings=settings,
-            code=CODE,
+            code=PHYSICS_CODE,
         script:
             "../../scripts/laboratory.py"
 

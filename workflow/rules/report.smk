@@ -18,6 +18,7 @@ rule tables:
     params:
         study=STUDY_FILE,
         data=DATA,
+        code=FIGURE_CODE,
     script:
         "../../scripts/tables.py"
 
@@ -32,6 +33,7 @@ rule surrogate_figure:
     conda:
         "../../envs/palpate.yaml"
     params:
+        code=FIGURE_CODE,
         title=f"Surrogates of {STUDY.title}",
     script:
         "../../scripts/surrogate_figure.py"
@@ -55,5 +57,6 @@ rule report:
     params:
         study=STUDY_FILE,
         data=DATA,
+        code=FIGURE_CODE,
     script:
         "../../scripts/report.py"

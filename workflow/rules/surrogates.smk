@@ -41,5 +41,6 @@ rule surrogate:
         data=DATA,
         settings=STUDY.surrogate,
         levels=STUDY.levels,
+        code=SURROGATE_CODE,
     script:
         "../../scripts/surrogate.py"

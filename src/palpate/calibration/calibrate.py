@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.confirm import Confirm, correct
+from palpate.calibration.confirm import Confirm, confirm_and_correct
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import OBJECTIVES, check_measurable
@@ -40,7 +40,7 @@ class CalibrationSettings:
         Relative discretisation error of the forward model, standard deviation [-]; the default is that of
         `accuracy: standard` against `accuracy: fine` (0.2 to 0.4 % too stiff, the same at all rates).
     corrections
-        Largest number of times the polish is repeated after a confirmation has shown the surrogate's error.
+        Largest number of steps that improve the estimate by the forward model itself, after its confirmation.
     """
 
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
@@ -73,9 +73,8 @@ def calibrate(
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
     The genetic search minimises the thesis' objectives on the mean curves. Its best points are polished by
-    generalised least squares with the noise of the recordings. Each confirmation then adds the surrogate's error
-    at the estimate to the surrogate, and the polish is repeated until the estimate moves by less than a tenth
-    of its standard deviation: what bias the surrogate has cancels.
+    generalised least squares with the noise of the recordings. With `confirm`, the estimate and its intervals rest on
+    the forward model itself (`palpate.calibration.confirm`); without, on the surrogates and their errors.
 
     Parameters
     ----------
@@ -89,7 +88,7 @@ def calibrate(
         Source of all randomness.
     surrogate_error
         Errors of the surrogate (k, n_points) of each condition [nm], such as `PODRBF.loo_error_`; their second
-        moments join the noise as long as no confirmation has corrected the surrogate.
+        moments join the noise until the forward model takes the surrogate's place.
     confirm
         The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
         validation conditions included.
@@ -113,12 +112,13 @@ def calibrate(
     covariance = block_diag(*(noise[name].mean_covariance(item) for name, item in fitted.items()))
     covariance += model_covariance(measured, settings.solver_error)
     confirmed: Mapping[str, np.ndarray] = {}
-    confirmations: list[dict[str, Any]] = []
+    runs: list[dict[str, Any]] = []
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
     u = fit.solve(starts)
     if confirm is not None:
-        fit = WeightedFit(space, surrogates, measured, covariance)
-        fit, u, confirmed, confirmations = correct(fit, u, confirm, settings.corrections)
+        exact = WeightedFit(space, surrogates, measured, covariance)
+        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections)
+        fit, u, confirmed, runs = confirmation.fit, confirmation.u, confirmation.curves, confirmation.runs
     found = intervals(fit, u, noise, fitted)
     curves = predicted(surrogates, observations, space.physical(u))
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
@@ -128,7 +128,7 @@ def calibrate(
         surrogate_curves=curves,
         fe_curves=dict(confirmed),
         confirmed_by="fe" if confirmed else "surrogate",
-        confirmations=confirmations,
+        confirmations=runs,
         misfit_ratio=found.misfit_ratio,
         correlation=named_matrix(space, found.correlation),
         noise={name: described(noise[name], fitted[name]) for name in fitted},

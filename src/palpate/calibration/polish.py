@@ -1,13 +1,13 @@
 r"""Generalised least squares on the surrogates, inside the bounds.
 
-Minimises chi^2(u) = r^T C^-1 r with r = surrogate(u) + offset - mean measured depth, one condition after
+Minimises chi^2(u) = r^T C^-1 r with r = surrogate(u) - mean measured depth, one condition after
 the other, by SciPy's trust-region reflective method on the whitened residuals L^-1 r, C = L L^T.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -41,28 +41,21 @@ class WeightedFit:
         Mean depth (n_points,) of each condition [nm].
     covariance
         Covariance C (n, n) of all means, one condition after the other in the order of `measured` [nm^2].
-    offset
-        Depth (n_points,) added to the surrogate of a condition [nm]; none where absent.
     """
 
     space: Space
     surrogates: Mapping[str, Predictor]
     measured: Mapping[str, np.ndarray]
     covariance: np.ndarray
-    offset: Mapping[str, np.ndarray] = field(default_factory=dict)
     factor: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "factor", cholesky(self.covariance, lower=True))
 
-    def with_offset(self, offset: Mapping[str, np.ndarray]) -> WeightedFit:
-        """Return the same problem with another offset."""
-        return replace(self, offset=offset)
-
     def curves(self, u: np.ndarray) -> dict[str, np.ndarray]:
-        """Corrected surrogate curve (n_points,) of each condition at scaled coordinates u (k,) [nm]."""
+        """Surrogate curve (n_points,) of each condition at scaled coordinates u (k,) [nm]."""
         x = self.space.physical(u)
-        return {name: self.surrogates[name].predict(x)[0] + self.offset.get(name, 0.0) for name in self.measured}
+        return {name: self.surrogates[name].predict(x)[0] for name in self.measured}
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """Whitened residuals of all conditions, one after the other."""
