@@ -29,7 +29,7 @@ def read(path: Path, raw: bool) -> list[VendorTest]:
     if not starts:
         raise InputError(f"lacks its column line {COLUMNS!r}", remedy="export the test again, with data", file=path)
     start = starts[0]
-    values = table(lines[start + 1 :], start + 2, 3, path)
+    values = table(lines[start + 1 :], start + 2, len(lines[start].split("\t")), path)
     try:
         recording = Recording(values[:, 0], values[:, 2], values[:, 1], name=path.stem, notes=(f"from {path.name}",))
     except InputError as error:

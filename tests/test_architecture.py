@@ -1,0 +1,62 @@
+"""The plan of the house: imports point one way, and the workflow stays outside."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parent.parent / "src/palpate"
+ORDER = [
+    {"errors", "discovery", "fingerprint", "__init__"},
+    {"parameters"},
+    {"protocol", "recording", "indenters"},
+    {"materials"},
+    {"fem"},
+    {"model"},
+    {"readers"},
+    {"config"},
+    {"snapshots", "laboratory"},
+    {"surrogate"},
+    {"calibration"},
+    {"observations"},
+    {"figures", "report"},
+    {"steps"},
+    {"tracking"},
+    {"commands"},
+    {"cli"},
+]
+LEVEL = {name: k for k, names in enumerate(ORDER) for name in names}
+FILES = sorted(SOURCE.rglob("*.py"))
+
+
+def imports(file):
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield from (f"{node.module}.{a.name}" if node.module == "palpate" else node.module for a in node.names)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(SOURCE)))
+def test_imports_point_one_way(file):
+    own = file.relative_to(SOURCE).parts[0].removesuffix(".py")
+    for name in imports(file):
+        assert not name.startswith("snakemake"), "nothing in src knows Snakemake"
+        parts = name.split(".")
+        if parts[0] == "palpate" and len(parts) > 1 and parts[1] != own and parts[1] in LEVEL:
+            assert LEVEL[parts[1]] < LEVEL[own] or (parts[1], own) == ("commands", "cli"), f"{own} imports {parts[1]}"
+
+
+def test_only_scripts_know_the_tracking_module():
+    users = [f for f in FILES if f.name != "tracking.py" and any("tracking" in name for name in imports(f))]
+    assert users == []
+
+
+def test_files_hold_one_idea():
+    long = {str(f.relative_to(SOURCE)): n for f in FILES if (n := len(f.read_text().splitlines())) > 400}
+    assert long == {}
+
+
+def test_scripts_are_thin():
+    for script in (SOURCE.parent.parent / "scripts").glob("*.py"):
+        assert len(script.read_text().splitlines()) <= 35, script.name
