@@ -3,12 +3,17 @@ import datetime
 import os
 import re
 import sys
+from pathlib import Path
 
 os.environ.setdefault(
     "PALPATE_EXECUTION", datetime.datetime.now().strftime("%Y-%m-%d %H:%M:%S")
 )
 os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
 os.environ.setdefault("DO_NOT_TRACK", "true")
+SOURCE = str(Path(workflow.basedir) / "src")
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    filter(None, [SOURCE, os.environ.get("PYTHONPATH")])
+)
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
@@ -35,7 +40,9 @@ CALIBRATED = [
 ]
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")
-CALIBRATION_CODE = fingerprint(*PHYSICS, "calibration", "observations.py", "recording.py", "steps.py")
+CALIBRATION_CODE = fingerprint(
+    *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
+)
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 DATA = config.get("data")
 

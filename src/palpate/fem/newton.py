@@ -149,9 +149,14 @@ def advance(
             problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
             contact, slope, curvature, work.band, work.residual, work.border, reaction,
         )  # fmt: skip
-        if not np.isfinite(corner):
-            raise ConvergenceError("an element turned inside out", time=state.time)
         work.iterations += 1
+        if not np.isfinite(corner):
+            if search is None or search.fraction < 0.01:
+                raise ConvergenceError("an element turned inside out", time=state.time)
+            shorter = search.halve()
+            displacement[free] += shorter * search.direction[:-1]
+            depth += shorter * search.direction[-1]
+            continue
         pulled = contact & (reaction < -TOLERANCE * scale)
         if iteration > 0 and pulled.any() and contact.sum() > 1:
             contact &= ~pulled
@@ -198,6 +203,11 @@ class Search:
     def along(cls, direction: np.ndarray, forces: np.ndarray) -> Search:
         """Begin a search at the point whose out-of-balance `forces` gave the `direction`."""
         return cls(direction, float(direction @ forces))
+
+    def halve(self) -> float:
+        """Return how far to move back to halve the step."""
+        self.fraction *= 0.5
+        return -self.fraction
 
     def shorten(self, forces: np.ndarray) -> float:
         """Return how far to move along the direction again (negative: back), or zero to accept the point."""
