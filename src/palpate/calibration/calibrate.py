@@ -69,6 +69,7 @@ def calibrate(
     settings: CalibrationSettings | None = None,
     surrogate_error: Mapping[str, np.ndarray] | None = None,
     confirm: Confirm | None = None,
+    approximate: Confirm | None = None,
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
@@ -91,7 +92,9 @@ def calibrate(
         moments join the noise until the forward model takes the surrogate's place.
     confirm
         The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
-        validation conditions included.
+        validation conditions included. A mapping that solves a condition when it is asked for saves runs.
+    approximate
+        A cheaper forward model, such as `accuracy: standard`, for the Jacobian; `confirm` when not given.
 
     Raises
     ------
@@ -117,7 +120,7 @@ def calibrate(
     u = fit.solve(starts)
     if confirm is not None:
         exact = WeightedFit(space, surrogates, measured, covariance)
-        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections)
+        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate)
         fit, u, confirmed, runs = confirmation.fit, confirmation.u, confirmation.curves, confirmation.runs
     found = intervals(fit, u, noise, fitted)
     curves = predicted(surrogates, observations, space.physical(u))

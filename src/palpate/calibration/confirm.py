@@ -1,7 +1,7 @@
 r"""Confirmation by the forward model, and the Gauss-Newton steps that free the estimate from the surrogate's error.
 
-A surrogate that is right to half a per cent may still be wrong about the slope of a weak parameter. So the forward model is
-run at the estimate u_0 and, by differences, for its own Jacobian G there; then
+A surrogate that is right to half a per cent may still be wrong about the slope of a weak parameter. So the forward
+model is run at the estimate u_0 and, by differences, for its own Jacobian G there; then
 
     u_{i+1} = argmin chi^2 of h(u_i) + G_i (u - u_i) within the bounds,
 
@@ -74,7 +74,9 @@ class Confirmation:
     runs: list[dict[str, Any]]
 
 
-def confirm_and_correct(fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int) -> Confirmation:
+def confirm_and_correct(
+    fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int, approximate: Confirm | None = None
+) -> Confirmation:
     """Run the forward model at u (k,) and improve u by it until it moves by less than a tenth of its uncertainty.
 
     Parameters
@@ -82,7 +84,9 @@ def confirm_and_correct(fit: WeightedFit, u: np.ndarray, confirm: Confirm, corre
     fit
         The problem with surrogates, covariances without the surrogates' error.
     corrections
-        Largest number of steps; each costs one run, the Jacobian one for each free parameter.
+        Largest number of steps; each costs one run.
+    approximate
+        A cheaper forward model for the differences, which cost one run and one more for each free parameter.
     """
 
     def run(at: np.ndarray) -> tuple[Mapping[str, np.ndarray], float]:
@@ -95,7 +99,7 @@ def confirm_and_correct(fit: WeightedFit, u: np.ndarray, confirm: Confirm, corre
 
     runs: list[dict[str, Any]] = []
     curves, misfit = run(u)
-    slopes = differences(fit, u, curves, confirm)
+    slopes = differences(fit, u, approximate or confirm)
     for _ in range(corrections):
         following = tangent_fit(fit, u, curves, slopes).solve([u])
         step = following - u
@@ -112,10 +116,9 @@ def confirm_and_correct(fit: WeightedFit, u: np.ndarray, confirm: Confirm, corre
     return Confirmation(tangent_fit(fit, u, curves, slopes), u, curves, runs)
 
 
-def differences(
-    fit: WeightedFit, u: np.ndarray, curves: Mapping[str, np.ndarray], confirm: Confirm
-) -> dict[str, np.ndarray]:
+def differences(fit: WeightedFit, u: np.ndarray, confirm: Confirm) -> dict[str, np.ndarray]:
     """Slopes (n_points, k) in scaled coordinates by one-sided differences over 2 % of the ranges, into the bounds."""
+    curves = confirm(fit.space.named(u))
     columns: dict[str, list[np.ndarray]] = {name: [] for name in fit.measured}
     for i in range(len(u)):
         step = np.zeros(len(u))
