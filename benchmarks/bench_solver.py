@@ -5,7 +5,7 @@ import resource
 import numpy as np
 import pytest
 
-from palpate.model import Specification, simulate
+from palpate.model import simulate, specification_from
 
 BURGERS = {
     "model": "nonlinear_burgers",
@@ -20,7 +20,7 @@ BURGERS = {
 
 
 def specification(kinematics="small", accuracy="standard", time=30.0):
-    return Specification.from_mapping(
+    return specification_from(
         {
             "material": BURGERS,
             "indenter": {"shape": "cone", "half_angle": 70.3},

@@ -17,9 +17,9 @@ import yaml
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.model import Specification
 from palpate.protocol import Protocol, recorded, trapezoid
 from palpate.recording import Recording, read_recording
+from palpate.specification import Specification
 
 
 @dataclass(frozen=True)

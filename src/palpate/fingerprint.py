@@ -7,7 +7,7 @@ import functools
 import hashlib
 from pathlib import Path
 
-PHYSICS = ("fem", "materials", "mechanisms", "indenters.py", "protocol.py", "model.py")
+PHYSICS = ("fem", "materials", "mechanisms", "indenters.py", "protocol.py", "specification.py", "model.py")
 
 
 @functools.cache

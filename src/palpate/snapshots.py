@@ -23,7 +23,8 @@ import pandas as pd
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.model import Simulation, Specification, simulate
+from palpate.model import Simulation, simulate
+from palpate.specification import Specification
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +83,7 @@ def address(specification: Specification) -> str:
         "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
         "kinematics": specification.kinematics,
         "accuracy": specification.accuracy,
+        "mechanisms": {key: dict(values) for key, values in specification.mechanisms.items()},
         "physics": fingerprint(*PHYSICS),
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]

@@ -53,21 +53,21 @@ def settings_of(study: Study) -> CalibrationSettings:
     """Return the calibration settings of a study."""
     given = dict(study.calibration)
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
-    own |= {key: given.pop(key) for key in ("corrections", "site_scatter")}
+    own |= {key: given.pop(key) for key in ("corrections", "site_scatter", "solver_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
 class SolvedCurves(Mapping):
-    """The solver's curves at given parameters by condition, at `accuracy: fine`, each solved when first asked for."""
+    """The solver's curves at given parameters by condition, each solved when first asked for."""
 
-    def __init__(self, study: Study, values: Mapping[str, float]):
-        self._study, self._values = study, dict(values)
+    def __init__(self, study: Study, values: Mapping[str, float], accuracy: str):
+        self._study, self._values, self._accuracy = study, dict(values), accuracy
         self._depths: dict[str, np.ndarray] = {}
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._depths:
             condition = self._study.condition(name)
-            simulation = simulate(self._study.specification(self._values, condition, accuracy="fine"))
+            simulation = simulate(self._study.specification(self._values, condition, accuracy=self._accuracy))
             if simulation.status != "ok":
                 raise PalpateError(f"{name} at {self._values}: {simulation.reason}")
             self._depths[name] = simulation.depth
@@ -85,8 +85,8 @@ def run_calibration(
 ) -> tuple[Calibration, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
 
-    The solver confirms at `accuracy: fine`, whatever the snapshots were made with: what the surrogate lacks of it at
-    the estimate is added to the surrogate, so the discretisation error of the snapshots does not bias the estimate.
+    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; differences for its Jacobian are taken
+    at `accuracy: standard`. So neither the surrogate's error nor that of the snapshots' mesh biases the estimate.
 
     Returns
     -------
@@ -109,7 +109,8 @@ def run_calibration(
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        confirm=lambda values: SolvedCurves(study, values),
+        confirm=lambda values: SolvedCurves(study, values, "fine"),
+        approximate=lambda values: SolvedCurves(study, values, "standard"),
     )
     tables = []
     for condition in study.conditions:

@@ -22,12 +22,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 when the solver fails."""
-    from palpate.model import Specification, simulate
+    from palpate.model import simulate, specification_from
 
     path = arguments.specification
     try:
         values = yaml.safe_load(path.read_text(encoding="utf-8"))
-        specification = Specification.from_mapping(values)
+        specification = specification_from(values)
+        simulation = simulate(specification)
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -38,7 +39,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise error.located(file=path) from None
     if not arguments.output.parent.is_dir():
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
-    simulation = simulate(specification)
     if simulation.status != "ok":
         print(f"palpate: {path}: the simulation failed: {simulation.reason}")
         return 1

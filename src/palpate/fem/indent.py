@@ -91,13 +91,14 @@ def contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Protoc
 
 
 def step_times(protocol: Protocol, refine: int) -> np.ndarray:
-    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded start."""
+    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded onset of loading."""
     ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
     ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
     starts = np.concatenate([[0.0], ends[:-1]])
     fine = np.concatenate([np.linspace(a, b, refine + 1)[1:] for a, b in zip(starts, ends, strict=True)])
-    first = fine[0]
-    return np.concatenate([first * GRADED_START, fine])
+    onset = protocol.knot_time[np.flatnonzero(protocol.knot_load > 0)[0] - 1]
+    first = fine[fine > onset * (1 + 1e-9)][0]
+    return np.union1d(fine, onset + (first - onset) * GRADED_START)
 
 
 def indent(

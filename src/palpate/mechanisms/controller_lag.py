@@ -1,0 +1,34 @@
+"""Controller lag: the load that acts trails the recorded one, P_acting(t) = P_recorded(t - lag)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.parameters import Parameter
+from palpate.protocol import Protocol
+from palpate.specification import Specification
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Delay the load history and sample it when the recording does."""
+    lag, protocol = values["lag"], specification.protocol
+    if lag == 0.0:
+        return specification
+    end = protocol.knot_time[-1]
+    inside = protocol.knot_time[(protocol.knot_time > 0) & (protocol.knot_time + lag < end)] + lag
+    knots = np.concatenate([[0.0, lag], inside, [end]])
+    loads = protocol.load_at(np.maximum(knots - lag, 0.0))
+    return replace(specification, protocol=Protocol(knots, loads, protocol.sample_time))
+
+
+MECHANISM = Mechanism(
+    "controller_lag",
+    "controller lag",
+    (Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load"),),
+    {"lag": 0.0},
+    "Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
+    simulate=simulate,
+)

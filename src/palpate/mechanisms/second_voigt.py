@@ -1,0 +1,42 @@
+"""Second Voigt element: part of the strain recovers on a time scale that the base model does not have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.errors import InputError
+from palpate.materials.nonlinear_burgers import VOIGT
+from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.parameters import Parameter
+from palpate.specification import Specification
+
+NAMES = ("coefficient", "exponent", "retardation_time")
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Add one more Voigt element to the law."""
+    present = specification.parameters
+    if VOIGT[0].name not in present:
+        raise InputError(
+            f"{specification.model} has no Voigt element to add to",
+            remedy="use nonlinear_burgers",
+            place="mechanisms.second_voigt",
+        )
+    count = 2
+    while f"{VOIGT[0].name}_{count}" in present:
+        count += 1
+    further = {f"{p.name}_{count}": values[name] for p, name in zip(VOIGT, NAMES, strict=True)}
+    return replace(specification, parameters={**present, **further})
+
+
+MECHANISM = Mechanism(
+    "second_voigt",
+    "second Voigt element",
+    tuple(
+        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning} of the second element")
+        for p, name in zip(VOIGT, NAMES, strict=True)
+    ),
+    {"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
+    "Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
+    simulate=simulate,
+)

@@ -1,0 +1,27 @@
+"""Tip angle: the cone is blunter or sharper than nominal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.errors import InputError
+from palpate.indenters import HALF_ANGLE
+from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.specification import Specification
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Put the true half-angle in place of the nominal one."""
+    if specification.indenter.shape == "sphere":
+        raise InputError("a sphere has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
+    return replace(specification, indenter=replace(specification.indenter, half_angle=values["half_angle"]))
+
+
+MECHANISM = Mechanism(
+    "tip_angle",
+    "tip angle",
+    (HALF_ANGLE,),
+    {"half_angle": 70.3},
+    "Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
+    simulate=simulate,
+)

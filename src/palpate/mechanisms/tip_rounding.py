@@ -1,0 +1,28 @@
+"""Tip rounding: the apex of the cone is a spherical cap that runs tangentially into the flank."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.errors import InputError
+from palpate.indenters import RADIUS
+from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.specification import Specification
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Give the cone a cap."""
+    if specification.indenter.shape == "sphere":
+        raise InputError("a sphere has no apex to round", remedy="use a cone", place="mechanisms.tip_rounding")
+    rounded = replace(specification.indenter, shape="sphero_cone", radius=values["radius"])
+    return replace(specification, indenter=rounded)
+
+
+MECHANISM = Mechanism(
+    "tip_rounding",
+    "tip rounding",
+    (RADIUS,),
+    {"radius": 1e-3},
+    "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
+    simulate=simulate,
+)

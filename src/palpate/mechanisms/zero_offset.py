@@ -1,0 +1,23 @@
+"""Zero offset: contact was found too early or too late, so all depths of a recording are off by a constant."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.parameters import Parameter
+
+
+def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
+    """Add the offset."""
+    return depth + values["offset"]
+
+
+MECHANISM = Mechanism(
+    "zero_offset",
+    "zero offset",
+    (Parameter("offset", "h_0", "nm", -1e5, 1e5, "depth recorded at contact"),),
+    {"offset": 0.0},
+    "ISO 14577-1:2015, section 7.3 (zero point)",
+    record=record,
+)

@@ -1,0 +1,69 @@
+"""Everything that decides a simulated curve, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.indenters import Indenter
+from palpate.materials import LAWS
+from palpate.protocol import Protocol
+
+ACCURACIES = ("standard", "fine")
+KINEMATICS = ("small", "large")
+
+
+@dataclass(frozen=True, eq=False)
+class Specification:
+    """Everything that decides a simulated curve.
+
+    Parameters
+    ----------
+    model
+        Key of the constitutive law.
+    parameters
+        Its parameters by name.
+    indenter, protocol
+        What presses, and how.
+    kinematics
+        ``small`` or ``large`` strains.
+    accuracy
+        ``standard`` or ``fine``.
+    mechanisms
+        Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
+
+    Raises
+    ------
+    InputError
+        On anything unknown, missing or outside its physical range.
+    """
+
+    model: str
+    parameters: Mapping[str, float]
+    indenter: Indenter
+    protocol: Protocol
+    kinematics: str = "small"
+    accuracy: str = "standard"
+    mechanisms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    coefficients: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.model not in LAWS:
+            raise InputError(
+                f"material model {self.model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="model"
+            )
+        for key, value, known in (
+            ("accuracy", self.accuracy, ACCURACIES),
+            ("kinematics", self.kinematics, KINEMATICS),
+        ):
+            if value not in known:
+                raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
+        if self.indenter.friction:
+            raise InputError(
+                f"friction = {self.indenter.friction:g} is not available yet", remedy="use 0", place="indenter.friction"
+            )
+        object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
+        object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
