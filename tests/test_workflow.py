@@ -122,6 +122,7 @@ def test_lost_targets_come_back_from_the_store(finished):
     stored = {file: file.stat().st_mtime_ns for file in (finished / "results/store").rglob("*.npz")}
     inodes = {file.stat().st_ino for file in stored}
     shutil.rmtree(finished / "results/tiny/snapshots/T030")
+    (finished / "results/tiny/snapshots.csv").unlink()
     run = snakemake(finished, "results/tiny/snapshots.csv")
     assert run.returncode == 0, run.stderr[-3000:]
     assert {file.stat().st_ino for file in (finished / "results/tiny/snapshots/T030").iterdir()} <= inodes

@@ -85,8 +85,8 @@ def run_calibration(
 ) -> tuple[Calibration, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
 
-    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; differences for its Jacobian are taken
-    at `accuracy: standard`. So neither the surrogate's error nor that of the snapshots' mesh biases the estimate.
+    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; differences for its Jacobian are
+    taken at `accuracy: standard`. So neither the surrogate's error nor that of the snapshots' mesh biases the estimate.
 
     Returns
     -------
