@@ -13,7 +13,7 @@ def main(snakemake):
     content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
     steps.write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
-    title = f"{study.title}: calibrated on `{condition_set}`"
+    title = f"{study.title}: calibrated on the condition set “{condition_set}”"
     fit.draw(curves, snakemake.output.figure, title, synthetic=recordings in study.laboratory)
     tags = {"recordings": recordings, "condition_set": condition_set}
     with tracking.nested_run(study.name, f"fit {recordings} {condition_set}", "calibration", study.file, tags):

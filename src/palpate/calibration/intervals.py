@@ -12,7 +12,8 @@ estimate +- t sqrt(v_k), with Student's t for Satterthwaite's degrees of freedom
 on a handful of recordings; v_k is multiplied by chi^2 per degree of freedom where that exceeds 1 (Birge's ratio).
 
 A parameter is identified when its interval is narrower than half the range between its bounds and its estimate does
-not lie on one of them: an interval that fills most of the range says little more than the range did.
+not lie on one of them: an interval that fills most of the range says little more than the range did. On a bound the
+least sum of squares lies outside, the quadratic approximation does not hold, and the interval is the whole range.
 Intervals are reported within the bounds, because nothing outside was simulated.
 """
 
@@ -76,6 +77,7 @@ def intervals(
         half_width = student.ppf(0.5 + confidence / 2, freedom(fit, jacobian, covariance, noise, observations))
         half_width = half_width * np.sqrt(variance)
     at_bound = (u < AT_BOUND) | (u > 1 - AT_BOUND)
+    half_width = np.where(at_bound, np.inf, half_width)
     correlation = covariance / np.outer(spread, spread)
     return Intervals(half_width, at_bound, (2 * half_width < WIDEST_IDENTIFIED) & ~at_bound, correlation, ratio)
 

@@ -14,10 +14,11 @@ def draw(summaries: Mapping[str, Mapping[str, Any]], path: str | Path, title: st
     figure, (left, right) = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.6))
     for name, summary in summaries.items():
         left.plot(range(1, len(summary["loo_rms_nm"]) + 1), summary["loo_rms_nm"], label=name)
-        right.semilogy(range(1, len(summary["spectrum"]) + 1), summary["spectrum"], ".-", ms=4)
+        right.semilogy(range(1, len(summary["spectrum"]) + 1), summary["spectrum"], ".-", ms=4, label=name)
     left.set_xlabel("point of the curve")
     left.set_ylabel("leave-one-out error, rms [nm]")
-    left.legend(fontsize=7)
+    left.set_ylim(bottom=0)
+    right.legend(fontsize=7)
     right.set_xlabel("POD mode")
     right.set_ylabel("share of energy")
     right.set_xlim(0.5, 12.5)
