@@ -53,11 +53,19 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
 
 def misfit_sentence(calibration: Mapping) -> str:
-    """Say how far simulation and recordings agree."""
+    """Say how far simulation and recordings agree, and how much can be known of it."""
+    errors = [entry["rmse_nm"] for entry in calibration["conditions"].values()]
+    span = f"Root mean square misfit {min(errors):.3g} to {max(errors):.3g} nm over the conditions."
+    if all(entry["replicates"] == 1 for entry in calibration["noise"].values()):
+        return (
+            f"{span} There are no replicates, so the noise of the recordings is not known: it was taken from the "
+            "misfit itself, which therefore cannot judge the model. Look at the misfit in time: a smooth pattern, "
+            "rather than noise, means that the model lacks something."
+        )
     ratio = calibration["misfit_ratio"]
     if ratio < 1.5:
-        return f"The model explains the recordings to their noise (chi-square per degree of freedom {ratio:.2f})."
+        return f"{span} The model explains the recordings to their noise (chi-square a degree of freedom: {ratio:.2f})."
     return (
-        f"The model does not explain the recordings to their noise: chi-square per degree of freedom is {ratio:.3g}. "
-        "Something is missing from it; intervals are widened accordingly and may still be too narrow."
+        f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
+        f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,7 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
                 lower.set_ylabel("sim. - rec.\n[nm]")
             if k == 0 and row == 0:
                 upper.legend(loc="upper left", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
-    figure.suptitle(title, fontsize=9)
+    figure.suptitle(textwrap.fill(title, 100 if columns > 1 else 52), fontsize=9)
     mark_synthetic(figure, synthetic)
     save(figure, path)
 
