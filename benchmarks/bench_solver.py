@@ -1,6 +1,7 @@
 """Cost and accuracy of one snapshot on one core: pytest benchmarks --benchmark-only (set OMP_NUM_THREADS=1)."""
 
-import resource
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -42,4 +43,12 @@ def test_snapshot(benchmark, kinematics, time):
         100 * np.abs(simulation.depth / fine.depth - 1).max()
     )
     benchmark.extra_info["solver_seconds"] = simulation.solver_seconds
-    benchmark.extra_info["peak_memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def test_memory_of_a_process_that_simulates(benchmark):
+    code = (
+        "import resource, sys; sys.path.insert(0, 'benchmarks'); import bench_solver as b; "
+        "b.simulate(b.specification()); print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+    )
+    run = benchmark.pedantic(subprocess.run, args=([sys.executable, "-c", code],), kwargs={"capture_output": True})
+    benchmark.extra_info["peak_memory_mb"] = float(run.stdout)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from palpate.errors import InputError
 
@@ -100,25 +99,22 @@ def read_recording(path: str | Path) -> Recording:
             file=path,
             place=f"line {number}",
         )
+    rows = []
+    for number, line in body[1:]:
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != 3:
+            raise InputError(
+                f"{line.strip()[:40]!r} is not three numbers",
+                remedy="write time, load and depth with decimal points",
+                file=path,
+                place=f"line {number}",
+            )
+        rows.append(row)
     try:
-        table = pd.read_csv(io.StringIO("\n".join(line for _, line in body)), dtype=float)
-    except (ValueError, pd.errors.ParserError) as error:
-        for line_number, line in body[1:]:
-            cells = line.split(",")
-            try:
-                whole = len([float(cell) for cell in cells]) == 3
-            except ValueError:
-                whole = False
-            if not whole:
-                raise InputError(
-                    f"{line.strip()[:40]!r} is not three numbers",
-                    remedy="write time, load and depth with decimal points",
-                    file=path,
-                    place=f"line {line_number}",
-                ) from error
-        raise
-    try:
-        time, load, depth = (table[key].to_numpy() for key in HEADER.split(","))
+        time, load, depth = np.reshape(rows, (-1, 3)).T
         return Recording(time, load, depth, name=path.stem, notes=notes)
     except InputError as error:
         raise error.located(file=path) from None
