@@ -8,7 +8,7 @@ import pytest
 SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "__init__"},
-    {"parameters"},
+    {"parameters", "yaml_file"},
     {"protocol", "recording", "indenters"},
     {"materials"},
     {"fem", "specification"},

@@ -25,6 +25,9 @@ STUDY = {
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "conditions": [{"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
 }
+TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
+LABORATORY = {"recordings": {"lab": "x"}}
+SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
 
 
 def load(folder, **changes):
@@ -61,6 +64,16 @@ def test_defaults_and_order(tmp_path):
         ({"conditions": [STUDY["conditions"][0] | {"role": "validate"}]}, "conditions", "calibrate"),
         ({"condition_sets": {"fast": ["P1_T3"]}}, "condition_sets.fast", "did you mean 'P1_T30'"),
         ({"kinematics": "huge"}, "kinematics", ""),
+        ({"conditions": [STUDY["conditions"][0] | {"name": "a/b"}]}, "conditions[0].name", "use letters"),
+        ({"surrogate": {"shape": "auto"}}, "surrogate.shape", "loo"),
+        ({"parameters": STUDY["parameters"] | {"youngs_modulus": [float("nan")]}}, "parameters.youngs_modulus", "nan"),
+        ({"recordings": {"snapshots": "x"}}, "recordings", "another name"),
+        ({"laboratory": {"lab": {"parameters": TRUTH}}}, "laboratory.lab", "recordings"),
+        (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs": 3}}}}, "lab.parameters", "youngs"),
+        (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
+        ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
+        ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
+        ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--config data=PATH"),
     ],
 )
 def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, words):
@@ -103,6 +116,9 @@ def spoiled(kind):
         load = load * 1000
     elif kind == "few":
         t, load, depth = t[::16], load[::16], depth[::16]
+    elif kind == "slow":
+        t = np.where(t > 30, 30 + (t - 30) / 3, t)
+        t[-1] = 60.0
     elif kind == "short":
         t, load, depth = t[:60], load[:60], depth[:60]
     return t, load, depth
@@ -117,6 +133,7 @@ def spoiled(kind):
         ("micronewtons", "uN"),
         ("few", "fewer than"),
         ("short", "ends after"),
+        ("slow", "load departs"),
     ],
 )
 def test_a_bad_recording_is_refused_by_name(tmp_path, kind, words, capsys):
@@ -147,6 +164,34 @@ def test_a_malformed_file_is_refused_with_its_line(tmp_path, text, words):
         read_recording(file)
     assert words in str(caught.value)
     assert str(file) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("load_factor", "depth_factor", "words"),
+    [(1, 1, None), (1000, 1, "loads in uN"), (1e-3, 1, "loads in N"), (1, 1e-3, "micrometres"), (1, 1e3, "in pm")],
+)
+def test_mistaken_units_show_even_under_the_recorded_load(tmp_path, load_factor, depth_factor, words):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve()
+    write(folder / "P1_T30_1.csv", t, load_factor * force, depth_factor * depth)
+    history = [{"name": "P1_T30", "load_history": "recorded"}]
+    study = load(tmp_path, recordings={"lab": str(folder)}, conditions=history)
+    if words is None:
+        check(study, "lab")
+    else:
+        with pytest.raises(InputError, match=words):
+            check(study, "lab")
+
+
+def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve(300)
+    write(folder / "P1_T30_1.csv", t, force, depth)
+    write(folder / "P1_T30_2.csv", t + 54.4, force, depth)
+    item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
+    assert item.depth[1] == pytest.approx(item.depth[0], abs=0.5)
 
 
 def test_missing_recordings_and_strange_files(tmp_path):

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
-import yaml
 
 from palpate.errors import InputError
 from palpate.indenters import Indenter
@@ -20,6 +19,9 @@ from palpate.materials import LAWS
 from palpate.protocol import Protocol, recorded, trapezoid
 from palpate.recording import Recording, read_recording
 from palpate.specification import Specification
+from palpate.yaml_file import read_yaml
+
+RESERVED = ("figures", "logs", "recordings", "snapshots", "surrogates")
 
 
 @dataclass(frozen=True)
@@ -132,16 +134,7 @@ def load_study(path: str | Path, data: str | None = None) -> Study:
         With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
     """
     path = Path(path)
-    try:
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f"line {mark.line + 1}" if mark else None
-        raise InputError(
-            "is not valid YAML", remedy="correct the indentation or quotes", file=path, place=place
-        ) from error
+    values = read_yaml(path)
     try:
         return _study(values, path, data)
     except InputError as error:
@@ -158,15 +151,18 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(
             f"material model {model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="material.model"
         )
-    if data is not None and "source" in settings:
-        settings["source"] = {**settings["source"], "file": data}
+    source = _source(settings, data)
     levels = _levels(model, material, values["parameters"])
     try:
         indenter = Indenter.from_mapping(values["indenter"])
     except InputError as error:
         raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
     recordings = {name: Path(folder) for name, folder in values.get("recordings", {}).items()}
-    source = settings.get("source", {})
+    for name in recordings:
+        if name in RESERVED:
+            raise InputError(
+                f"{name!r} is the name of a folder of results", remedy="choose another name", place="recordings"
+            )
     conditions = tuple(
         _condition(k, entry, settings["points"], recordings, source) for k, entry in enumerate(values["conditions"])
     )
@@ -195,13 +191,46 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         laboratory=settings.get("laboratory", {}),
         source=source,
     )
-    for key in study.laboratory:
-        if key not in recordings:
-            raise InputError(
-                f"laboratory {key!r} writes no recordings", remedy="add its folder under recordings", place="laboratory"
-            )
     study.specification(study.cells[0], conditions[0])
+    _check_laboratories(study)
     return study
+
+
+def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
+    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
+    if "source" not in settings:
+        if data is not None:
+            raise InputError("data is given, but the study names no source", remedy="leave data off", place="data")
+        return {}
+    source = {**settings["source"], "file": data or settings["source"]["file"]}
+    for key, known in (
+        ("recordings", list(settings.get("recordings", {}))),
+        ("condition", [entry["name"] for entry in settings["conditions"]]),
+    ):
+        if source[key] not in known:
+            raise InputError(
+                f"{source[key]!r} is not among {', '.join(known) or 'none'}{_suggestion(source[key], known)}",
+                remedy=f"name one of the study's {key.rstrip('s')}s",
+                place=f"source.{key}",
+            )
+    if not Path(source["file"]).is_file():
+        raise InputError(
+            f"the vendor's file {source['file']} is missing",
+            remedy="fetch it and give its place with --config data=PATH",
+            place="source.file",
+        )
+    return source
+
+
+def _check_laboratories(study: Study) -> None:
+    for key, settings in study.laboratory.items():
+        place = f"laboratory.{key}"
+        if key not in study.recordings:
+            raise InputError("it writes no recordings", remedy=f"add the folder of {key} to recordings", place=place)
+        try:
+            study.specification(settings["parameters"], study.conditions[0])
+        except InputError as error:
+            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.parameters") from None
 
 
 def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]) -> dict[str, tuple[float, ...]]:
@@ -222,15 +251,12 @@ def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[fl
                 f"{name} ({parameter.meaning}) is {problem}", remedy="give it once, under material or parameters",
                 place="parameters",
             )  # fmt: skip
-        for owner, values in (
-            ("material", [material.get(name, given.get(name, [0])[0])]),
-            ("parameters", given.get(name, [])),
-        ):
-            for value in values:
-                try:
-                    parameter.check(value)
-                except InputError as error:
-                    raise InputError(error.problem, remedy=error.remedy, place=f"{owner}.{name}") from None
+        owner, values = ("material", [material[name]]) if name in material else ("parameters", given[name])
+        for value in values:
+            try:
+                parameter.check(value)
+            except InputError as error:
+                raise InputError(error.problem, remedy=error.remedy, place=f"{owner}.{name}") from None
     for name, levels in given.items():
         if len(set(levels)) != len(levels):
             raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")
@@ -246,7 +272,7 @@ def _condition(
     if "load_history" in entry:
         if given:
             raise InputError(f"load_history and {given[0]} exclude each other", remedy="keep one", place=place)
-        history = _load_history(entry, recordings, source, place)
+        history = _load_history(entry, recordings, source, place).from_contact()
         protocol = recorded(history.time, history.load, points)
     else:
         missing = [key for key in numbers if key not in entry]
@@ -327,7 +353,9 @@ def _check_schema(values: Any, schema: Mapping[str, Any]) -> None:
             remedy=f"use one of: {', '.join(known)}",
             place=f"{place}.{key}".lstrip("."),
         )
-    raise InputError(error.message, remedy="see the study configuration in the README", place=place or "top level")
+    problem = error.message if len(error.message) <= 160 else f"{error.message[:60]} ... {error.message[-90:]}"
+    remedy = error.schema.get("description", "see the study configuration in the README")
+    raise InputError(problem, remedy=remedy, place=place or "top level")
 
 
 def _suggestion(word: str, known: Any) -> str:

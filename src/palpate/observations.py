@@ -12,11 +12,13 @@ import numpy as np
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
+from palpate.indenters import Indenter
 from palpate.readers import read_vendor_file
 from palpate.recording import Recording, read_recording
 
 LOAD_TOLERANCE = 0.05
-DEPTH_FACTOR = 20.0
+SHALLOWEST = 0.2
+DEEPEST = 30.0
 
 
 def find(study: Study, name: str) -> dict[str, list[Path]]:
@@ -57,8 +59,8 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
     for condition, files in find(study, name).items():
         checked[condition] = []
         for file in files:
-            recording = read_recording(file)
             try:
+                recording = read_recording(file).from_contact()
                 _check_one(study, study.condition(condition), recording)
             except InputError as error:
                 raise error.located(file=file) from None
@@ -74,6 +76,12 @@ def check_given(study: Study) -> None:
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
+    """Check points, load, duration and depth.
+
+    No body is shallower than an elastic one of its modulus, and soft metals in long creep lie within about ten times
+    that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
+    more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
+    """
     count = len(study.levels)
     if len(recording) <= count:
         raise InputError(
@@ -88,39 +96,57 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             place="load_mN",
         )
     duration, needed = recording.time[-1] - recording.time[0], condition.protocol.sample_time[-1]
+    during = recording.time <= needed
+    departure = (recording.load - condition.protocol.load_at(recording.time))[during]
     if duration < 0.95 * needed:
         raise InputError(
             f"ends after {duration:.4g} s, the condition lasts {needed:.4g} s",
             remedy="export the whole test or correct the times",
             place="time_s",
         )
-    elastic = [_elastic_depth(study, condition, modulus) for modulus in _moduli(study)]
+    if np.sqrt(np.mean(departure**2)) > LOAD_TOLERANCE * expected:
+        worst = int(np.argmax(np.abs(departure)))
+        raise InputError(
+            f"the load departs from the condition's, by {departure[worst]:.3g} mN "
+            f"at {recording.time[during][worst]:.4g} s",
+            remedy="correct the times of the condition, or give it `load_history: recorded`",
+            place="load_mN",
+        )
+    elastic = [depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, expected, modulus)]
     depth = recording.depth.max()
-    if depth < min(elastic) / DEPTH_FACTOR:
-        raise InputError(
-            f"the largest depth is {depth:.4g} nm, an elastic body would give {min(elastic):.0f} nm or more; "
-            "are depths in micrometres?",
-            remedy="write depths in nm",
-            place="depth_nm",
-        )
-    if depth > 100 * DEPTH_FACTOR * max(elastic):
-        raise InputError(
-            f"the largest depth is {depth:.4g} nm, far beyond any material of the grid",
-            remedy="write depths in nm",
-            place="depth_nm",
-        )
+    for wrong, words in (
+        (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
+        (depth > DEEPEST * max(elastic), "are depths in pm, or loads in N?"),
+    ):
+        if wrong:
+            raise InputError(
+                f"the largest depth is {depth:.4g} nm, where elastic bodies of the study's moduli give "
+                f"{min(elastic):.4g} to {max(elastic):.4g} nm; {words}",
+                remedy="write depths in nm and loads in mN, or correct the moduli",
+                place="depth_nm",
+            )
 
 
 def _moduli(study: Study) -> Iterable[float]:
     return study.levels.get("youngs_modulus") or (study.fixed["youngs_modulus"],)
 
 
-def _elastic_depth(study: Study, condition: Condition, modulus: float) -> float:
-    """Depth of a purely elastic body [nm]: Sneddon for a cone, Hertz for a sphere; the order is all that matters."""
-    load, indenter = condition.protocol.max_load, study.indenter
+def elastic_depths(indenter: Indenter, load: float, modulus: float) -> list[float]:
+    """Return the depth [nm] of an elastic, incompressible body under the cone (Sneddon) and the sphere (Hertz).
+
+    A rounded cone has both, and its true depth lies between them.
+
+    Parameters
+    ----------
+    load, modulus
+        [mN], [GPa]; the effective modulus is 4/3 of Young's.
+    """
+    reduced, depths = 4 / 3 * modulus, []
     if indenter.half_angle:
-        return 1e3 * float(np.sqrt(0.5 * np.pi * load / modulus * indenter.slope))
-    return 1e3 * float((9 / 16 * (load / modulus) ** 2 / (indenter.radius * 1e-3)) ** (1 / 3))
+        depths.append(1e3 * float(np.sqrt(0.5 * np.pi * load / reduced * indenter.slope)))
+    if indenter.radius:
+        depths.append(1e3 * float((9 / 16 * (load / reduced) ** 2 / (indenter.radius * 1e-3)) ** (1 / 3)))
+    return depths
 
 
 def observations(study: Study, name: str) -> dict[str, Observation]:

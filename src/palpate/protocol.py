@@ -8,6 +8,9 @@ import numpy as np
 
 from palpate.errors import InputError
 
+MOST_KNOTS = 500
+MOST_NOISE = 0.02
+
 
 @dataclass(frozen=True, eq=False)
 class Protocol:
@@ -104,19 +107,41 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
 
     The history is thinned to the corners that keep it within `tolerance` of the largest load everywhere (Douglas and
     Peucker's rule, with the distance measured along the load), so that a long recording costs no more steps than its
-    shape deserves.
+    shape deserves. Where the load's own noise is larger, six of its standard deviations are allowed instead, up to 2 %
+    of the largest load; they are estimated from second differences, which a smooth history leaves near zero.
 
     Parameters
     ----------
     time, load : ndarray, shape (n,)
-        Recorded times [s] and loads [mN]; loads below zero (noise before contact) count as zero, and so does the first.
+        Recorded times [s] and loads [mN] from contact on; loads below zero (noise) count as zero.
     tolerance
         Largest departure, as a fraction of the largest load.
+
+    Raises
+    ------
+    InputError
+        When the history does not begin at zero load (within `tolerance`), or needs more than 500 corners.
     """
-    time = np.asarray(time, dtype=float) - time[0]
-    load = np.clip(np.asarray(load, dtype=float), 0.0, None)
+    time, load = np.asarray(time, dtype=float) - time[0], np.clip(np.asarray(load, dtype=float), 0.0, None)
+    if load[0] > tolerance * load.max():
+        raise InputError(
+            f"the load history begins at {load[0]:.4g} mN", remedy="begin it at contact, at zero load", place="load_mN"
+        )
     load[0] = 0.0
-    allowed = tolerance * load.max()
+    noise = np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6)) if len(load) > 2 else 0.0
+    allowed = max(tolerance * load.max(), min(6 * noise, MOST_NOISE * load.max()))
+    keep = _corners(time, load, allowed)
+    if keep.sum() > MOST_KNOTS:
+        raise InputError(
+            f"the load history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
+            remedy="smooth the recorded load",
+            place="load_mN",
+        )
+    return Protocol(time[keep], load[keep], np.linspace(0.0, time[-1], points + 1)[1:])
+
+
+def _corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:
+    """Return which points (n,) a piecewise linear history must keep to stay within `allowed` of all others."""
     keep = np.zeros(len(time), dtype=bool)
     keep[[0, -1]] = True
     pending = [(0, len(time) - 1)]
@@ -130,4 +155,4 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
         if distance.max() > allowed:
             keep[worst] = True
             pending += [(first, worst), (worst, last)]
-    return Protocol(time[keep], load[keep], np.linspace(0.0, time[-1], points + 1)[1:])
+    return keep

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
+BARELY_LOADED = 1e-3
+RATE_SPAN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +61,44 @@ class Recording:
     def __len__(self) -> int:
         return len(self.time)
 
+    def from_contact(self) -> Recording:
+        """Return the recording with time zero where loading began, and zero load there.
+
+        A recording that begins under load (its first points cut off, or taken after the start) is extended back to
+        zero load and depth at the rate of its first loading. The clock's own zero is kept when loading began within one
+        sampling interval of it.
+
+        Raises
+        ------
+        InputError
+            When the recording begins under load that does not rise.
+        """
+        peak = int(np.argmax(self.load))
+        begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
+        if self.load[0] > BARELY_LOADED * self.load[peak]:
+            early = np.flatnonzero(self.load[:peak] <= self.load[0] + RATE_SPAN * self.load[peak])
+            last = min(max(early[-1], 1) if len(early) else 0, peak)
+            rate = np.polyfit(self.time[: last + 1] - begin, self.load[: last + 1], 1)[0] if last else 0.0
+            if rate <= 0:
+                raise InputError(
+                    f"the recording begins under {self.load[0]:.4g} mN that does not rise",
+                    remedy="export the test from contact on",
+                    place="load_mN",
+                )
+            begin -= self.load[0] / rate
+        if abs(begin) <= interval:
+            begin = 0.0
+        time, load, depth = self.time - begin, self.load, self.depth
+        if time[0] > 0:
+            time, load, depth = (np.append(0.0, values) for values in (time, load, depth))
+        return replace(self, time=time, load=load, depth=depth)
+
     def write(self, path: str | Path) -> None:
         """Write the recording as CSV; the file appears whole or not at all."""
         path = Path(path)
         text = io.StringIO()
         for note in self.notes:
-            text.write(f"# {note}\n")
+            text.write(f"# {' '.join(note.split())}\n")
         text.write(HEADER + "\n")
         np.savetxt(text, np.column_stack([self.time, self.load, self.depth]), fmt="%.9g", delimiter=",")
         partial = path.with_name(path.name + ".partial")

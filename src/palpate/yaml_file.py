@@ -1,0 +1,46 @@
+"""YAML files, read so that a mistake is told with its line and a key given twice is not quietly dropped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from palpate.errors import InputError
+
+
+class _UniqueKeys(yaml.SafeLoader):
+    """PyYAML's safe loader, with repeated keys refused."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.MarkedYAMLError(problem=f"key {key.value!r} is given twice", problem_mark=key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
+def read_yaml(path: str | Path) -> Any:
+    """Return the content of a YAML file.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, is no text, is not valid YAML or gives a key twice; with the line where there is one.
+    """
+    try:
+        return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_UniqueKeys)
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError("is not a text file", remedy="give a YAML file", file=path) from error
+    except yaml.YAMLError as error:
+        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+        raise InputError(
+            f"is not valid YAML ({problem})" if problem else "is not valid YAML",
+            remedy="correct the keys, indentation or quotes",
+            file=path,
+            place=f"line {mark.line + 1}" if mark else None,
+        ) from error

@@ -1,0 +1,98 @@
+"""Every command: exit code 0, or one line on stderr and 2; a simulation that fails is 1."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate import model
+from palpate.cli import main
+
+SPEC = {
+    "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+}
+
+
+@pytest.fixture
+def refused(capsys):
+    def run(*arguments):
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as leaving:
+            code = leaving.code
+        lines = capsys.readouterr().err.splitlines()
+        assert code == 2
+        assert len(lines) == 1, lines
+        return lines[0]
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "COMMAND"),
+        (["simulat"], "simulat"),
+        (["simulate", "spec.yaml"], "-o"),
+        (["read", "x", "-o", "y", "--correct", "gravity"], "gravity"),
+        (["check", "missing.yaml"], "missing.yaml: cannot be read"),
+        (["check", "."], "cannot be read"),
+        (["read", "missing.txt", "-o", "out"], "missing.txt: cannot be read"),
+    ],
+)
+def test_bad_command_lines(tmp_path, monkeypatch, refused, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert words in refused(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: 1\nb: [\n", "line 3"),
+        ("material: {}\nindenter: {}\nmaterial: {}\n", "line 3: is not valid YAML (key 'material' is given twice)"),
+        (b"\xff\xfe\x00", "not a text file"),
+        ("", "table of keys"),
+        ("- 1\n", "table of keys"),
+    ],
+)
+@pytest.mark.parametrize("command", ["simulate", "check"])
+def test_bad_yaml(tmp_path, refused, command, text, words):
+    file = tmp_path / "x.yaml"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    line = refused(command, file, *(["-o", tmp_path / "c.csv"] if command == "simulate" else []))
+    assert str(file) in line
+    assert words in line or command == "check"
+
+
+def test_output_that_cannot_be_written(tmp_path, refused):
+    file = tmp_path / "spec.yaml"
+    file.write_text(yaml.safe_dump(SPEC))
+    assert "folder is missing" in refused("simulate", file, "-o", tmp_path / "no/curve.csv")
+    recording = tmp_path / "a.csv"
+    recording.write_text("time_s,load_mN,depth_nm\n0,0,0\n1,1,1\n")
+    assert str(recording) in refused("read", recording, "-o", recording)
+
+
+def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, capsys):
+    failed = model.Simulation(np.ones(1), np.ones(1), np.ones(1), "failed", "the step became too small", 0.0)
+    monkeypatch.setattr(model, "simulate", lambda specification: failed)
+    file = tmp_path / "spec.yaml"
+    file.write_text(yaml.safe_dump(SPEC))
+    assert main(["simulate", str(file), "-o", str(tmp_path / "c.csv")]) == 1
+    assert "the step became too small" in capsys.readouterr().err
+    assert not (tmp_path / "c.csv").exists()
+
+
+def test_help_needs_no_heavy_imports():
+    code = (
+        "import sys\nfrom palpate.cli import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
+        "print([m for m in ('numba', 'pandas', 'mlflow') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert out.splitlines()[-1] == "[]"
+    assert all(command in out for command in ("simulate", "read", "check"))

@@ -1,0 +1,88 @@
+"""Recordings begin at contact; recorded load histories are followed in few straight pieces."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from palpate.errors import InputError
+from palpate.protocol import MOST_KNOTS, recorded
+from palpate.recording import Recording, read_recording
+
+
+def ramp(start=0.0, clock=0.0, n=401, rate=0.5):
+    """Load at `rate` from contact at time `clock`, held from 10 s to 14 s, recorded from `start` s after contact."""
+    t = np.linspace(0, 20, n)
+    t = t[t >= start]
+    load = rate * np.interp(t, [0, 10, 14, 20], [0, 10, 10, 4])
+    return Recording(t + clock, load, 100 * np.sqrt(np.minimum(t, 10)))
+
+
+@settings(deadline=None)
+@given(clock=st.floats(-50, 500), start=st.floats(0, 2))
+def test_time_zero_is_where_loading_began(clock, start):
+    begun = ramp(start, clock).from_contact()
+    interval = 20 / 400
+    assert begun.time[0] == pytest.approx(0.0, abs=interval)
+    assert begun.load[0] == pytest.approx(0.0, abs=2e-3 * begun.load.max())
+    assert np.all(np.diff(begun.time) > 0)
+    peak = begun.time[np.argmax(begun.load >= begun.load.max() * (1 - 1e-9))]
+    assert peak == pytest.approx(10.0, abs=1.01 * interval)
+
+
+def test_a_clock_that_starts_at_contact_is_kept():
+    first_cut = Recording(*(values[1:] for values in (ramp().time, ramp().load, ramp().depth)))
+    begun = first_cut.from_contact()
+    assert begun.time[1:] == pytest.approx(first_cut.time, abs=0)
+    assert (begun.time[0], begun.load[0], begun.depth[0]) == (0, 0, 0)
+    whole = ramp()
+    assert np.array_equal(whole.from_contact().time, whole.time)
+
+
+def test_a_load_that_never_rises_is_refused():
+    t = np.linspace(0, 10, 50)
+    with pytest.raises(InputError, match="does not rise"):
+        Recording(t, 5 - 0.4 * t, t).from_contact()
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    corners=st.lists(st.tuples(st.floats(1, 50), st.floats(0, 10)), min_size=2, max_size=8),
+    n=st.integers(500, 4000),
+)
+def test_few_knots_follow_a_long_history_to_a_thousandth(corners, n):
+    ends = np.cumsum([0.0, *(duration for duration, _ in corners)])
+    loads = np.array([0.0, *(load for _, load in corners)])
+    loads[1] += 1.0
+    t = np.linspace(0, ends[-1], n)
+    load = np.interp(t, ends, loads)
+    protocol = recorded(t, load)
+    assert np.abs(protocol.load_at(t) - load).max() <= 1e-3 * load.max() * (1 + 1e-9)
+    assert len(protocol.knot_time) <= 3 * len(ends)
+    assert (protocol.knot_time[0], protocol.knot_load[0]) == (0, 0)
+
+
+def test_noise_in_the_load_is_not_followed():
+    t = np.linspace(0, 60, 6000)
+    true = np.interp(t, [0, 30, 60], [0, 5, 0])
+    noisy = true + 0.01 * np.random.default_rng(1).standard_normal(len(t))
+    noisy[0] = 0.0
+    protocol = recorded(t, noisy)
+    assert len(protocol.knot_time) < 20
+    assert np.abs(protocol.load_at(t) - true).max() < 10 * 0.01
+
+
+def test_a_load_that_wanders_wildly_is_refused():
+    t = np.linspace(0, 100, 5 * MOST_KNOTS)
+    with pytest.raises(InputError, match="corners"):
+        recorded(t, 1 - np.cos(2 * np.pi * t * 4))
+
+
+def test_a_history_under_load_from_the_start_is_refused():
+    with pytest.raises(InputError, match="begins at 2 mN"):
+        recorded(np.array([0.0, 1.0, 2.0]), np.array([2.0, 4.0, 0.0]))
+
+
+def test_notes_stay_on_their_line(tmp_path):
+    Recording([0.0, 1.0], [0.0, 1.0], [0.0, 5.0], notes=("two\nlines",)).write(tmp_path / "a.csv")
+    assert read_recording(tmp_path / "a.csv").notes == ("two lines",)
