@@ -1,5 +1,6 @@
 """Vendors' files against facts that their makers printed in them; foreign and broken files against one clear line."""
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from palpate.cli import main
 from palpate.errors import InputError
 from palpate.readers import READERS, read_vendor_file, select
+from palpate.readers.source import Source
 from palpate.recording import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
@@ -16,6 +18,12 @@ needs_recordings = pytest.mark.skipif(
 )
 ANON = RECORDINGS / "indentationTools.jl/anonNI.TXT"
 LONG = RECORDINGS / "gukin94/HT_V_300mN.TXT"
+XP = RECORDINGS / "micromechanics/FS_XP.xls"
+KLA = RECORDINGS / "micromechanics_indentationGUI/FusedSilica.xlsx"
+STEEL = RECORDINGS / "micromechanics/RobinSteel0000LC.txt"
+HLD = RECORDINGS / "micromechanics/Exp-50mN_0000.hld"
+BRUKER = RECORDINGS / "merrypopins/grain1_6um_indent01_HL_QS_LC.txt"
+RAW, DRIFT, BOTH = frozenset(), frozenset({"drift"}), frozenset({"drift", "frame"})
 
 
 @needs_recordings
@@ -43,6 +51,113 @@ def test_several_tests_side_by_side():
 
 
 @needs_recordings
+def test_xp_raw_channels_hold_the_frame_and_the_drift():
+    pairs = list(zip(read_vendor_file(XP), read_vendor_file(XP, corrections=RAW), strict=True))
+    assert len(pairs) == 9
+    for vendor, raw in pairs:
+        done, bare = vendor.recording, raw.recording
+        assert (done.time[0], done.load[0], done.depth[0]) == (0, 0, 0)
+        assert 111 < done.load.max() < 114
+        terms = np.column_stack([bare.load, bare.time])
+        compliance, drift = np.linalg.lstsq(terms, bare.depth - done.depth, rcond=None)[0]
+        assert 1e6 / compliance == pytest.approx(5.2e6, rel=0.003)
+        assert drift == pytest.approx(float(vendor.metadata["Drift Correction [nm/s]"]), abs=0.001)
+
+
+@needs_recordings
+def test_xp_formula_gives_the_vendor_s_depth():
+    for vendor, own in zip(read_vendor_file(XP), read_vendor_file(XP, corrections=BOTH), strict=True):
+        assert np.abs(own.recording.depth - vendor.recording.depth).max() < 0.09, "drift is printed to 0.001 nm/s"
+
+
+@needs_recordings
+def test_kla_zero_points_are_as_off_as_known():
+    zeros = []
+    for test in read_vendor_file(KLA):
+        r = test.recording
+        first_time = np.append(False, r.load[1:] > np.maximum.accumulate(r.load)[:-1] + 0.002 * r.load.max())
+        loading = first_time & (r.load > 0.1 * r.load.max())
+        slope, zero = np.polyfit(np.sqrt(r.load[loading]), r.depth[loading], 1)
+        assert 1 / slope**2 == pytest.approx(88.15e-6, abs=0.8e-6)
+        zeros.append(zero)
+    assert len(zeros) == 16
+    assert zeros[2] == pytest.approx(855, abs=1)
+    assert zeros[10] == pytest.approx(161, abs=1)
+    assert np.delete(zeros, [2, 10]) == pytest.approx(51, abs=7)
+
+
+@needs_recordings
+def test_hysitron_volts_give_the_corrections_that_were_applied():
+    (vendor,), (raw,), (own,) = (read_vendor_file(STEEL, corrections=chosen) for chosen in (None, RAW, BOTH))
+    assert float(raw.metadata["frame compliance [nm/mN]"]) == pytest.approx(3.4206, abs=5e-4)
+    assert float(raw.metadata["drift [nm/s]"]) == pytest.approx(0.5676, abs=2e-4)
+    assert own.recording.depth == pytest.approx(vendor.recording.depth, abs=1e-9)
+    r = raw.recording
+    expected = 3.4206 * r.load + 0.5676 * r.time
+    assert r.depth - vendor.recording.depth == pytest.approx(expected, abs=0.01)
+
+
+@needs_recordings
+def test_hld_raw_depth_is_what_the_sensor_s_polynomial_gives():
+    (raw,) = read_vendor_file(HLD, corrections=RAW)
+    lines = HLD.read_text(encoding="latin-1").splitlines()
+    start = next(k for k, line in enumerate(lines) if line.startswith("Test Data Points"))
+    volts = np.array([float(line.split("\t")[5]) for line in lines[start + 2 :]])[-len(raw.recording) :]
+    depth = sum(float(raw.metadata[f"Disp C{k}L"].split()[0]) * volts**k for k in range(7))
+    difference = raw.recording.depth - depth
+    assert np.ptp(difference) < 0.1
+    assert raw.recording.load.max() == pytest.approx(50.27, abs=0.05)
+
+
+@needs_recordings
+def test_lines_that_end_with_carriage_returns():
+    (test,) = read_vendor_file(BRUKER)
+    assert test.recording.load.max() == pytest.approx(200, rel=0.01)
+    with pytest.raises(InputError, match="volts"):
+        read_vendor_file(BRUKER, corrections=DRIFT)
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_planted_corrections_come_off_a_hysitron_text(tmp_path, end):
+    time = np.linspace(0, 20, 401)
+    load = 1e3 * np.interp(time, [0, 8, 12, 20], [0, 5, 5, 0])
+    raw = 100 * np.sqrt(load / 5e3) + 3 * np.sin(time)
+    depth = raw - 2.5 * load / 1e3 - 0.3 * time
+    rows = zip(depth, load, time, 0.001 - raw / 6000, strict=True)
+    head = ["Mon Apr 29 10:41:06 2019", "", "Number of Points = 401", "Depth (nm)\tLoad (µN)\tTime (s)\tDepth (V)"]
+    text = end.join([*head, *("\t".join(f"{value:.9f}" for value in row) for row in rows), ""])
+    file = tmp_path / "planted.dat"
+    file.write_bytes(text.encode("latin-1"))
+    for chosen, expected in (
+        (None, depth),
+        (RAW, raw),
+        (DRIFT, raw - 0.3 * time),
+        (frozenset({"frame"}), raw - 2.5 * load / 1e3),
+    ):
+        (test,) = read_vendor_file(file, corrections=chosen)
+        assert test.recording.depth == pytest.approx(expected, abs=1e-4)
+        assert test.recording.load == pytest.approx(load / 1e3, abs=1e-9)
+
+
+def test_a_zip_file_is_no_workbook(tmp_path):
+    file = tmp_path / "x.xlsx"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("hello.txt", "hello")
+    with pytest.raises(InputError, match="no whole Excel workbook"):
+        read_vendor_file(file)
+
+
+@needs_recordings
+def test_the_command_line_takes_corrections_off(tmp_path):
+    for chosen, folder in ((["--raw"], "raw"), (["--correct", "frame,drift"], "both"), ([], "vendor")):
+        assert main(["read", str(XP), "--test", "3", *chosen, "-o", str(tmp_path / folder)]) == 0
+    raw, both, vendor = (read_recording(tmp_path / name / "Test_003.csv") for name in ("raw", "both", "vendor"))
+    assert raw.depth.max() - vendor.depth.max() > 20
+    assert both.depth == pytest.approx(vendor.depth, abs=0.09)
+    assert "corrections in depth: none" in raw.notes
+
+
+@needs_recordings
 def test_read_writes_recordings(tmp_path):
     assert main(["read", str(ANON), "-o", str(tmp_path)]) == 0
     recording = read_recording(tmp_path / "anonNI.csv")
@@ -58,11 +173,19 @@ def test_read_writes_recordings(tmp_path):
         (ANON, lambda text: text[:2400].rsplit("\t", 2)[0], "cut off"),
         (ANON, lambda text: text.replace("0,1948", "abc"), "not a row of numbers"),
         (LONG, lambda text: text.split("\n")[0] + "\n", "no measured values"),
+        (XP, lambda text: text[:100000], "no whole Excel workbook"),
+        (KLA, lambda text: text[:100000], "no whole Excel workbook"),
+        (KLA, lambda text: text[:900000] + "x" * 500 + text[900500:], "is damaged"),
+        (STEEL, lambda text: text[:100001].rsplit("\n", 1)[0], "5304 were announced"),
+        (STEEL, lambda text: text.replace("Load (", "Force ("), "lacks one of the columns"),
+        (BRUKER, lambda text: text[:100000].rsplit("\r", 1)[0], "16390 were announced"),
+        (HLD, lambda text: text[:110000].rsplit("\n", 1)[0], "1068 were announced"),
+        (HLD, lambda text: text[:1000], "lacks Test Data Points"),
     ],
 )
 def test_broken_files_get_one_line(tmp_path, source, spoil, words, capsys):
     file = tmp_path / "x.TXT"
-    file.write_text(spoil(source.read_text(encoding="latin-1")), encoding="latin-1")
+    file.write_bytes(spoil(source.read_bytes().decode("latin-1")).encode("latin-1"))
     assert main(["read", str(file), "-o", str(tmp_path / "out")]) == 2
     line = capsys.readouterr().err.strip()
     assert words in line
@@ -88,5 +211,5 @@ def test_checksum_guards_a_study(tmp_path):
 
 @pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
 def test_readers_match_nothing_empty(reader):
-    assert not reader.matches(b"")
+    assert not reader.matches(Source(Path("x"), b""))
     assert reader.title

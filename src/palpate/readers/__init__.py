@@ -7,23 +7,23 @@ from pathlib import Path
 
 from palpate.discovery import discover
 from palpate.errors import InputError
-from palpate.readers.vendor import Reader, VendorTest
+from palpate.readers.source import Source
+from palpate.readers.vendor import CORRECTIONS, Corrections, Reader, VendorTest
 
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
-HEAD = 8192
 
-__all__ = ["READERS", "Reader", "VendorTest", "read_vendor_file", "select"]
+__all__ = ["CORRECTIONS", "READERS", "Reader", "VendorTest", "read_vendor_file", "select"]
 
 
-def read_vendor_file(path: str | Path, sha256: str | None = None, *, raw: bool = False) -> list[VendorTest]:
+def read_vendor_file(path: str | Path, sha256: str | None = None, corrections: Corrections = None) -> list[VendorTest]:
     """Read all tests of a vendor's file.
 
     Parameters
     ----------
     sha256
         Expected checksum; not checked when None.
-    raw
-        Leave the vendor's corrections off.
+    corrections
+        Those to be in the depth: None for the vendor's own, otherwise a set of ``drift`` and ``frame``.
 
     Raises
     ------
@@ -37,9 +37,10 @@ def read_vendor_file(path: str | Path, sha256: str | None = None, *, raw: bool =
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     if sha256 is not None and hashlib.sha256(content).hexdigest() != sha256:
         raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again", file=path)
+    source = Source(path, content)
     for reader in READERS.values():
-        if reader.matches(content[:HEAD]):
-            return reader.read(path, raw)
+        if reader.matches(source):
+            return reader.read(source, corrections)
     known = "; ".join(reader.title for reader in READERS.values())
     raise InputError("is of no format that palpate knows", remedy=f"give one of: {known}", file=path)
 

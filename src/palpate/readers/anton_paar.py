@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from palpate.errors import InputError
+from palpate.readers.source import Source
 from palpate.readers.text import table
-from palpate.readers.vendor import Reader, VendorTest
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
 from palpate.recording import Recording
 
 COLUMNS = "Time (s)\tPd (nm)\tFn (mN)"
 
 
-def matches(head: bytes) -> bool:
+def matches(source: Source) -> bool:
     """Return whether the file begins with the word Indentation and names the measured columns."""
-    return head.lstrip(b"\xef\xbb\xbf").startswith(b"Indentation")
+    return source.content[:100].lstrip(b"\xef\xbb\xbf").startswith(b"Indentation")
 
 
-def read(path: Path, raw: bool) -> list[VendorTest]:
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test of the file; depth and load are the vendor's, from contact on."""
-    if raw:
-        raise InputError(
-            "this export holds corrected channels only", remedy="leave --raw off or export raw data", file=path
-        )
-    lines = path.read_text(encoding="latin-1").splitlines()
+    refuse_corrections(source, corrections)
+    lines, path = source.lines, source.path
     starts = [k for k, line in enumerate(lines) if line.startswith(COLUMNS)]
     if not starts:
         raise InputError(f"lacks its column line {COLUMNS!r}", remedy="export the test again, with data", file=path)

@@ -3,34 +3,31 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.readers.source import Source
 from palpate.readers.text import table
-from palpate.readers.vendor import Reader, VendorTest
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
 from palpate.recording import Recording
 
 HEADING = re.compile(r"Y_(.+)_(Fn_\[mN\]|Pd_\[nm\])$")
 
 
-def matches(head: bytes) -> bool:
+def matches(source: Source) -> bool:
     """Return whether the first line names pairs X_..._Time_[s], Y_..._Fn_[mN]."""
-    first = head.split(b"\n", 1)[0]
+    first = source.content[:8192].split(b"\n", 1)[0]
     return first.startswith(b"X_") and b"_Time_[s]" in first and b"Fn_[mN]" in first
 
 
-def read(path: Path, raw: bool) -> list[VendorTest]:
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read all tests; depth is brought to the times of the load.
 
     The instrument writes the last point of a segment again as the first of the next; the repetition is dropped.
     """
-    if raw:
-        raise InputError(
-            "this export holds corrected channels only", remedy="leave --raw off or export raw data", file=path
-        )
-    lines = path.read_text(encoding="latin-1").splitlines()
+    refuse_corrections(source, corrections)
+    lines, path = source.lines, source.path
     headings = [cell.strip() for cell in lines[0].split("\t") if cell.strip()]
     values = table(lines[1:], 2, len(headings), path)
     channels: dict[str, dict[str, np.ndarray]] = {}

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from palpate.errors import InputError
-from palpate.readers.vendor import Reader, VendorTest
+from palpate.readers.source import Source
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
 from palpate.recording import HEADER, read_recording
 
 
-def matches(head: bytes) -> bool:
+def matches(source: Source) -> bool:
     """Return whether the first line that is no comment is the recording's header."""
-    lines = head.lstrip(b"\xef\xbb\xbf").splitlines()
+    lines = source.content[:8192].lstrip(b"\xef\xbb\xbf").splitlines()
     body = [line.strip() for line in lines if line.strip() and not line.startswith(b"#")]
     return bool(body) and body[0] == HEADER.encode()
 
 
-def read(path: Path, raw: bool) -> list[VendorTest]:
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the recording; there is nothing to leave off in it."""
-    if raw:
-        raise InputError("a recording CSV holds no vendor corrections", remedy="leave --raw off", file=path)
-    recording = read_recording(path)
+    refuse_corrections(source, corrections)
+    recording = read_recording(source.path)
     return [VendorTest(recording.name, recording)]
 
 

@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.readers.source import Source
 from palpate.recording import Recording
+
+CORRECTIONS = ("drift", "frame")
+Corrections = frozenset[str] | None
 
 
 @dataclass(frozen=True)
@@ -38,13 +44,84 @@ class Reader:
     key, title
         Short name, and name for people.
     matches
-        Whether the first bytes of a file are this format's.
+        Whether a file is of this format, by its content.
     read
-        Reads all tests; `raw` leaves the vendor's corrections off, and raises `InputError` where the file does not hold
-        what that needs.
+        Reads all tests. The corrections are those to be in the depth: None for the vendor's own, otherwise a set of
+        ``drift`` and ``frame``; `InputError` where the file does not hold what that needs.
     """
 
     key: str
     title: str
-    matches: Callable[[bytes], bool]
-    read: Callable[[Path, bool], list[VendorTest]]
+    matches: Callable[[Source], bool]
+    read: Callable[[Source, Corrections], list[VendorTest]]
+
+
+def refuse_corrections(source: Source, corrections: Corrections) -> None:
+    """Raise `InputError` when corrections are chosen on a file that holds nothing but the final channels."""
+    if corrections is not None:
+        raise InputError(
+            "this export holds the vendor's final channels only",
+            remedy="leave --raw and --correct off, or export raw data",
+            file=source.path,
+        )
+
+
+def corrected(
+    displacement: np.ndarray,
+    time: np.ndarray,
+    load: np.ndarray,
+    *,
+    drift: float,
+    compliance: float,
+    corrections: frozenset[str],
+) -> np.ndarray:
+    """Return displacement (n,) [nm] less the drift and the frame's deflection, where they are among `corrections`.
+
+    Parameters
+    ----------
+    displacement, time, load : ndarray, shape (n,)
+        [nm], [s] and [mN], all counted from contact.
+    drift, compliance
+        [nm/s], [nm/mN].
+    """
+    depth = displacement.copy()
+    if "drift" in corrections:
+        depth -= drift * time
+    if "frame" in corrections:
+        depth -= compliance * load
+    return depth
+
+
+def contact(load: np.ndarray) -> int:
+    """Return the index of the last point at or below zero load before a tenth of the largest load is reached.
+
+    Where the load never gets that low, its least value before then is taken.
+    """
+    early = load[: max(1, int(np.argmax(load > 0.1 * load.max())))]
+    return int(np.flatnonzero(early <= max(0.0, early.min()))[-1])
+
+
+def recording_from(
+    source: Source, place: str, name: str, time: np.ndarray, load: np.ndarray, depth: np.ndarray
+) -> Recording:
+    """Return a recording less its invalid points and repeated times (a segment's last point is often written twice).
+
+    Raises
+    ------
+    InputError
+        When more than a twentieth of the points would have to go, or the rest is no recording.
+    """
+    valid = np.isfinite(time) & np.isfinite(load) & np.isfinite(depth)
+    time, load, depth = time[valid], load[valid], depth[valid]
+    later = np.append(True, np.diff(np.maximum.accumulate(time)) > 0) if len(time) else valid[:0]
+    if len(time) < 2 or later.sum() < 0.95 * len(valid):
+        raise InputError(
+            f"{len(valid) - int(later.sum())} of {len(valid)} points are invalid or go back in time",
+            remedy="export the test again",
+            file=source.path,
+            place=place,
+        )
+    try:
+        return Recording(time[later], load[later], depth[later], name=name, notes=(f"from {source.path.name}",))
+    except InputError as error:
+        raise error.located(file=source.path, place=place) from None

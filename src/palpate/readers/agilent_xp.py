@@ -1,0 +1,61 @@
+"""MTS/Agilent/Keysight XP and G200 workbooks (TestWorks): raw and corrected channels of every test.
+
+The vendor's formulas, with everything counted from the surface marker (where ``Time On Sample`` is zero)::
+
+    depth = displacement - drift * time - raw load / frame stiffness
+    load  = raw load - support spring * displacement
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.readers.source import Source
+from palpate.readers.vendor import Corrections, Reader, VendorTest, corrected, recording_from
+
+DEPTH, LOAD, TIME = "Displacement Into Surface", "Load On Sample", "Time On Sample"
+RAW = ("Raw Displacement", "Raw Load", "Frame Stiffness")
+DRIFT = "Drift Correction [nm/s]"
+
+
+def matches(source: Source) -> bool:
+    """Return whether a sheet ``Test ...`` has the XP's names of channels."""
+    tests = [name for name in source.sheets if name.startswith("Test ")]
+    rows = source.sheet(tests[0]) if tests else []
+    return bool(rows) and {DEPTH, LOAD, TIME} <= {str(cell).strip() for cell in rows[0]}
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+    """Read all tests, in the order of their numbers, from contact to the end of the drift hold."""
+    results, inputs = source.by_test("Results"), source.by_test("Required Inputs")
+    tests = []
+    for sheet in sorted(name for name in source.sheets if name.startswith("Test ")):
+        number = sheet.removeprefix("Test ").lstrip("0")
+        metadata = inputs.get(number, {}) | results.get(number, {})
+        channels = source.columns(sheet, (DEPTH, LOAD, TIME))
+        time, load, depth = channels[TIME], channels[LOAD], channels[DEPTH]
+        on_sample = np.flatnonzero(time >= 0)
+        if not len(on_sample):
+            raise InputError(
+                "the indenter never touched the sample", remedy="remove the test", file=source.path, place=sheet
+            )
+        surface = on_sample[0]
+        if corrections is not None:
+            raw = source.columns(sheet, RAW)
+            displacement, force = (raw[key] - raw[key][surface] for key in RAW[:2])
+            if "drift" in corrections and DRIFT not in metadata:
+                raise InputError("the sheet Results gives no drift", remedy="leave drift off", file=source.path)
+            depth = corrected(
+                displacement, time, force,
+                drift=float(metadata.get(DRIFT, "nan")),
+                compliance=1e6 / raw[RAW[2]][surface],
+                corrections=corrections,
+            )  # fmt: skip
+            metadata = metadata | {"Frame Stiffness [N/m]": f"{raw[RAW[2]][surface]:g}"}
+        recording = recording_from(source, sheet, sheet, time[surface:], load[surface:], depth[surface:])
+        tests.append(VendorTest(sheet, recording, metadata))
+    return tests
+
+
+READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read)
