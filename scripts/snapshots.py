@@ -6,7 +6,7 @@ from palpate.config import load_study
 
 def main(snakemake):
     study = load_study(snakemake.params.study, data=snakemake.params.data)
-    batch = snapshots.plan(study)[snakemake.params.number]
+    batch = next(batch for batch in snapshots.plan(study) if batch.name == snakemake.params.batch)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         snapshots.compute(study, batch, report=lambda line: print(line, file=log, flush=True))
 

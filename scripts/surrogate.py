@@ -16,6 +16,7 @@ def main(snakemake):
     steps.write_json(snakemake.output.summary, summary)
     metrics = {name: value for name, value in summary.items() if isinstance(value, int | float)}
     with tracking.nested_run(study.name, f"surrogate {condition}", "surrogate", study.file, {"condition": condition}):
+        tracking.log_grid(study.levels)
         tracking.log_surrogate(model, parameters, curves, metrics)
         tracking.log_files([Path(snakemake.output.summary)])
 

@@ -7,7 +7,7 @@ from palpate.observations import convert_source
 
 
 def main(snakemake):
-    study = load_study(snakemake.input.study, data=snakemake.params.data)
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
     convert_source(study, Path(snakemake.output[0]))
 
 

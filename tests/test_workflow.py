@@ -58,7 +58,7 @@ def snakemake(folder, *arguments, study=None):
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("workflow")
-    for name in ("Snakefile", "workflow", "scripts", "envs"):
+    for name in ("Snakefile", "workflow", "profiles", "scripts", "envs"):
         source = ROOT / name
         (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
     run = snakemake(folder)
@@ -103,6 +103,42 @@ def test_every_surrogate_and_fit_is_a_run_under_one_parent(finished):
 def test_nothing_is_left_to_do(finished):
     run = snakemake(finished, "--dry-run")
     assert "Nothing to be done" in run.stdout + run.stderr
+    assert "profiles/default" in run.stdout + run.stderr
+
+
+def planned(folder, *targets, study):
+    """Return the rules that would run."""
+    run = snakemake(folder, *targets, "--dry-run", "--quiet", "host", study=study)
+    assert run.returncode == 0, run.stderr[-3000:]
+    return {line.split()[1].rstrip(":") for line in run.stdout.splitlines() if line.startswith(("rule ", "localrule "))}
+
+
+@pytest.mark.parametrize(
+    ("change", "again", "kept"),
+    [
+        ({"surrogate": {"kernel": "cubic"}}, {"surrogate", "calibration", "report"}, {"laboratory_virtual"}),
+        ({"calibration": {"generations": 12}}, {"calibration"}, {"surrogate", "laboratory_virtual"}),
+        ({"conditions": TINY["conditions"][:2]}, {"calibration", "laboratory_virtual"}, {"surrogate"}),
+        ({"title": "another"}, {"tables", "report"}, {"calibration"}),
+    ],
+)
+def test_a_change_reruns_what_rests_on_it_and_nothing_else(finished, change, again, kept):
+    rules = planned(finished, study=TINY | change)
+    assert again <= rules
+    assert not kept & rules
+    assert not [rule for rule in rules if rule.startswith("snapshots_")]
+
+
+def test_an_edited_recording_is_calibrated_again(finished):
+    shutil.copytree(finished / "results/tiny/recordings/virtual", finished / "own")
+    study = TINY | {"recordings": TINY["recordings"] | {"own": "own"}}
+    target = "results/tiny/own/calibrations/fast.json"
+    run = snakemake(finished, target, study=study)
+    assert run.returncode == 0, run.stderr[-3000:]
+    assert planned(finished, target, study=study) == set()
+    with (finished / "own/T030_1.csv").open("a") as stream:
+        stream.write("# looked at again\n")
+    assert planned(finished, target, study=study) == {"calibration"}
 
 
 def test_a_new_level_recomputes_no_snapshot_that_exists(finished):
@@ -117,15 +153,16 @@ def test_a_new_level_recomputes_no_snapshot_that_exists(finished):
 
 
 def test_lost_targets_come_back_from_the_store(finished):
-    run = snakemake(finished)
+    run = snakemake(finished, "results/tiny/snapshots.csv")
     assert run.returncode == 0, run.stderr[-3000:]
-    stored = {file: file.stat().st_mtime_ns for file in (finished / "results/store").rglob("*.npz")}
-    inodes = {file.stat().st_ino for file in stored}
+    stored = {file: file.stat().st_ino for file in (finished / "results/store").rglob("*.npz")}
     shutil.rmtree(finished / "results/tiny/snapshots/T030")
     (finished / "results/tiny/snapshots.csv").unlink()
     run = snakemake(finished, "results/tiny/snapshots.csv")
     assert run.returncode == 0, run.stderr[-3000:]
-    assert {file.stat().st_ino for file in (finished / "results/tiny/snapshots/T030").iterdir()} <= inodes
+    assert {file: file.stat().st_ino for file in (finished / "results/store").rglob("*.npz")} == stored
+    restored = list((finished / "results/tiny/snapshots/T030").iterdir())
+    assert {file.stat().st_ino for file in restored} <= set(stored.values())
 
 
 @pytest.mark.parametrize(

@@ -71,8 +71,20 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
 def check_given(study: Study) -> None:
     """Check every set of recordings that exists before the workflow runs (not those that it writes itself)."""
     for name in study.recordings:
-        if name not in study.laboratory and name != study.source.get("recordings"):
+        if not written_by_workflow(study, name):
             check(study, name)
+
+
+def written_by_workflow(study: Study, name: str) -> bool:
+    """Return whether set `name` comes from a virtual laboratory or is converted from a vendor's file."""
+    return name in study.laboratory or name == study.source.get("recordings")
+
+
+def files_of(study: Study, name: str) -> list[Path]:
+    """Return what set `name` consists of: its files, or the folder where the workflow itself will write them."""
+    if written_by_workflow(study, name):
+        return [study.recordings[name]]
+    return [file for files in find(study, name).values() for file in files]
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:

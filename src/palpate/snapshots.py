@@ -166,7 +166,6 @@ def link(stored: Path, path: Path) -> None:
         os.link(stored, path)
     except OSError:
         shutil.copyfile(stored, path)
-    os.utime(path)
 
 
 def read(path: str | Path) -> dict[str, Any]:

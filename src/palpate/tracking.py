@@ -91,6 +91,11 @@ def log_series(key: str, values: Iterable[float], steps: Iterable[int]) -> None:
         mlflow.MlflowClient().log_batch(run.info.run_id, metrics=metrics[first : first + 1000])
 
 
+def log_grid(levels: Mapping[str, Iterable[float]]) -> None:
+    """Log the levels of the snapshot grid, so that runs can be compared by them."""
+    mlflow.log_params({f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in levels.items()})
+
+
 def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metrics: Mapping[str, float]) -> None:
     """Log a surrogate: its settings, its metrics, its error along the curve, and itself as a loadable model."""
     mlflow.log_params(model.get_params())

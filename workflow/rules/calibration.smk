@@ -2,7 +2,7 @@
 rule calibration:
     input:
         tracking=f"{FOLDER}/.tracking",
-        recordings=lambda wildcards: STUDY.recordings[wildcards.recordings],
+        recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
         surrogates=lambda wildcards: expand(
             f"{FOLDER}/surrogates/{{condition}}.joblib",
             condition=STUDY.condition_sets[wildcards.condition_set],
@@ -22,6 +22,7 @@ rule calibration:
         data=DATA,
         settings=STUDY.calibration,
         seed=STUDY.seed,
+        curves=curves(STUDY.cells[0], None),
         code=CALIBRATION_CODE + FIGURE_CODE,
     script:
         "../../scripts/calibration.py"

@@ -21,7 +21,7 @@ from palpate import snapshots
 from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.observations import check_given
+from palpate.observations import check_given, files_of
 
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
@@ -44,7 +44,21 @@ CALIBRATION_CODE = fingerprint(
     *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
 )
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
+READER_CODE = fingerprint("readers", "observations.py", "recording.py")
+LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")
 DATA = config.get("data")
+
+
+def curves(values, accuracy):
+    """What the recordings of every condition are compared with: address and role of the curve at `values`."""
+    return [
+        (
+            condition.name,
+            condition.role,
+            snapshots.address(STUDY.specification(values, condition, accuracy)),
+        )
+        for condition in STUDY.conditions
+    ]
 
 
 wildcard_constraints:

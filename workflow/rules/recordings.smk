@@ -4,8 +4,6 @@ for laboratory, settings in STUDY.laboratory.items():
     rule:
         name:
             f"laboratory_{laboratory}"
-        input:
-            STUDY_FILE,
         output:
             directory(STUDY.recordings[laboratory]),
         log:
@@ -13,9 +11,11 @@ for laboratory, settings in STUDY.laboratory.items():
         conda:
             "../../envs/palpate.yaml"
         params:
+            study=STUDY_FILE,
             laboratory=laboratory,
             settings=settings,
-            code=PHYSICS_CODE,
+            curves=curves(settings["parameters"], "fine"),
+            code=LABORATORY_CODE,
         script:
             "../../scripts/laboratory.py"
 
@@ -24,8 +24,7 @@ if STUDY.source:
 
     rule vendor_recordings:
         input:
-            study=STUDY_FILE,
-            vendor=STUDY.source["file"],
+            STUDY.source["file"],
         output:
             directory(STUDY.recordings[STUDY.source["recordings"]]),
         log:
@@ -33,6 +32,9 @@ if STUDY.source:
         conda:
             "../../envs/palpate.yaml"
         params:
+            study=STUDY_FILE,
             data=DATA,
+            source={key: STUDY.source[key] for key in STUDY.source if key != "file"},
+            code=READER_CODE,
         script:
             "../../scripts/vendor_recordings.py"

@@ -18,6 +18,7 @@ rule tables:
     params:
         study=STUDY_FILE,
         data=DATA,
+        title=STUDY.title,
         code=FIGURE_CODE,
     script:
         "../../scripts/tables.py"
@@ -57,6 +58,8 @@ rule report:
     params:
         study=STUDY_FILE,
         data=DATA,
+        title=STUDY.title,
+        source=STUDY.source,
         code=FIGURE_CODE,
     script:
         "../../scripts/report.py"

@@ -13,7 +13,7 @@ for number, batch in enumerate(BATCHES):
         params:
             study=STUDY_FILE,
             data=DATA,
-            number=number,
+            batch=batch.name,
         message:
             f"snapshots {batch.name}: {len(batch.files)} cells, batch {number + 1} of {len(BATCHES)}"
         script:
