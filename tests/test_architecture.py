@@ -11,6 +11,7 @@ ORDER = [
     {"parameters", "yaml_file"},
     {"protocol", "recording", "indenters"},
     {"materials"},
+    {"specimen"},
     {"fem", "specification"},
     {"mechanisms"},
     {"model"},
