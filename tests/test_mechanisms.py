@@ -68,8 +68,8 @@ def test_pairs_run(pair):
 
 
 @pytest.mark.parametrize(
-    ("key", "lengths"),
-    [("film_on_substrate", ["thickness"]), ("size_effect", ["length"]), ("tip_rounding", ["radius"])],
+    ("key", "length"),
+    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius")],
 )
 def test_a_length_scales_with_the_depth(key, length):
     """With every length of the problem doubled and the load fourfold, depths double: the exact law of a length."""
