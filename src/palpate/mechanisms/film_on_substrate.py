@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.specification import Specification
 
@@ -23,5 +23,9 @@ MECHANISM = Mechanism(
     ),
     {"thickness": 1e9, "substrate_modulus": 70.0},
     "Gao, Chiu & Lee, Int. J. Solids Struct. 29 (1992) 2471-2492 (elastic film on a substrate)",
+    lambda s: {
+        "thickness": Range(s.depth, 30.0 * s.depth, log=True),
+        "substrate_modulus": Range(0.05 * s.modulus, 50.0 * s.modulus, log=True),
+    },
     simulate=simulate,
 )

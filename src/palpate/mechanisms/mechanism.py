@@ -13,6 +13,47 @@ from palpate.specification import Specification
 Values = Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class Scale:
+    """The size of a study, from which plausible amplitudes follow.
+
+    Parameters
+    ----------
+    depth, load, modulus, duration, loading_time
+        Largest depth [nm], largest load [mN], Young's modulus [GPa], longest test [s] and shortest loading [s].
+    half_angle
+        Nominal half-angle of the cone [deg]; 0 for a sphere.
+    """
+
+    depth: float
+    load: float
+    modulus: float
+    duration: float
+    loading_time: float
+    half_angle: float
+
+
+@dataclass(frozen=True)
+class Range:
+    """Amplitudes that a diagnosis looks at, evenly between `lower` and `upper` or, with `log`, between their logarithms.
+
+    Parameters
+    ----------
+    lower, upper
+        In the unit of the parameter.
+    """
+
+    lower: float
+    upper: float
+    log: bool = False
+
+    def physical(self, coordinate: np.ndarray) -> np.ndarray:
+        """Return the values at coordinates in [0, 1]."""
+        if self.log:
+            return self.lower * (self.upper / self.lower) ** coordinate
+        return self.lower + coordinate * (self.upper - self.lower)
+
+
 def unchanged_specification(specification: Specification, values: Values) -> Specification:
     """Simulate what the base model says."""
     return specification
@@ -37,10 +78,14 @@ class Mechanism:
         Values, or limits of values, at which it does nothing.
     source
         Where the effect is described.
+    plausible
+        Ranges of its parameters by name, for a study of a given scale; a diagnosis looks within them.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
         Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
+    varies
+        Whether each recording has a value of its own.
     """
 
     key: str
@@ -48,8 +93,15 @@ class Mechanism:
     parameters: tuple[Parameter, ...]
     neutral: Values
     source: str
+    plausible: Callable[[Scale], Mapping[str, Range]]
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
+    varies: bool = False
+
+    @property
+    def acts_on_body(self) -> bool:
+        """Whether it needs simulations of its own, rather than adding to the depth of the base model's."""
+        return self.simulate is not unchanged_specification
 
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import PLASTIC
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.specification import Specification
 
 
@@ -27,5 +27,9 @@ MECHANISM = Mechanism(
     PLASTIC,
     {"yield_stress": 1e3, "hardening": 0.0},
     "Simo & Hughes, Computational Inelasticity (1998), section 3.3",
+    lambda s: {
+        "yield_stress": Range(0.01 * s.modulus, 0.12 * s.modulus, log=True),
+        "hardening": Range(0.0, 0.3 * s.modulus),
+    },
     simulate=simulate,
 )

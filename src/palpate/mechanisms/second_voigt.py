@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.nonlinear_burgers import VOIGT
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.specification import Specification
 
@@ -38,5 +38,10 @@ MECHANISM = Mechanism(
     ),
     {"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
     "Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
+    lambda s: {
+        "coefficient": Range(0.0, 1.0 / s.modulus),
+        "exponent": Range(0.0, 0.6),
+        "retardation_time": Range(0.02 * s.duration, s.duration, log=True),
+    },
     simulate=simulate,
 )
