@@ -35,7 +35,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Range:
-    """Amplitudes that a diagnosis looks at, evenly between `lower` and `upper` or, with `log`, between their logarithms.
+    """Amplitudes that a diagnosis looks at, spread evenly; with `log`, their logarithms are.
 
     Parameters
     ----------
