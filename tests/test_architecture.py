@@ -22,6 +22,7 @@ ORDER = [
     {"calibration"},
     {"observations"},
     {"figures", "report"},
+    {"diagnosis"},
     {"steps"},
     {"tracking"},
     {"commands"},

@@ -30,6 +30,6 @@ MECHANISM = Mechanism(
     (Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load"),),
     {"lag": 0.0},
     "Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
-    lambda s: {"lag": Range(0.0, 0.1 * s.loading_time)},
+    lambda s: {"lag": Range(0.0, min(2.0, 0.1 * s.loading_time))},
     simulate=simulate,
 )

@@ -25,7 +25,7 @@ MECHANISM = Mechanism(
     "Gao, Chiu & Lee, Int. J. Solids Struct. 29 (1992) 2471-2492 (elastic film on a substrate)",
     lambda s: {
         "thickness": Range(s.depth, 30.0 * s.depth, log=True),
-        "substrate_modulus": Range(0.05 * s.modulus, 50.0 * s.modulus, log=True),
+        "substrate_modulus": Range(0.2 * s.modulus, 50.0 * s.modulus, log=True),
     },
     simulate=simulate,
 )

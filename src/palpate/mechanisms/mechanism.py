@@ -23,6 +23,8 @@ class Scale:
         Largest depth [nm], largest load [mN], Young's modulus [GPa], longest test [s] and shortest loading [s].
     half_angle
         Nominal half-angle of the cone [deg]; 0 for a sphere.
+    pressure
+        Mean contact pressure [GPa].
     """
 
     depth: float
@@ -31,6 +33,7 @@ class Scale:
     duration: float
     loading_time: float
     half_angle: float
+    pressure: float
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,11 @@ def unchanged_specification(specification: Specification, values: Values) -> Spe
     return specification
 
 
+def same_values(values: Values, scale: Scale) -> Values:
+    """Search among the parameters themselves."""
+    return values
+
+
 def unchanged_depth(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
     """Record the depth as it is."""
     return depth
@@ -79,13 +87,16 @@ class Mechanism:
     source
         Where the effect is described.
     plausible
-        Ranges of its parameters by name, for a study of a given scale; a diagnosis looks within them.
+        Ranges, for a study of a given scale, within which a diagnosis looks.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
         Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
     varies
         Whether each recording has a value of its own.
+    from_search
+        Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
+        but others on which the curve depends more simply.
     """
 
     key: str
@@ -97,6 +108,7 @@ class Mechanism:
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
     varies: bool = False
+    from_search: Callable[[Values, Scale], Values] = same_values
 
     @property
     def acts_on_body(self) -> bool:

@@ -20,6 +20,6 @@ MECHANISM = Mechanism(
     (Parameter("length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that at large depth"),),
     {"length": 0.0},
     "Nix & Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9)",
-    lambda s: {"length": Range(0.0, s.depth)},
+    lambda s: {"length": Range(0.0, 600.0)},
     simulate=simulate,
 )

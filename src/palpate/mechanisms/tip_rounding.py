@@ -24,6 +24,6 @@ MECHANISM = Mechanism(
     (RADIUS,),
     {"radius": 1e-3},
     "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
-    lambda s: {"radius": Range(1.0, s.depth)},
+    lambda s: {"radius": Range(1.0, 600.0)},
     simulate=simulate,
 )
