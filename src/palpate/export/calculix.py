@@ -12,46 +12,18 @@ Source: G. Dhondt, CalculiX CrunchiX User's Manual version 2.20, *CREEP, *PLASTI
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.export.cards import REFERENCE, Onset, amplitude_cards, mesh_cards, onset_of
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
 from palpate.fem.mesh import Resolution
 from palpate.specification import Specification
 
 STIFFNESS = 1000.0
-REFERENCE = "REFERENCE"
-
-
-@dataclass(frozen=True)
-class Onset:
-    """The small load that resolves the initial overlap at once, held until the history passes it.
-
-    Attributes
-    ----------
-    load
-        [mN], a tenth of the smallest load that counts.
-    time, end
-        When it is reached and when the history passes it [s].
-    """
-
-    load: float
-    time: float
-    end: float
-
-
-def onset_of(specification: Specification) -> Onset:
-    """Return the onset of a specification's load history."""
-    protocol = specification.protocol
-    loads = protocol.sample_load
-    load = 0.1 * float(loads[loads > 0.005 * protocol.max_load][0])
-    after = int(np.flatnonzero(protocol.knot_load > load)[0])
-    end = np.interp(load, protocol.knot_load[after - 1 : after + 1], protocol.knot_time[after - 1 : after + 1])
-    return Onset(load, 1e-6 * float(end), float(end))
 
 
 def norton(steady_coefficient: float, steady_exponent: float) -> tuple[float, float]:
@@ -103,40 +75,12 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
     mesh = quadratic_mesh(specification, resolution or RESOLUTIONS[specification.accuracy])
     return "\n".join(
         [
-            *_mesh_cards(mesh),
+            *mesh_cards(mesh),
             *material,
             *_contact_cards(specification, mesh),
             *_step_cards(specification, onset_of(specification)),
         ]
     )
-
-
-def _mesh_cards(mesh: QuadraticMesh) -> list[str]:
-    lines = [
-        f"** palpate: axisymmetric indentation. Units um, mN, s, GPa. Depth = {mesh.overlap:.12g} + U2 of {REFERENCE}."
-    ]
-    lines += ["*NODE, NSET=NALL", *(f"{n}, {r:.12g}, {z:.12g}" for n, (r, z) in enumerate(mesh.nodes, 1))]
-    number = 1
-    for kind, name, elements in (
-        ("CAX6", "TIP", mesh.triangles),
-        ("CAX8R", "RINGS", mesh.quads),
-        ("CAX8R", "INDENTER", mesh.indenter),
-    ):
-        lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
-        for element in elements:
-            lines.append(f"{number}, " + ", ".join(str(node + 1) for node in element))
-            number += 1
-    surface = [mesh.top_triangle + 1, *(mesh.top_quads + len(mesh.triangles) + 1)]
-    behind = np.arange(len(mesh.indenter)) + len(mesh.triangles) + len(mesh.quads) + 1
-    for name, elements in (("SURFACE", surface), ("FACE", behind)):
-        lines += [f"*SURFACE, NAME={name}, TYPE=ELEMENT", *(f"{element}, S1" for element in elements)]
-    for name, nodes in (("AXIS", mesh.axis), ("FAR", mesh.far), ("FIXED", np.unique(mesh.indenter))):
-        lines += [f"*NSET, NSET={name}", *(f"{node + 1}," for node in nodes)]
-    lines += [f"*NSET, NSET={REFERENCE}", f"{mesh.far[0] + 1},"]
-    for node in mesh.far[1:]:
-        lines += ["*EQUATION", "2", f"{node + 1}, 2, 1., {mesh.far[0] + 1}, 2, -1."]
-    lines += ["*BOUNDARY", "AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2"]
-    return lines
 
 
 def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[str]:
@@ -160,11 +104,7 @@ def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[st
 def _step_cards(specification: Specification, onset: Onset) -> list[str]:
     protocol = specification.protocol
     procedure = "*VISCO, CETOL=1." if specification.parameters.get("steady_coefficient", 0.0) > 0 else "*STATIC"
-    later = protocol.knot_time > onset.end
-    times = np.concatenate([[0.0, onset.time, onset.end], protocol.knot_time[later]])
-    loads = np.concatenate([[0.0, onset.load, onset.load], protocol.knot_load[later]])
-    lines: list[str] = ["*AMPLITUDE, NAME=LOAD, TIME=TOTAL TIME"]
-    lines += [f"{t:.12g}, {p:.12g}" for t, p in zip(times, loads, strict=True)]
+    lines = amplitude_cards(protocol, onset)
     lines += ["*TIME POINTS, NAME=SAMPLES, TIME=TOTAL TIME", *(f"{t:.12g}," for t in protocol.sample_time)]
     ends = np.concatenate([[0.0, onset.time], protocol.knot_time[1:]])
     interval = float(np.max(np.diff(protocol.sample_time, prepend=0.0)))
