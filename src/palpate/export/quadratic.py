@@ -65,12 +65,12 @@ def quadratic_mesh(specification: Specification, resolution: Resolution) -> Quad
     overlap = 0.3 * profile.depth_for(smallest)
     body, triangles, quads, number = _body(radii, resolution.sectors)
     face = _indenter(profile, radii[radii < REACH * largest], overlap)
-    start = len(body)
-    pieces = (len(face) // 3 - 1) // 2
-    lower, middle, upper = start + np.arange(len(face)).reshape(3, -1)
+    pieces = len(face) // 5
+    lower, upper = len(body) + np.arange(2 * (2 * pieces + 1)).reshape(2, -1)
+    sides = upper[-1] + 1 + np.arange(pieces + 1)
     k = 2 * np.arange(pieces)
     indenter = np.stack(
-        [lower[k], lower[k + 2], upper[k + 2], upper[k], lower[k + 1], middle[k + 2], upper[k + 1], middle[k]], axis=1
+        [lower[k], lower[k + 2], upper[k + 2], upper[k], lower[k + 1], sides[1:], upper[k + 1], sides[:-1]], axis=1
     )
     return QuadraticMesh(
         nodes=np.vstack([body, face]),
@@ -109,11 +109,12 @@ def _body(radii: np.ndarray, sectors: int) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def _indenter(profile: Profile, radii: np.ndarray, overlap: float) -> np.ndarray:
-    """Return the nodes (3 k, 2) of one layer of elements behind the indenter's face, from the axis outwards."""
+    """Return the nodes of one layer of elements behind the face: of the face, of the back, and between them."""
     r = _with_midpoints(np.concatenate([[0.0], radii]))
     height = profile(r)[0] - overlap
     thickness = 0.2 * radii[-1]
-    return np.concatenate([np.stack([r, height + part * thickness], axis=1) for part in (0.0, 0.5, 1.0)])
+    rows = ((r, height), (r, height + thickness), (r[::2], height[::2] + 0.5 * thickness))
+    return np.concatenate([np.stack(row, axis=1) for row in rows])
 
 
 def _with_midpoints(x: np.ndarray) -> np.ndarray:
