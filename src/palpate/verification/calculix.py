@@ -18,6 +18,7 @@ import numpy as np
 from palpate.errors import PalpateError
 from palpate.export.calculix import deck
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
+from palpate.fem.mesh import Resolution
 from palpate.protocol import Protocol
 from palpate.specification import Specification
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
@@ -28,7 +29,7 @@ ELASTIC_WITHIN, CREEP_WITHIN, PLASTIC_WITHIN = 0.008, 0.008, 0.02
 PRINTED = re.compile(r"time\s+(\S+)\s+\d+\s+\S+\s+(\S+)\s+\S+")
 
 
-def run_deck(program: Path, specification: Specification, mesh: str) -> np.ndarray:
+def run_deck(program: Path, specification: Specification, resolution: Resolution) -> np.ndarray:
     """Run CalculiX on one core and return the depth [nm] at the samples, NaN after the time that it reached.
 
     Raises
@@ -36,7 +37,6 @@ def run_deck(program: Path, specification: Specification, mesh: str) -> np.ndarr
     PalpateError
         When it stops without any result, or takes longer than ten minutes.
     """
-    resolution = RESOLUTIONS[mesh]
     overlap = quadratic_mesh(specification, resolution).overlap
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "deck.inp").write_text(deck(specification, resolution), encoding="ascii")
@@ -88,12 +88,13 @@ def run(settings: Settings) -> Outcome:
         return Outcome([], notes=["CalculiX (ccx) was not run: it is not on the PATH, or a quick run was asked for."])
     rows: list[Row] = []
     plots = []
-    coarse, fine = (run_deck(program, ELASTIC.specification(20), mesh) for mesh in ("standard", "fine"))
+    meshes = RESOLUTIONS["standard"], RESOLUTIONS["fine"]
+    coarse, fine = (run_deck(program, ELASTIC.specification(20), mesh) for mesh in meshes)
     plots.append(_compare(ELASTIC, ELASTIC.specification(20), fine, coarse, ELASTIC_WITHIN, worst, rows))
-    long, short = (run_deck(program, CREEP.specification(points), "standard") for points in (25, 50))
+    long, short = (run_deck(program, CREEP.specification(points), meshes[0]) for points in (25, 50))
     shared = short[1::2]
     plots.append(_compare(CREEP, CREEP.specification(25), 2 * shared - long, shared, CREEP_WITHIN, worst, rows))
-    coarse, fine = (run_deck(program, PLASTIC.specification(40), mesh) for mesh in ("standard", "fine"))
+    coarse, fine = (run_deck(program, PLASTIC.specification(40), mesh) for mesh in meshes)
     plots.append(_compare(PLASTIC, PLASTIC.specification(40), fine, coarse, PLASTIC_WITHIN, rms, rows))
     notes = [
         "Compared from 15 % of the load on; before that the contact lies on few of CalculiX' elements.",
