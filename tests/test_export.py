@@ -98,6 +98,8 @@ def test_calculix_deck_holds_the_law_and_the_load(export):
     factor, exponent = norton(0.09, 0.2)
     assert f"*CREEP, LAW=NORTON\n{factor:.12g}, {exponent:.12g}, 0." in text
     assert text.count("*STEP") == 4
+    onset = text.split("*STEP")[1]
+    assert "CLOAD" not in onset and "REFERENCE, 2, 2" in onset
     amplitude = text.split("TOTAL TIME\n")[1].split("*")[0].split("\n")
     assert [float(part) for part in amplitude[-2].split(",")] == [65.0, 0.0]
 

@@ -112,6 +112,7 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
 
 @pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
 def test_calculix_agrees_with_the_solver():
-    specification = calculix.ELASTIC.specification(6, "standard")
+    """Within 2 %: a coarse mesh, and increments so long that CalculiX settles its contact less well."""
+    specification = calculix.ELASTIC.specification(4, "standard")
     found = calculix.run_deck(Path(shutil.which("ccx")), specification, RESOLUTIONS["standard"])
-    assert found == pytest.approx(depth(specification), rel=0.01)
+    assert found == pytest.approx(depth(specification), rel=0.02)

@@ -10,7 +10,6 @@ rule verification:
     params:
         quick=config.get("quick"),
         reference=config.get("reference"),
-        code=fingerprint(*PHYSICS, "analytic", "export", "verification")
-        + FIGURE_CODE,
+        code=fingerprint(*PHYSICS, "analytic", "export", "verification") + FIGURE_CODE,
     script:
         "../../scripts/verification.py"

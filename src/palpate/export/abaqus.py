@@ -17,7 +17,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.export.calculix import material_cards
-from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, onset_of
+from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
 from palpate.materials.radial import STEADY, VOIGT, YIELD
@@ -76,25 +76,11 @@ def _user_material(specification: Specification) -> list[str]:
 
 
 def _steps(specification: Specification) -> list[str]:
-    protocol, onset = specification.protocol, onset_of(specification)
-    lines = amplitude_cards(protocol, onset)
-    ends = np.concatenate([[0.0, onset.time], protocol.knot_time[1:]])
-    interval = float(np.max(np.diff(protocol.sample_time, prepend=0.0)))
+    protocol = specification.protocol
     geometry = "YES" if specification.kinematics == "large" else "NO"
-    for k, duration in enumerate(np.diff(ends)):
-        longest = min(interval, duration)
-        lines += [
-            f"*STEP, NLGEOM={geometry}, INC={20 * len(protocol.sample_time) + 1000}",
-            "*STATIC",
-            f"{longest if k else 0.2 * duration:.12g}, {duration:.12g}, {1e-6 * duration:.6g}, {longest:.12g}",
-            "*CLOAD, AMPLITUDE=LOAD",
-            f"{REFERENCE}, 2, 1.",
-            "*OUTPUT, HISTORY, FREQUENCY=1",
-            f"*NODE OUTPUT, NSET={REFERENCE}",
-            "U2, CF2",
-            "*END STEP",
-        ]
-    return [*lines, ""]
+    header = f"*STEP, NLGEOM={geometry}, INC={20 * len(protocol.sample_time) + 1000}"
+    output = ("*OUTPUT, HISTORY, FREQUENCY=1", f"*NODE OUTPUT, NSET={REFERENCE}", "U2, CF2")
+    return [*amplitude_cards(protocol), *step_cards(protocol, header, "*STATIC", output)]
 
 
 def write(specification: Specification, path: Path) -> None:

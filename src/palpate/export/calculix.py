@@ -4,8 +4,8 @@ Norton's law, rate = A q^n with q von Mises' stress, is steady creep d e_s/dt = 
 A = (2/3) C_s 3^(-m_s), because q = sqrt(3 J2) and the equivalent creep strain is sqrt(2/3) |e_s|. Units um, mN, s, so
 stresses are in GPa. Axisymmetric second-order elements with reduced integration, small strains, a rigid indenter
 without friction, surface-to-surface penalty contact. Depth is the tip's initial overlap plus the rise of the body's far
-boundary. CalculiX finds no contact between bodies that only touch, hence the overlap; it lets an overlap vanish over
-the first step, hence a first step of a millionth of the test's duration with a load to match.
+boundary. CalculiX finds no contact between bodies that only touch, hence the overlap; it lets an overlap become
+contact over the first step, hence a first, very short step in which the body is held.
 
 Source: G. Dhondt, CalculiX CrunchiX User's Manual version 2.20, *CREEP, *PLASTIC, *CONTACT PAIR, *TIME POINTS.
 """
@@ -17,13 +17,14 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.export.cards import REFERENCE, Onset, amplitude_cards, mesh_cards, onset_of
+from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
+from palpate.fem.contact import Profile
 from palpate.fem.mesh import Resolution
 from palpate.specification import Specification
 
-STIFFNESS = 1000.0
+PENETRATION = 5e-4
 
 
 def norton(steady_coefficient: float, steady_exponent: float) -> tuple[float, float]:
@@ -78,14 +79,15 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
             *mesh_cards(mesh),
             *material,
             *_contact_cards(specification, mesh),
-            *_step_cards(specification, onset_of(specification)),
+            *_steps(specification),
         ]
     )
 
 
 def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[str]:
     values = specification.parameters
-    stiffness = STIFFNESS * values["youngs_modulus"] / mesh.contact_radius
+    pressure = specification.protocol.max_load / (np.pi * mesh.contact_radius**2)
+    stiffness = pressure / (PENETRATION * Profile.of(specification.indenter).depth_for(mesh.contact_radius))
     return [
         "*MATERIAL, NAME=INDENTER",
         "*ELASTIC",
@@ -101,25 +103,17 @@ def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[st
     ]
 
 
-def _step_cards(specification: Specification, onset: Onset) -> list[str]:
+def _steps(specification: Specification) -> list[str]:
     protocol = specification.protocol
-    procedure = "*VISCO, CETOL=1." if specification.parameters.get("steady_coefficient", 0.0) > 0 else "*STATIC"
-    lines = amplitude_cards(protocol, onset)
-    lines += ["*TIME POINTS, NAME=SAMPLES, TIME=TOTAL TIME", *(f"{t:.12g}," for t in protocol.sample_time)]
-    ends = np.concatenate([[0.0, onset.time], protocol.knot_time[1:]])
-    interval = float(np.max(np.diff(protocol.sample_time, prepend=0.0)))
-    for k, duration in enumerate(np.diff(ends)):
-        longest = min(interval, duration)
-        lines += [
-            f"*STEP, INC={20 * len(protocol.sample_time) + 1000}",
-            procedure if k else "*STATIC",
-            f"{longest if k else 0.2 * duration:.12g}, {duration:.12g}, {1e-6 * duration:.6g}, {longest:.12g}",
-            "*CLOAD, AMPLITUDE=LOAD",
-            f"{REFERENCE}, 2, 1.",
-            *((f"*NODE PRINT, NSET={REFERENCE}, TIME POINTS=SAMPLES", "U") if k else ()),
-            "*END STEP",
-        ]
-    return [*lines, ""]
+    creeps = specification.parameters.get("steady_coefficient", 0.0) > 0
+    header = f"*STEP, INC={20 * len(protocol.sample_time) + 1000}"
+    output = (f"*NODE PRINT, NSET={REFERENCE}, TIME POINTS=SAMPLES", "U")
+    return [
+        *amplitude_cards(protocol),
+        "*TIME POINTS, NAME=SAMPLES, TIME=TOTAL TIME",
+        *(f"{time:.12g}," for time in protocol.sample_time),
+        *step_cards(protocol, header, "*VISCO, CETOL=1." if creeps else "*STATIC", output),
+    ]
 
 
 def write(specification: Specification, path: Path) -> None:

@@ -2,42 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
 from palpate.export.quadratic import QuadraticMesh
 from palpate.protocol import Protocol
-from palpate.specification import Specification
 
 REFERENCE = "REFERENCE"
-
-
-@dataclass(frozen=True)
-class Onset:
-    """The small load that resolves the initial overlap at once, held until the history passes it.
-
-    Attributes
-    ----------
-    load
-        [mN], a tenth of the smallest load that counts.
-    time, end
-        When it is reached and when the history passes it [s].
-    """
-
-    load: float
-    time: float
-    end: float
-
-
-def onset_of(specification: Specification) -> Onset:
-    """Return the onset of a specification's load history."""
-    protocol = specification.protocol
-    loads = protocol.sample_load
-    load = 0.1 * float(loads[loads > 0.005 * protocol.max_load][0])
-    after = int(np.flatnonzero(protocol.knot_load > load)[0])
-    end = np.interp(load, protocol.knot_load[after - 1 : after + 1], protocol.knot_time[after - 1 : after + 1])
-    return Onset(load, 1e-6 * float(end), float(end))
+HELD = ("AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2")
+ONSET = 1e-8
 
 
 def mesh_cards(mesh: QuadraticMesh) -> list[str]:
@@ -65,14 +39,39 @@ def mesh_cards(mesh: QuadraticMesh) -> list[str]:
     lines += [f"*NSET, NSET={REFERENCE}", f"{mesh.far[0] + 1},"]
     for node in mesh.far[1:]:
         lines += ["*EQUATION", "2", f"{node + 1}, 2, 1., {mesh.far[0] + 1}, 2, -1."]
-    lines += ["*BOUNDARY", "AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2"]
-    return lines
+    return [*lines, "*BOUNDARY", *HELD]
 
 
-def amplitude_cards(protocol: Protocol, onset: Onset) -> list[str]:
+def amplitude_cards(protocol: Protocol) -> list[str]:
     """Return the load history as an amplitude of the total time."""
-    later = protocol.knot_time > onset.end
-    times = np.concatenate([[0.0, onset.time, onset.end], protocol.knot_time[later]])
-    loads = np.concatenate([[0.0, onset.load, onset.load], protocol.knot_load[later]])
-    lines = ["*AMPLITUDE, NAME=LOAD, TIME=TOTAL TIME"]
-    return [*lines, *(f"{t:.12g}, {p:.12g}" for t, p in zip(times, loads, strict=True))]
+    knots = zip(protocol.knot_time, protocol.knot_load, strict=True)
+    return ["*AMPLITUDE, NAME=LOAD, TIME=TOTAL TIME", *(f"{time:.12g}, {load:.12g}" for time, load in knots)]
+
+
+def step_cards(protocol: Protocol, header: str, procedure: str, output: Sequence[str]) -> list[str]:
+    """Return the steps: an onset, then one for each segment of the load history.
+
+    In the onset, a hundred-millionth of the first segment, the body is held while the initial overlap becomes contact.
+
+    Parameters
+    ----------
+    header, procedure
+        Cards that begin a step; the onset is always static.
+    output
+        Cards that ask for the depth of the reference node.
+    """
+    ends = np.concatenate([[0.0, ONSET * protocol.knot_time[1]], protocol.knot_time[1:]])
+    interval = float(np.max(np.diff(protocol.sample_time, prepend=0.0)))
+    lines = []
+    for k, duration in enumerate(np.diff(ends)):
+        longest = min(1.001 * interval, duration) if k else 0.05 * duration
+        lines += [
+            header,
+            procedure if k else "*STATIC",
+            f"{longest:.12g}, {duration:.12g}, {1e-6 * duration:.6g}, {longest:.12g}",
+            "*BOUNDARY, OP=NEW",
+            *HELD,
+        ]
+        lines += ["*CLOAD, AMPLITUDE=LOAD", f"{REFERENCE}, 2, 1.", *output] if k else [f"{REFERENCE}, 2, 2"]
+        lines.append("*END STEP")
+    return [*lines, ""]

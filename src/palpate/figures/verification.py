@@ -42,6 +42,9 @@ def draw(plot: Mapping[str, Any], path: str | Path) -> None:
 def _lines(axis, series: Sequence[Mapping[str, Any]], first: int = 0, joined: bool = False) -> None:
     for k, line in enumerate(series, first):
         x, y = (np.array(line[key], dtype=float) for key in ("x", "y"))
+        if not np.any(np.isfinite(x + y)):
+            axis.plot([], [], " ", label=f"{line['label']}: failed")
+            continue
         if joined:
             kept = y > 0
             axis.plot(x[kept], y[kept], marker=MARKERS[k % 4], ms=4, color=COLOURS[k % 4], label=line["label"])

@@ -34,7 +34,11 @@ def run(settings: Settings) -> Outcome:
             for where, value, index in zip(("peak", "end"), expected, (peak, -1), strict=True):
                 checked = kinematics == "small" and where == "peak"
                 quantity = f"{name}: depth at {where}, {kinematics} strain [nm]"
-                note = NOTES[kinematics] if checked or kinematics == "large" else "not a check: contact is lost"
+                note = (
+                    NOTES[kinematics]
+                    if checked or kinematics == "large"
+                    else "not a check: the reference loses contact before"
+                )
                 rows.append(Row(quantity, value, float(curve[index]), STATED[name] if checked else None, note))
         notes.append(_sentence(name, curves["small"][peak], curves["large"][peak]))
         load = protocol.sample_load.tolist()
