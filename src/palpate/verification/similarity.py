@@ -36,9 +36,9 @@ def run(settings: Settings) -> Outcome:
         rows.append(worst(f"{label}: depth at {TIME:g} times the duration [nm]", base, depth(other)[:-1], ALLOWED))
     plots = [_within_one_curve(kinematics, rows) for kinematics in ("small", "large")]
     notes = [
-        "Pairs: worst sample of the whole curve, less the last one, where the load is zero. The mesh follows the estimated "
-        "contact radius, so a pair of tests has similar meshes and agrees to rounding; within one curve the mesh stays as "
-        "it is, and the law tests it."
+        "Pairs: worst sample of the whole curve, less the last one, where the load is zero.",
+        "The mesh follows the estimated contact radius, so both tests of a pair have similar meshes and agree to rounding.",
+        "Within one curve the mesh stays as it is while the contact grows through it: there the law tests the mesh too.",
     ]
     return Outcome(rows, plots, notes)
 
