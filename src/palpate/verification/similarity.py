@@ -37,8 +37,8 @@ def run(settings: Settings) -> Outcome:
     plots = [_within_one_curve(kinematics, rows) for kinematics in ("small", "large")]
     notes = [
         "Pairs: worst sample of the whole curve, less the last one, where the load is zero.",
-        "The mesh follows the estimated contact radius, so both tests of a pair have similar meshes and agree to rounding.",
-        "Within one curve the mesh stays as it is while the contact grows through it: there the law tests the mesh too.",
+        "The mesh follows the estimated contact radius, so both tests of a pair have similar meshes.",
+        "Within one curve the contact grows through a mesh that stays: there the law tests the mesh too.",
     ]
     return Outcome(rows, plots, notes)
 
