@@ -11,6 +11,7 @@ import pytest
 from palpate.cli import main
 from palpate.errors import PalpateError
 from palpate.export.quadratic import RESOLUTIONS
+from palpate.fem.mesh import Resolution
 from palpate.verification import calculix, runner
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
 from palpate.verification.convergence import richardson
@@ -112,7 +113,9 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
 
 @pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
 def test_calculix_agrees_with_the_solver():
-    """Within 2 %: a coarse mesh, and increments so long that CalculiX settles its contact less well."""
-    specification = calculix.ELASTIC.specification(4, "standard")
-    found = calculix.run_deck(Path(shutil.which("ccx")), specification, RESOLUTIONS["standard"])
-    assert found == pytest.approx(depth(specification), rel=0.02)
+    """On a coarse mesh; with fewer samples its increments would be too long for it to settle the contact."""
+    specification = calculix.ELASTIC.specification(20, "standard")
+    mesh = Resolution(growth=1.7, sectors=3, inner=0.1, far=500.0)
+    found = calculix.run_deck(Path(shutil.which("ccx")), specification, mesh)
+    counts = specification.protocol.sample_load >= 0.15 * specification.protocol.max_load
+    assert np.sqrt(np.mean((found / depth(specification) - 1)[counts] ** 2)) < 0.01
