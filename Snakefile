@@ -8,6 +8,7 @@ include: "workflow/rules/surrogates.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/verification.smk"
 
 
 rule all:

@@ -1,0 +1,63 @@
+"""The exact scaling laws of indentation: pairs of tests whose curves must be related, whatever the solver.
+
+    load    h(t; k P) = sqrt(k) h(t; P)                     a sharp cone has no length
+    stress  all stresses and P by c, C_s by c^-(2 m_s + 1), C_t by c^-(2 m_t + 1): h unchanged
+    time    time by b, C_s by 1/b, t_eps by b: h unchanged as a function of t/b
+
+Each holds for every law of the radial family, small and large strains, with and without friction, loading and
+unloading.
+
+Source: Y.-T. Cheng & C.-M. Cheng, Mater. Sci. Eng. R 44 (2004) 91-149, for the load; the others by dimensional
+analysis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.errors import InputError
+from palpate.protocol import Protocol
+from palpate.specification import Specification
+
+STRESSES = ("youngs_modulus", "yield_stress", "hardening")
+
+
+def load_scaled(specification: Specification, factor: float) -> tuple[Specification, float]:
+    """Return the test under `factor` times the load, and the ratio of its depths to the given test's.
+
+    Raises
+    ------
+    InputError
+        For an indenter with a length, for which there is no such law.
+    """
+    if specification.indenter.shape != "cone":
+        raise InputError(
+            f"a {specification.indenter.shape} has a length", remedy="use a sharp cone", place="indenter.shape"
+        )
+    return replace(specification, protocol=_protocol(specification.protocol, load=factor)), factor**0.5
+
+
+def stress_scaled(specification: Specification, factor: float) -> Specification:
+    """Return the test of a material with `factor` times all stresses, whose depths are those of the given test."""
+    values = dict(specification.parameters)
+    for name in values:
+        if name in STRESSES:
+            values[name] *= factor
+        elif "coefficient" in name:
+            values[name] *= factor ** -(2 * values[name.replace("coefficient", "exponent")] + 1)
+    return replace(specification, parameters=values, protocol=_protocol(specification.protocol, load=factor))
+
+
+def time_scaled(specification: Specification, factor: float) -> Specification:
+    """Return the test `factor` times as long on a material as much slower, whose depths are those of the given test."""
+    values = dict(specification.parameters)
+    for name in values:
+        if name == "steady_coefficient":
+            values[name] /= factor
+        elif name.startswith("retardation_time"):
+            values[name] *= factor
+    return replace(specification, parameters=values, protocol=_protocol(specification.protocol, time=factor))
+
+
+def _protocol(protocol: Protocol, load: float = 1.0, time: float = 1.0) -> Protocol:
+    return Protocol(protocol.knot_time * time, protocol.knot_load * load, protocol.sample_time * time)

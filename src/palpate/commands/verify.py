@@ -1,0 +1,39 @@
+"""``palpate verify``: the solver held to exact solutions, exact laws, its own convergence and another program."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from pathlib import Path
+
+from palpate.errors import InputError, PalpateError
+
+NAME = "verify"
+HELP = "check the solver against exact solutions and CalculiX, and write a report"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("-o", "--output", type=Path, default=Path("verification"), metavar="FOLDER")
+    parser.add_argument("--quick", action="store_true", help="about a minute: fewer cases, without CalculiX")
+    parser.add_argument("--reference", type=Path, metavar="FOLDER", help="folder of reference curves to compare with")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the report; exit code 1 when a check failed."""
+    from palpate.verification import runner
+    from palpate.verification.case import Settings
+
+    if arguments.reference is not None and not arguments.reference.is_dir():
+        raise InputError("the folder is missing", remedy="give a folder of curves", file=arguments.reference)
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    program = None if arguments.quick else shutil.which("ccx")
+    settings = Settings(arguments.quick, Path(program) if program else None, arguments.reference)
+    result = runner.run(settings, lambda line: print(line, flush=True))
+    runner.write(result, arguments.output)
+    print(arguments.output / "report.html")
+    if result["failed"]:
+        raise PalpateError(
+            f"{result['failed']} of {result['checks']} checks failed; see {arguments.output}/report.html"
+        )
+    return 0

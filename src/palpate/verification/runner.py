@@ -1,0 +1,140 @@
+"""Runs the cases and writes what they found: verification.json, figures drawn from it, and a page of HTML."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from palpate import __version__, report
+from palpate.errors import PalpateError
+from palpate.figures import verification as figures
+from palpate.verification import (
+    calculix,
+    convergence,
+    elastic,
+    kinematics,
+    reference,
+    similarity,
+    viscoelastic,
+)
+from palpate.verification.case import Case, Outcome, Row, Settings
+
+CASES = (
+    elastic.SNEDDON,
+    elastic.HERTZ,
+    viscoelastic.CASE,
+    similarity.CASE,
+    kinematics.CASE,
+    convergence.CASE,
+    calculix.CASE,
+    reference.CASE,
+)
+VERDICT = {True: "yes", False: "NO", None: "not a check"}
+
+
+def run(settings: Settings, say: Callable[[str], None]) -> dict[str, Any]:
+    """Run every case; what cannot run is told in its notes and counts as a check that failed.
+
+    Parameters
+    ----------
+    say
+        Takes one line a case as it finishes.
+
+    Returns
+    -------
+    dict
+        The content of verification.json: `version`, `quick`, `passed`, `checks`, `failed`, and `cases` with their rows,
+        plots and notes.
+    """
+    cases: list[dict[str, Any]] = []
+    for case in CASES:
+        began = time.perf_counter()
+        outcome = _outcome(case, settings)
+        rows = [_plain(row) for row in outcome.rows]
+        checked = [row for row in rows if row["passed"] is not None]
+        good = sum(row["passed"] for row in checked)
+        seconds = time.perf_counter() - began
+        say(f"{case.title}: {good} of {len(checked)} checks passed ({seconds:.1f} s)")
+        cases.append(
+            {
+                "key": case.key,
+                "title": case.title,
+                "seconds": round(seconds, 1),
+                "rows": rows,
+                "plots": [asdict(plot) for plot in outcome.plots],
+                "notes": list(outcome.notes),
+            }
+        )
+    verdicts = [row["passed"] for case in cases for row in case["rows"] if row["passed"] is not None]
+    return {
+        "version": __version__,
+        "quick": settings.quick,
+        "passed": all(verdicts),
+        "checks": len(verdicts),
+        "failed": verdicts.count(False),
+        "cases": cases,
+    }
+
+
+def _outcome(case: Case, settings: Settings) -> Outcome:
+    try:
+        return case.run(settings)
+    except PalpateError as error:
+        return Outcome([Row(f"{case.title} could run", 1.0, math.nan, 0.0, str(error))], notes=[str(error)])
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    return asdict(row) | {"deviation": row.deviation, "passed": row.passed}
+
+
+def write(result: dict[str, Any], folder: Path) -> None:
+    """Write verification.json, figures/*.png and report.html to `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    plain = json.loads(json.dumps(result), parse_constant=lambda _: None)
+    (folder / "verification.json").write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    sections = []
+    for case in result["cases"]:
+        pieces = [f"<p>{html.escape(note)}</p>" for note in case["notes"]]
+        if case["rows"]:
+            pieces.append(report.table(pd.DataFrame(list(_table(case["rows"])))))
+        for plot in case["plots"]:
+            path = folder / "figures" / f"{plot['name']}.png"
+            figures.draw(plot, path)
+            pieces.append(report.image(path, f"{case['title']}: {plot['name']}"))
+        sections.append((case["title"], pieces))
+    report.build(f"palpate {result['version']}: verification", sections, list(_notes(result)), folder / "report.html")
+
+
+def _notes(result: dict[str, Any]) -> Iterator[str]:
+    yield f"{result['checks'] - result['failed']} of {result['checks']} checks passed."
+    for case in result["cases"]:
+        for row in case["rows"]:
+            if row["passed"] is False:
+                yield f"Failed: {case['title']}: {row['quantity']}, deviation {100 * row['deviation']:.3g} %."
+    if result["quick"]:
+        yield "This was a quick run: fewer cases, CalculiX left out."
+
+
+def _table(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        yield {
+            "quantity": row["quantity"],
+            "expected": row["expected"],
+            "found": row["found"],
+            "deviation [%]": _per_cent(row["deviation"]),
+            "allowed [%]": _per_cent(row["allowed"]),
+            "passed": VERDICT[row["passed"]],
+            "note": row["note"],
+        }
+
+
+def _per_cent(value: float | None) -> str:
+    return "" if value is None or math.isnan(value) else f"{100 * value:.2g}"

@@ -1,0 +1,149 @@
+"""Decks: the mesh, the laws they hold, and what they refuse in one line."""
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate.cli import main
+from palpate.export.abaqus import user_constants
+from palpate.export.calculix import deck, norton
+from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
+from palpate.materials import LAWS
+from palpate.materials.radial import commit, history, invariant, solve_radial, state_size, step_weights
+from palpate.model import specification_from
+
+NORTON = {
+    "model": "nonlinear_burgers",
+    "youngs_modulus": 3.28,
+    "poisson_ratio": 0.34,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.2,
+    "transient_coefficient": 0.0,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+METAL = {
+    "model": "bilinear_plasticity",
+    "youngs_modulus": 70.0,
+    "poisson_ratio": 0.345,
+    "yield_stress": 0.1,
+    "hardening": 0.5,
+}
+BOTH = NORTON | {"model": "burgers_plasticity", "yield_stress": 0.1, "hardening": 0.5}
+
+
+def values(material=NORTON, **more):
+    return {
+        "material": material,
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 5, "unloading_time": 30, "points": 20},
+    } | more
+
+
+@pytest.fixture
+def export(tmp_path, capsys):
+    def run(given, form, output="out"):
+        file = tmp_path / "spec.yaml"
+        file.write_text(yaml.safe_dump(given))
+        code = main(["export", str(file), "--format", form, "-o", str(tmp_path / output)])
+        return code, capsys.readouterr().err.splitlines(), tmp_path / output
+
+    return run
+
+
+def area(corners):
+    x, y = corners[..., 0], corners[..., 1]
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1)
+
+
+@pytest.mark.parametrize("indenter", [{"shape": "cone", "half_angle": 70.3}, {"shape": "sphere", "radius": 5000.0}])
+def test_mesh_fills_the_quarter_disc(indenter):
+    mesh = quadratic_mesh(specification_from(values(indenter=indenter)), RESOLUTIONS["standard"])
+    triangles, quads = area(mesh.nodes[mesh.triangles[:, :3]]), area(mesh.nodes[mesh.quads[:, :4]])
+    behind = area(mesh.nodes[mesh.indenter[:, :4]])
+    assert min(triangles.min(), quads.min(), behind.min()) > 0
+    radius, sectors = -mesh.nodes[:, 1].min(), len(mesh.triangles)
+    assert triangles.sum() + quads.sum() == pytest.approx(0.5 * sectors * radius**2 * np.sin(np.pi / 2 / sectors))
+    assert mesh.nodes[mesh.quads[mesh.top_quads][:, [0, 1, 4]], 1] == pytest.approx(0.0, abs=1e-12)
+    assert len(mesh.nodes) == len(np.unique(np.concatenate([part.ravel() for part in (
+        mesh.triangles, mesh.quads, mesh.indenter)])))  # fmt: skip
+    for elements, corners in ((mesh.quads, 4), (mesh.indenter, 4), (mesh.triangles, 3)):
+        ends = mesh.nodes[elements[:, :corners]]
+        middles = mesh.nodes[elements[:, corners:]]
+        chord = np.linalg.norm(ends - np.roll(ends, -1, axis=1), axis=-1)
+        off = np.linalg.norm(middles - 0.5 * (ends + np.roll(ends, -1, axis=1)), axis=-1)
+        assert np.all(off < 0.15 * chord)
+
+
+def test_norton_is_steady_creep():
+    """A long uniaxial-like shear: the steady strain rate of the radial update is A q^n."""
+    coefficients = LAWS["nonlinear_burgers"].coefficients({k: v for k, v in NORTON.items() if k != "model"})
+    factor, exponent = norton(NORTON["steady_coefficient"], NORTON["steady_exponent"])
+    rate, dt = 1e-3, 5.0
+    state, past, weights = np.zeros(state_size(coefficients)), np.empty(4), step_weights(coefficients, dt)
+    for k in range(1, 400):
+        history(state, weights, coefficients, past)
+        residual = np.array([0.0, 0.0, 0.0, rate * dt * k]) - past
+        rho = invariant(*residual)
+        q, _ = solve_radial(rho, 0.0, 0.0, weights, coefficients)
+        commit(state, residual, q, rho, weights, coefficients)
+    equivalent_rate = 2 / np.sqrt(3) * rate
+    assert factor * (np.sqrt(3) * state[3]) ** exponent == pytest.approx(equivalent_rate, rel=1e-6)
+
+
+def test_calculix_deck_holds_the_law_and_the_load(export):
+    code, _, path = export(values(), "calculix", "deck.inp")
+    text = path.read_text()
+    assert code == 0
+    factor, exponent = norton(0.09, 0.2)
+    assert f"*CREEP, LAW=NORTON\n{factor:.12g}, {exponent:.12g}, 0." in text
+    assert text.count("*STEP") == 4
+    onset = text.split("*STEP")[1]
+    assert "CLOAD" not in onset and "REFERENCE, 2, 2" in onset
+    amplitude = text.split("TOTAL TIME\n")[1].split("*")[0].split("\n")
+    assert [float(part) for part in amplitude[-2].split(",")] == [65.0, 0.0]
+
+
+def test_plasticity_is_a_hardening_line():
+    assert "*PLASTIC\n0.1, 0.\n5.1, 10." in deck(specification_from(values(METAL)))
+
+
+@pytest.mark.parametrize(
+    ("given", "form", "words"),
+    [
+        (values(NORTON | {"transient_coefficient": 0.2}), "calculix", "material.transient_coefficient"),
+        (values(BOTH), "calculix", "creep and linear hardening"),
+        (values(kinematics="large"), "calculix", "kinematics"),
+        (values(mechanisms={"thermal_drift": {"rate": 0.05}}), "calculix", "mechanisms"),
+        (values(mechanisms={"thermal_drift": {"rate": 0.05}}), "abaqus", "mechanisms"),
+        (values(BOTH), "abaqus", "no yielding"),
+    ],
+)
+def test_what_a_program_lacks_is_refused_in_one_line(export, given, form, words):
+    code, lines, path = export(given, form)
+    assert code == 2
+    assert len(lines) == 1 and words in lines[0] and "spec.yaml" in lines[0]
+    assert not path.exists()
+
+
+def test_abaqus_folder(export):
+    second = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 20.0}
+    code, _, path = export(values(NORTON | second, kinematics="large"), "abaqus")
+    assert code == 0
+    text = (path / "indentation.inp").read_text()
+    assert "NLGEOM=YES" in text
+    assert "CONSTANTS=10" in text and "*DEPVAR\n12," in text
+    assert "SUBROUTINE UMAT" in (path / "burgers.f").read_text()
+    assert max(len(line) for line in (path / "burgers.f").read_text().splitlines()) <= 72
+
+
+def test_abaqus_needs_no_subroutine_for_its_own_laws(export):
+    code, _, path = export(values(METAL), "abaqus")
+    assert code == 0
+    assert "*PLASTIC" in (path / "indentation.inp").read_text()
+    assert not (path / "burgers.f").exists()
+
+
+def test_user_constants_leave_plasticity_out():
+    coefficients = np.arange(12.0)
+    assert user_constants(coefficients) == pytest.approx([0, 1, 2, 3, 6, 7, 8, 9, 10, 11])

@@ -1,0 +1,121 @@
+"""The verification itself: its measures, report and exit code, and a small run of CalculiX where there is one."""
+
+import json
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.errors import PalpateError
+from palpate.export.quadratic import RESOLUTIONS
+from palpate.fem.mesh import Resolution
+from palpate.verification import calculix, runner
+from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
+from palpate.verification.convergence import richardson
+
+GOOD = Row("depth [nm]", 100.0, 100.4, 0.005)
+BAD = Row("depth [nm]", 100.0, 101.0, 0.005)
+PLOT = Plot(
+    "curve", "time [s]", "depth [nm]", [Series("one", [1, 2], [3, 4])], [Series("two", [1, 2], [0.1, math.nan])]
+)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 1.7])
+def test_richardson_recovers_order_and_limit(order):
+    values = 7.0 + 0.3 * (0.5 ** np.arange(4)) ** order
+    assert richardson(values) == pytest.approx((order, 7.0))
+
+
+@pytest.mark.parametrize("values", [(1.0, 2.0, 1.5), (1.0, 1.1, 1.3), (1.0, 1.0, 1.0)])
+def test_richardson_claims_no_order_without_convergence(values):
+    order, limit = richardson(values)
+    assert math.isnan(order)
+    assert limit == values[-1]
+
+
+def test_a_row_judges_itself():
+    assert GOOD.passed is True
+    assert BAD.passed is False
+    assert Row("not simulated", 1.0, math.nan, 0.1).passed is False
+    assert Row("reported only", 1.0, 9.0, None).passed is None
+
+
+def test_the_worst_sample_is_the_one_shown_and_a_failed_one_is_worst():
+    expected = np.array([1.0, 2.0, 4.0])
+    assert worst("h", expected, np.array([1.01, 2.1, 4.0]), 0.01).deviation == pytest.approx(0.05)
+    assert math.isnan(worst("h", expected, np.array([1.0, np.nan, 5.0]), 0.01).found)
+    assert rms("h", expected, np.array([1.03, 2.0, 4.0]), 0.02).deviation == pytest.approx(0.03 / np.sqrt(3))
+
+
+def run_with(monkeypatch, *cases):
+    monkeypatch.setattr(runner, "CASES", cases)
+
+
+def fails(settings):
+    raise PalpateError("the program stopped")
+
+
+def test_report_and_json_hold_every_row(monkeypatch, tmp_path, capsys):
+    outcome = Outcome([GOOD, Row("reported <only>", math.nan, 9.0, None)], [PLOT], ["a note"])
+    run_with(monkeypatch, Case("one", "First", lambda settings: outcome))
+    assert main(["verify", "--quick", "-o", str(tmp_path / "out")]) == 0
+    result = json.loads((tmp_path / "out/verification.json").read_text())
+    assert result["passed"] and result["checks"] == 1
+    assert set(result["cases"][0]["rows"][0]) >= {"quantity", "expected", "found", "deviation", "allowed", "passed"}
+    assert result["cases"][0]["rows"][1]["expected"] is None
+    page = (tmp_path / "out/report.html").read_text()
+    assert "reported &lt;only&gt;" in page and "1 of 1 checks passed" in page and "a note" in page
+    assert (tmp_path / "out/figures/curve.png").stat().st_size > 1000
+    assert "First: 1 of 1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("broken", [lambda settings: Outcome([GOOD, BAD]), fails])
+def test_a_failed_check_is_told_and_ends_with_one(monkeypatch, tmp_path, capsys, broken):
+    run_with(monkeypatch, Case("one", "First", broken))
+    assert main(["verify", "--quick", "-o", str(tmp_path)]) == 1
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert "Failed: First" in (tmp_path / "report.html").read_text()
+
+
+def test_a_missing_reference_folder_is_refused(tmp_path, capsys):
+    assert main(["verify", "--reference", str(tmp_path / "none"), "-o", str(tmp_path / "out")]) == 2
+    assert "folder is missing" in capsys.readouterr().err
+
+
+def test_without_calculix_it_says_so():
+    outcome = calculix.run(Settings())
+    assert not outcome.rows
+    assert "not run" in outcome.notes[0]
+
+
+def test_a_program_that_writes_nothing_is_an_error(tmp_path):
+    program = tmp_path / "ccx"
+    program.write_text("#!/bin/sh\nexit 1\n")
+    program.chmod(0o755)
+    with pytest.raises(PalpateError, match="no depths"):
+        calculix.run_deck(program, calculix.ELASTIC.specification(2), RESOLUTIONS["standard"])
+
+
+def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
+    program = tmp_path / "ccx"
+    block = " displacements (vx,vy,vz) for set REFERENCE and time  {}\n\n       518  0.000000E+00  {}  0.000000E+00\n\n"
+    text = "".join(block.format(f"{t:.7E}", f"{t / 10:.6E}") for t in (0.5, 1.0))
+    program.write_text(f"#!/bin/sh\ncat > deck.dat <<'END'\n{text}END\n")
+    program.chmod(0o755)
+    specification = calculix.ELASTIC.specification(2)
+    found = calculix.run_deck(program, specification, RESOLUTIONS["standard"])
+    assert found[1] - found[0] == pytest.approx(50.0)
+    assert np.isnan(found[2:]).all()
+
+
+@pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
+def test_calculix_agrees_with_the_solver():
+    """On a coarse mesh; with fewer samples its increments would be too long for it to settle the contact."""
+    specification = calculix.ELASTIC.specification(20, "standard")
+    mesh = Resolution(growth=1.7, sectors=3, inner=0.1, far=500.0)
+    found = calculix.run_deck(Path(shutil.which("ccx")), specification, mesh)
+    counts = specification.protocol.sample_load >= 0.15 * specification.protocol.max_load
+    assert np.sqrt(np.mean((found / depth(specification) - 1)[counts] ** 2)) < 0.01

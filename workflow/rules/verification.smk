@@ -1,0 +1,15 @@
+# The solver's verification, apart from any study: snakemake --cores 1 verification [--config quick=1 reference=FOLDER]
+rule verification:
+    output:
+        report="results/verification/report.html",
+        result="results/verification/verification.json",
+    log:
+        "results/verification/verification.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        quick=config.get("quick"),
+        reference=config.get("reference"),
+        code=fingerprint(*PHYSICS, "analytic", "export", "verification") + FIGURE_CODE,
+    script:
+        "../../scripts/verification.py"
