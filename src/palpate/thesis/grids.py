@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -49,7 +50,7 @@ def reduced_grid(studies: Studies, outcomes: Outcomes) -> list[Run]:
 def _with_midpoints(study: Study, levels: Mapping[str, Any]) -> list[Run]:
     runs = []
     for role, points in (("training", factorial(levels)), ("midpoint", midpoints(levels))):
-        runs += [Run({**run.labels, "role": role}, run.specification) for run in study_runs(study, points, ALUMINIUM)]
+        runs += [replace(run, labels={**run.labels, "role": role}) for run in study_runs(study, points, ALUMINIUM)]
     return runs
 
 

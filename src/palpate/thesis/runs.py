@@ -29,11 +29,14 @@ class Run:
         Everything that decides it; ``None`` when the solver does not offer it.
     reason
         Why it cannot be simulated; empty otherwise.
+    fallback
+        What to simulate in its place if the solver fails, such as the same at standard accuracy.
     """
 
     labels: Mapping[str, Any]
     specification: Specification | None
     reason: str = ""
+    fallback: Specification | None = None
 
     @classmethod
     def of(cls, labels: Mapping[str, Any], build: Callable[[], Specification]) -> Run:
@@ -151,37 +154,51 @@ def compute(runs: Sequence[Run], store: Path, report: Callable[[str], None] = pr
     blank = np.full(counts.pop() if counts else 1, np.nan)
     rows = []
     for done, run in enumerate(runs, 1):
-        rows.append(_stored(run, store) if run.specification else (blank, blank, blank, run.reason, 0.0))
+        row: tuple[Any, ...] = (blank, blank, blank, run.reason, 0.0, None)
+        for specification in (run.specification, run.fallback):
+            if specification and (specification is run.specification or row[3]):
+                row = _stored(run.labels, specification, store)
+        rows.append(row)
         if done % 10 == 0 or done == len(runs):
             report(f"{done} of {len(runs)} curves")
-    time, load, depth, reasons, seconds = zip(*rows, strict=True)
-    labels = [{**run.labels, "address": _address(run)} for run in runs]
+    time, load, depth, reasons, seconds, used = zip(*rows, strict=True)
+    labels = [{**run.labels, **_name(specification)} for run, specification in zip(runs, used, strict=True)]
     return Curves(labels, np.array(time), np.array(load), np.array(depth), reasons, np.array(seconds))
 
 
-def _address(run: Run) -> str:
-    return snapshots.address(run.specification) if run.specification else ""
+def _name(specification: Specification | None) -> dict[str, str]:
+    """Return labels that tell which curve was taken: its address in the store and its accuracy."""
+    if specification is None:
+        return {"address": "", "accuracy": ""}
+    return {"address": snapshots.address(specification), "accuracy": specification.accuracy}
 
 
-def _stored(run: Run, store: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray, str, float]:
-    assert run.specification is not None
-    address = _address(run)
+def _stored(labels: Mapping[str, Any], specification: Specification, store: Path) -> tuple[Any, ...]:
+    """Return time, load, depth, reason of failure, solver seconds and specification of one curve."""
+    address = snapshots.address(specification)
     file = store / address[:2] / f"{address}.npz"
     if not file.exists():
-        cell = {name: value for name, value in run.labels.items() if name in run.specification.parameters}
-        snapshots.write(file, simulate(run.specification), cell, str(run.labels.get("condition", "")))
+        cell = {name: value for name, value in labels.items() if name in specification.parameters}
+        snapshots.write(file, simulate(specification), cell, str(labels.get("condition", "")))
     content = snapshots.read(file)
     reason = "" if content["status"] == "ok" else content["reason"]
-    return content["time"], content["load"], content["depth"], reason, content["solver_seconds"]
+    return content["time"], content["load"], content["depth"], reason, content["solver_seconds"], specification
 
 
-def study_runs(
-    study: Study, points: Iterable[Mapping[str, float]], conditions: Iterable[str], accuracy: str | None = None
-) -> list[Run]:
-    """Return runs of a study's material at every point, under the named conditions of the study."""
+def study_runs(study: Study, points: Iterable[Mapping[str, float]], conditions: Iterable[str]) -> list[Run]:
+    """Return runs of a study's material at every point, under the named conditions of the study.
+
+    Where the solver fails at `accuracy: fine`, the standard accuracy takes its place.
+    """
     points = list(points)
     return [
-        Run({**point, "condition": name}, study.specification(point, study.condition(name), accuracy))
+        Run(
+            {**point, "condition": name},
+            study.specification(point, study.condition(name)),
+            fallback=study.specification(point, study.condition(name), "standard")
+            if study.accuracy == "fine"
+            else None,
+        )
         for name in conditions
         for point in points
     ]
