@@ -69,8 +69,8 @@ def run(context: Context) -> Outcome:
                 f"error {contributions['hardening']:.2f} against {contributions['youngs_modulus']:.2f}, largest depth "
                 f"{depth['hardening']:.2f} against {depth['youngs_modulus']:.2f} per cent",
                 contributions["hardening"] > contributions["youngs_modulus"],
-                f"with all interactions (total Sobol index) E makes {own:.2f} per cent of the error: what the L16 books as "
-                "E's is the interaction of yield stress and hardening, which its column carries",
+                f"with all interactions (total Sobol index) E makes {own:.2f} per cent of the error: what the L16 "
+                "books as E's is the interaction of yield stress and hardening, which its column carries",
             ),
             compare(
                 "sum of squares of the yield stress",
