@@ -37,5 +37,7 @@ def main_effects(axes, series: Mapping[str, Any], symbols: Mapping[str, str], la
         for axis, (name, symbol) in zip(row, symbols.items(), strict=True):
             axis.plot(series[key][name]["levels"], series[key][name]["means"], "o-", color=RECORDED, ms=3.5)
             axis.set_xlabel(symbol)
-            axis.margins(x=0.15)
+            levels = series[key][name]["levels"]
+            axis.set_xticks([levels[0], levels[-1]])
+            axis.margins(x=0.2)
             axis.tick_params(labelsize=6.5)

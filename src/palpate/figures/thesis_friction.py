@@ -36,9 +36,11 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
                 axis.axhline(0, color=RECORDED, lw=0.5)
                 axis.legend(fontsize=7)
             else:
+                axis.set_axis_off()
                 axis.text(0.5, 0.5, "not run: see the verdict", ha="center", va="center", transform=axis.transAxes)
             axis.set_xticks([30, 45, 60, 240], ["30", "45", "60", "240"], minor=False)
             axis.minorticks_off()
+            axis.set_xlim(25, 300)
             axis.set_title(f"{depth.replace('_', ' ')}, {kinematics} strains")
         line[0].set_ylabel("shallower than without friction [%]")
     for axis in axes[-1]:

@@ -27,7 +27,7 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     _kernels(axes[0, 0], series["kernels"])
     _noise(axes[0, 1], series["noise"])
     _spectrum(axes[0, 2], series["spectra"])
-    _shapes(axes[1, 0], axes[1, 1], series["shapes"])
+    _shapes(axes[1, 0], axes[1, 1], series["shapes"], series["printed_shapes"])
     _map(figure, axes[1, 2], series["map"])
     save(figure, path)
 
@@ -78,7 +78,7 @@ def _spectrum(axis, spectra) -> None:
     axis.set_title("spectrum of the snapshots")
 
 
-def _shapes(left, right, rows) -> None:
+def _shapes(left, right, rows, printed) -> None:
     for kernel, colour in COLOURS.items():
         for modes, style in (("one mode", "-"), ("all modes", "--")):
             own = [r for r in rows if r["modes"] == modes]
@@ -93,6 +93,16 @@ def _shapes(left, right, rows) -> None:
             color=colour,
             label=SHORT[kernel],
         )
+    left.plot(
+        [r["shape"] for r in printed],
+        [r["gaussian_percent"] for r in printed],
+        ":",
+        marker="s",
+        ms=3,
+        color=COLOURS["gaussian"],
+        label="GS as printed",
+    )
+    left.legend(fontsize=7)
     left.set_ylim(bottom=0)
     left.set_ylabel("error at mid-points [%]")
     left.set_title("36 points (solid one mode, dashed all)")

@@ -46,7 +46,6 @@ def run(context: Context) -> Outcome:
     }
     transient = max(shares["transient_coefficient"].values())
     retardation = max(shares["retardation_time"].values())
-    modulus = [shares["youngs_modulus"][name] for name in CALIBRATED]
     reduced = reduce_levels(EPOXY_SCREENING, first["mean_square"])
     return Outcome(
         tables={
@@ -88,12 +87,6 @@ def run(context: Context) -> Outcome:
             ),
             compare(
                 "t_eps contributes", "0.00 per cent (p 0.942)", f"at most {retardation:.3f} per cent", retardation < 0.1
-            ),
-            compare(
-                "E matters more in fast tests",
-                "stated in the text",
-                "contribution to the largest depth falls " + ", ".join(f"{v:.1f}" for v in modulus) + " per cent",
-                bool(np.all(np.diff(modulus) < 0)),
             ),
             compare(
                 "levels after the analysis",

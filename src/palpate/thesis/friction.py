@@ -73,7 +73,7 @@ def run(context: Context) -> Outcome:
                     "0.5 per cent at the largest, 1 to 1.8 per cent of the residual depth",
                     f"{len(own)} of {CURVES} curves",
                     "not run",
-                    "; ".join(missing),
+                    missing[0] if missing else "the frictionless curve failed",
                 )
             )
     return Outcome(tables, findings, {"rows": rows})

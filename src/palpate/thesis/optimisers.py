@@ -21,7 +21,7 @@ from palpate.calibration.space import Space
 from palpate.observations import observations
 from palpate.surrogate import PODRBF
 from palpate.thesis.grids import CALIBRATED
-from palpate.thesis.study import Context, Outcome, ThesisStudy, compare
+from palpate.thesis.study import Context, Finding, Outcome, ThesisStudy
 
 BUDGET = 200 * 600
 SEEDS = 10
@@ -162,13 +162,13 @@ def run(context: Context) -> Outcome:
     return Outcome(
         tables={"evaluations and time to come within 10, 1 and 0.1 per cent of the least value known": table},
         findings=[
-            compare(
+            Finding(
                 "the thesis' genetic algorithm on the same surrogate and budget",
                 "the only optimiser tried",
                 f"within 1 per cent in {thesis['reached_1_percent']} of {SEEDS} runs, "
                 f"median {thesis['evaluations_1_percent'] or 'more than ' + str(BUDGET)} evaluations; "
                 f"{fastest['optimiser']} needs {fastest['evaluations_1_percent']}",
-                thesis["reached_1_percent"] == SEEDS,
+                "not in the thesis",
                 "the objective is smooth and has few minima: gradients win",
             )
         ],
