@@ -171,7 +171,7 @@ def run(context: Context) -> Outcome:
                 ),
                 "not in the thesis",
                 "the objective is smooth with a few minima of nearly equal value: restarts with gradients find "
-                "the least, one population settles in the widest; the genetic algorithm's mutation is still wide near its end",
+                "the least, one population settles in the widest; the mutation is still wide near its end",
             )
         ],
         series={
