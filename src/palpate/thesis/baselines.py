@@ -120,8 +120,8 @@ def run(context: Context) -> Outcome:
                 "gives the true modulus",
                 f"E {error[name, plain]:+.1f} per cent before, {error[name, corrected]:+.1f} after",
                 abs(error[name, corrected]) < 10,
-                "it corrects too much: S comes from three quarters of unloading, over which creep slows, while the rate "
-                "that is taken off is that of the hold",
+                "it corrects too much: S comes from three quarters of unloading, over which creep slows; the rate "
+                "taken off is that of the hold",
             ),
             compare(
                 "closed forms recover a linear solid",
