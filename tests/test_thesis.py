@@ -5,15 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from palpate.calibration.space import Space
 from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.model import simulate, specification_from
 from palpate.protocol import trapezoid
-from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute
+from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from palpate.thesis import index as page
 from palpate.thesis.dimensionless import MODULUS, NAMES, groups
+from palpate.thesis.friction import reductions
 from palpate.thesis.identifiability import RANGES, deviations
 from palpate.thesis.kernels_as_printed import PRINTED, predict_as_printed
+from palpate.thesis.optimisers import OPTIMISERS, Finished, Problem
 from palpate.thesis.runs import Run
 
 ROOT = Path(__file__).parent.parent
@@ -131,3 +134,38 @@ def test_the_page_shows_findings_and_effort(tmp_path):
     assert "1 different curves" in text
     assert "3 s in the solver, 2 s" in text
     assert "1 &lt; 2" in text
+
+
+def test_friction_is_measured_against_the_frictionless_curve_of_the_same_test():
+    common = {"kinematics": "large", "max_load": 1.0, "loading_time": 30.0}
+    labels, depth = [], []
+    for name, scale in (("P1.00_T030", 1.0), ("P0.50_T030", 0.7)):
+        for coefficient in (0.0, 0.5):
+            labels.append({"condition": name, "friction": coefficient} | common)
+            depth.append(scale * np.array([100.0, 200.0 * (1 - 0.02 * coefficient), 150.0 * (1 - 0.04 * coefficient)]))
+    load = np.tile([0.5, 1.0, 0.0], (4, 1))
+    curves = Curves(labels, load, load, np.array(depth), [""] * 4, np.zeros(4))
+    rows = [row for row in reductions(curves) if row["friction"] == 0.5]
+    assert [row["max_depth_reduction_percent"] for row in rows] == pytest.approx([1.0, 1.0])
+    assert [row["residual_depth_reduction_percent"] for row in rows] == pytest.approx([2.0, 2.0])
+
+
+class Bowl:
+    """A surrogate whose curve is the parameters themselves."""
+
+    def predict(self, x):
+        return x
+
+
+@pytest.mark.parametrize("optimiser", OPTIMISERS)
+def test_every_optimiser_reaches_the_bottom_of_a_bowl_or_spends_its_budget(optimiser, monkeypatch):
+    monkeypatch.setattr(optimisers, "BUDGET", 30000)
+    space = Space({"a": (0.0, 1.0), "b": (0.0, 2.0)})
+    bottom = np.array([0.3, 1.4])
+    problem = Problem({"one": Bowl(), "two": Bowl()}, {"one": bottom, "two": bottom + 0.1}, space, least=0.005)
+    with pytest.raises(Finished):
+        OPTIMISERS[optimiser](problem, 1)
+    assert problem.evaluations <= 30000 + 200
+    assert problem.best < 0.005 * (1.001 if 0.001 in problem.reached else 1.1)
+    counts = [problem.reached[excess][0] for excess in sorted(problem.reached, reverse=True)]
+    assert counts == sorted(counts)

@@ -57,7 +57,7 @@ DESIGNS = {"friction": Design(runs)}
 def run(context: Context) -> Outcome:
     """Compare each curve with the frictionless one."""
     curves = context.curves["friction"]
-    rows = [row for kinematics in KINEMATICS for row in reductions(curves.where(kinematics=kinematics), kinematics)]
+    rows = [row for kinematics in KINEMATICS for row in reductions(curves.where(kinematics=kinematics))]
     done = [row for row in rows if row["friction"] > 0 and row["max_depth_reduction_percent"] is not None]
     missing = sorted({reason for reason in curves.reasons if reason})
     tables: dict[str, Rows] = {"reduction of depth by friction": rows}
@@ -79,7 +79,7 @@ def run(context: Context) -> Outcome:
     return Outcome(tables, findings, {"rows": rows})
 
 
-def reductions(curves: Curves, kinematics: str) -> Rows:
+def reductions(curves: Curves) -> Rows:
     """Return, for each curve, by how much friction makes it shallower at the largest load and after unloading."""
     rows: Rows = []
     peak, residual = curves.max_depth, curves.residual_depth
