@@ -99,8 +99,8 @@ def run(context: Context) -> Outcome:
                 "not in the thesis",
                 "one sharp tip gives one loading coefficient and one unloading stiffness, so modulus and hardening end "
                 f"on bounds; not identified: {', '.join(unknown) or 'none'}; intervals that miss the truth: "
-                f"{', '.join(missed) or 'none'} (with others on their bounds they are too narrow, and the solver's error "
-                "at the first loads, several per cent with plasticity, is larger than assumed)",
+                f"{', '.join(missed) or 'none'} (with others on their bounds they are too narrow, and the solver's "
+                "error at the first loads, several per cent with plasticity, is larger than assumed)",
             ),
         ],
         series=series,
