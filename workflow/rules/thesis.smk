@@ -10,15 +10,6 @@ SHARED = sorted(
 )
 
 
-def materials(*designs):
-    """Configuration of the materials that designs are made of, told by the designs' names."""
-    names = {
-        design.split("_")[0] if design.split("_")[0] in MATERIALS else "epoxy"
-        for design in designs
-    }
-    return [MATERIALS[name] for name in sorted(names)]
-
-
 rule thesis:
     input:
         f"{THESIS}/index.html",
@@ -46,7 +37,7 @@ rule thesis_design:
         outcomes=lambda wildcards: expand(
             f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
         ),
-        studies=lambda wildcards: materials(wildcards.design),
+        studies=lambda wildcards: MATERIALS[DESIGNS[wildcards.design].material],
     output:
         f"{THESIS}/designs/{{design}}.npz",
     log:
@@ -73,7 +64,12 @@ rule thesis_study:
             f"{THESIS}/recordings/{{material}}",
             material=STUDIES[wildcards.key].recordings,
         ),
-        studies=lambda wildcards: materials(*STUDIES[wildcards.key].designs),
+        studies=lambda wildcards: sorted(
+            {
+                MATERIALS[DESIGNS[name].material]
+                for name in STUDIES[wildcards.key].designs
+            }
+        ),
     output:
         f"{THESIS}/{{key}}.json",
     log:

@@ -60,9 +60,9 @@ def epoxy_grid(condition: str, studies: Studies, outcomes: Outcomes) -> list[Run
 
 
 DESIGNS = {
-    "aluminium_L16": Design(l16),
-    "aluminium_full": Design(full_grid),
-    "aluminium_reduced": Design(reduced_grid, after=("anova_aluminium",)),
+    "aluminium_L16": Design(l16, material="aluminium"),
+    "aluminium_full": Design(full_grid, material="aluminium"),
+    "aluminium_reduced": Design(reduced_grid, after=("anova_aluminium",), material="aluminium"),
     "epoxy_L27": Design(l27),
     **{f"epoxy_{name}": Design(partial(epoxy_grid, name)) for name in CALIBRATED},
 }

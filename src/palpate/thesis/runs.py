@@ -134,10 +134,13 @@ class Design:
         From the checked studies and the outcomes it comes after to the runs.
     after
         Studies of the thesis whose outcome decides the runs.
+    material
+        ``aluminium`` or ``epoxy``: whose configuration the runs rest on.
     """
 
     runs: Callable[[Mapping[str, Study], Mapping[str, Mapping[str, Any]]], list[Run]]
     after: Sequence[str] = ()
+    material: str = "epoxy"
 
 
 def compute(runs: Sequence[Run], store: Path, report: Callable[[str], None] = print) -> Curves:
