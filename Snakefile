@@ -9,6 +9,7 @@ include: "workflow/rules/calibration.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
+include: "workflow/rules/thesis.smk"
 
 
 rule all:

@@ -1,0 +1,14 @@
+"""Draw the figure of one study of the thesis from its saved outcome."""
+
+import importlib
+
+from palpate import steps
+
+
+def main(snakemake):
+    figure = importlib.import_module(f"palpate.figures.thesis_{snakemake.wildcards.key}")
+    figure.draw(steps.read_json(snakemake.input[0]), snakemake.output[0])
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,22 @@
+"""Make the tables of one study of the thesis from its curves."""
+
+import time
+from pathlib import Path
+
+from palpate import steps, thesis
+from palpate.config import load_study
+
+
+def main(snakemake):
+    began = time.perf_counter()
+    context = thesis.Context(
+        studies={Path(file).stem: load_study(file) for file in snakemake.input.studies},
+        curves={Path(file).stem: thesis.Curves.load_from(file) for file in snakemake.input.designs},
+        outcomes={Path(file).stem: steps.read_json(file) for file in snakemake.input.outcomes},
+    )
+    outcome = thesis.STUDIES[snakemake.wildcards.key].run(context).to_mapping()
+    steps.write_json(snakemake.output[0], outcome | {"seconds": time.perf_counter() - began})
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

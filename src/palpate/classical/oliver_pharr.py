@@ -1,0 +1,149 @@
+r"""Oliver and Pharr's analysis of unloading: stiffness, contact depth, hardness, modulus.
+
+    P = B (h - h_f)^m      S = dP/dh at h_max      h_c = h_max - eps P_max / S      H = P_max / A(h_c)
+    E_r = sqrt(pi) S / (2 beta sqrt(A))            1/E_r = (1 - nu^2)/E + (1 - nu_i^2)/E_i
+
+(Oliver and Pharr 1992, J. Mater. Res. 7, 1564; 2004, J. Mater. Res. 19, 3). It assumes that unloading is elastic and
+that the surface sinks in as around an elastic contact: piled-up and creeping materials violate one or the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from palpate.classical.area import AreaFunction
+from palpate.classical.creep import corrected_stiffness
+from palpate.errors import InputError
+
+EPSILON = 0.75
+BETA = 1.034
+DIAMOND = (1141.0, 0.07)
+
+
+@dataclass(frozen=True)
+class Unloading:
+    """A power law fitted to unloading.
+
+    Parameters
+    ----------
+    factor, final_depth, exponent
+        B [mN/nm^m], h_f [nm] and m.
+    stiffness
+        dP/dh at the largest depth of the fit [mN/nm].
+    """
+
+    factor: float
+    final_depth: float
+    exponent: float
+    stiffness: float
+
+
+@dataclass(frozen=True)
+class OliverPharr:
+    """Outcome of the analysis.
+
+    Parameters
+    ----------
+    stiffness
+        Contact stiffness used [mN/nm].
+    contact_depth
+        [nm]
+    area
+        [nm^2]
+    hardness, reduced_modulus, modulus
+        [GPa]
+    exponent
+        Of the unloading power law.
+    """
+
+    stiffness: float
+    contact_depth: float
+    area: float
+    hardness: float
+    reduced_modulus: float
+    modulus: float
+    exponent: float
+
+
+def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return load and depth of the unloading between two fractions of the largest load."""
+    last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
+    load, depth = load[last:], depth[last:]
+    keep = (load <= upper * load.max()) & (load >= lower * load.max())
+    if keep.sum() < 4:
+        raise InputError(f"unloading has {keep.sum()} points in the window of the fit", remedy="widen the window")
+    return load[keep], depth[keep]
+
+
+def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lower: float = 0.25) -> Unloading:
+    """Fit P = B (h - h_f)^m to unloading between two fractions of the largest load; S is taken at the largest load.
+
+    The fit is to the depth, h = h_f + (P / B)^(1/m), with loads and depths scaled by their largest values. With a nose
+    the law cannot hold, and the exponent ends on its upper bound; the stiffness is then that of the best such curve.
+    """
+    part, at = unloading_part(load, depth, upper, lower)
+    scale_p, scale_h = load.max(), float(at.max())
+    p, h = part / scale_p, at / scale_h
+
+    def predicted(x: np.ndarray) -> np.ndarray:
+        return x[0] + x[1] * p ** (1.0 / x[2])
+
+    slope = np.polyfit(p, h, 1)[0]
+    start = [h.max() - 1.4 * max(slope, 1e-3), 1.4 * max(slope, 1e-3), 1.4]
+    found = least_squares(
+        lambda x: predicted(x) - h, start, bounds=([-10, 1e-9, 1.0], [2, 20, 8.0]), x_scale=[0.1, 0.1, 1], xtol=1e-12
+    ).x
+    final, rise, exponent = found[0] * scale_h, found[1] * scale_h, found[2]
+    return Unloading(float(scale_p / rise**exponent), float(final), float(exponent), float(exponent * scale_p / rise))
+
+
+def oliver_pharr(
+    load: np.ndarray,
+    depth: np.ndarray,
+    poisson_ratio: float,
+    *,
+    area: AreaFunction | None = None,
+    beta: float = BETA,
+    epsilon: float = EPSILON,
+    indenter: tuple[float, float] | None = DIAMOND,
+    creep: tuple[float, float] | None = None,
+    window: tuple[float, float] = (0.98, 0.25),
+) -> OliverPharr:
+    """Analyse one recording.
+
+    Parameters
+    ----------
+    load, depth : ndarray, shape (n,)
+        [mN], [nm].
+    poisson_ratio
+        Of the sample.
+    area
+        Area function; the ideal Berkovich one when not given.
+    beta, epsilon
+        Factors of the stiffness relation (1 for a cone) and of the contact depth.
+    indenter
+        Modulus [GPa] and Poisson's ratio of the tip; ``None`` for a rigid one.
+    creep
+        dh/dt at the end of the hold [nm/s] and |dP/dt| of unloading [mN/s], to correct the stiffness.
+    window
+        Upper and lower fraction of the largest load between which unloading is fitted.
+    """
+    unloading = fit_unloading(load, depth, *window)
+    stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
+    last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
+    contact_depth = float(depth[last] - epsilon * load.max() / stiffness)
+    contact_area = float((area or AreaFunction()).area(np.array(contact_depth)))
+    reduced = 1e6 * np.sqrt(np.pi) * stiffness / (2 * beta * np.sqrt(contact_area))
+    tip = 0.0 if indenter is None else (1 - indenter[1] ** 2) / indenter[0]
+    return OliverPharr(
+        stiffness,
+        contact_depth,
+        contact_area,
+        float(1e6 * load.max() / contact_area),
+        float(reduced),
+        float((1 - poisson_ratio**2) / (1 / reduced - tip)),
+        unloading.exponent,
+    )

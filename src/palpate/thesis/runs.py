@@ -1,0 +1,207 @@
+"""A design's curves: what to simulate, each curve labelled, taken from the store of snapshots or computed into it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate import snapshots
+from palpate.config import Study
+from palpate.errors import InputError
+from palpate.model import simulate
+from palpate.specification import Specification
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One curve to simulate.
+
+    Parameters
+    ----------
+    labels
+        What tells it from the others: parameters by name and anything else that JSON can hold.
+    specification
+        Everything that decides it; ``None`` when the solver does not offer it.
+    reason
+        Why it cannot be simulated; empty otherwise.
+    fallback
+        What to simulate in its place if the solver fails, such as the same at standard accuracy.
+    """
+
+    labels: Mapping[str, Any]
+    specification: Specification | None
+    reason: str = ""
+    fallback: Specification | None = None
+
+    @classmethod
+    def of(cls, labels: Mapping[str, Any], build: Callable[[], Specification]) -> Run:
+        """Build the specification; what the solver does not offer becomes a reason."""
+        try:
+            return cls(labels, build())
+        except InputError as error:
+            return cls(labels, None, str(error))
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of a design.
+
+    Attributes
+    ----------
+    labels
+        One table of labels a curve.
+    time, load, depth : ndarray, shape (n, points)
+        [s], [mN], [nm]; the depth of a run that failed is NaN.
+    reasons
+        Why each failed; empty where it did not.
+    seconds : ndarray, shape (n,)
+        Time in the solver when it was computed [s].
+    """
+
+    labels: Sequence[Mapping[str, Any]]
+    time: np.ndarray
+    load: np.ndarray
+    depth: np.ndarray
+    reasons: Sequence[str]
+    seconds: np.ndarray
+
+    def column(self, name: str) -> np.ndarray:
+        """Return one label of every curve (n,)."""
+        return np.array([labels[name] for labels in self.labels])
+
+    def matrix(self, names: Iterable[str]) -> np.ndarray:
+        """Return several labels of every curve (n, k)."""
+        return np.column_stack([self.column(name) for name in names])
+
+    def where(self, **labels: Any) -> Curves:
+        """Return the curves that carry these labels."""
+        chosen = [k for k, own in enumerate(self.labels) if all(own.get(key) == value for key, value in labels.items())]
+        return self.take(chosen)
+
+    def succeeded(self) -> Curves:
+        """Return the curves that did not fail."""
+        return self.take([k for k, reason in enumerate(self.reasons) if not reason])
+
+    def take(self, rows: Sequence[int]) -> Curves:
+        """Return some of the curves."""
+        return Curves(
+            [self.labels[k] for k in rows],
+            self.time[rows],
+            self.load[rows],
+            self.depth[rows],
+            [self.reasons[k] for k in rows],
+            self.seconds[rows],
+        )
+
+    @property
+    def max_depth(self) -> np.ndarray:
+        """Depth at the largest load (n,) [nm], at the end of a hold."""
+        last = self.load.shape[1] - 1 - np.argmax(self.load[:, ::-1] >= self.load.max(axis=1, keepdims=True), axis=1)
+        return self.depth[np.arange(len(last)), last]
+
+    @property
+    def residual_depth(self) -> np.ndarray:
+        """Depth at the end of unloading (n,) [nm]."""
+        return self.depth[:, -1]
+
+    def save(self, path: str | Path) -> None:
+        """Write all curves to one file."""
+        meta = json.dumps({"labels": [dict(row) for row in self.labels], "reasons": list(self.reasons)})
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(path, time=self.time, load=self.load, depth=self.depth, seconds=self.seconds, meta=meta)
+
+    @classmethod
+    def load_from(cls, path: str | Path) -> Curves:
+        """Read what `save` wrote."""
+        with np.load(path) as stored:
+            meta = json.loads(stored["meta"].item())
+            time, load, depth = stored["time"], stored["load"], stored["depth"]
+            return cls(meta["labels"], time, load, depth, meta["reasons"], stored["seconds"])
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A named set of curves.
+
+    Parameters
+    ----------
+    runs
+        From the checked studies and the outcomes it comes after to the runs.
+    after
+        Studies of the thesis whose outcome decides the runs.
+    material
+        ``aluminium`` or ``epoxy``: whose configuration the runs rest on.
+    """
+
+    runs: Callable[[Mapping[str, Study], Mapping[str, Mapping[str, Any]]], list[Run]]
+    after: Sequence[str] = ()
+    material: str = "epoxy"
+
+
+def compute(runs: Sequence[Run], store: Path, report: Callable[[str], None] = print) -> Curves:
+    """Bring the curves of all runs together, simulating those that the store lacks.
+
+    Raises
+    ------
+    InputError
+        When the protocols of the runs differ in their number of points.
+    """
+    counts = {len(run.specification.protocol.sample_time) for run in runs if run.specification}
+    if len(counts) > 1:
+        raise InputError(f"the runs have {sorted(counts)} points", remedy="sample all runs of a design equally often")
+    blank = np.full(counts.pop() if counts else 1, np.nan)
+    rows = []
+    for done, run in enumerate(runs, 1):
+        row: tuple[Any, ...] = (blank, blank, blank, run.reason, 0.0, None)
+        for specification in (run.specification, run.fallback):
+            if specification and (specification is run.specification or row[3]):
+                row = _stored(run.labels, specification, store)
+        rows.append(row)
+        if done % 10 == 0 or done == len(runs):
+            report(f"{done} of {len(runs)} curves")
+    time, load, depth, reasons, seconds, used = zip(*rows, strict=True)
+    labels = [{**run.labels, **_name(specification)} for run, specification in zip(runs, used, strict=True)]
+    return Curves(labels, np.array(time), np.array(load), np.array(depth), reasons, np.array(seconds))
+
+
+def _name(specification: Specification | None) -> dict[str, str]:
+    """Return labels that tell which curve was taken: its address in the store and its accuracy."""
+    if specification is None:
+        return {"address": "", "accuracy": ""}
+    return {"address": snapshots.address(specification), "accuracy": specification.accuracy}
+
+
+def _stored(labels: Mapping[str, Any], specification: Specification, store: Path) -> tuple[Any, ...]:
+    """Return time, load, depth, reason of failure, solver seconds and specification of one curve."""
+    address = snapshots.address(specification)
+    file = store / address[:2] / f"{address}.npz"
+    if not file.exists():
+        cell = {name: value for name, value in labels.items() if name in specification.parameters}
+        snapshots.write(file, simulate(specification), cell, str(labels.get("condition", "")))
+    content = snapshots.read(file)
+    reason = "" if content["status"] == "ok" else content["reason"]
+    return content["time"], content["load"], content["depth"], reason, content["solver_seconds"], specification
+
+
+def study_runs(study: Study, points: Iterable[Mapping[str, float]], conditions: Iterable[str]) -> list[Run]:
+    """Return runs of a study's material at every point, under the named conditions of the study.
+
+    Where the solver fails at `accuracy: fine`, the standard accuracy takes its place.
+    """
+    points = list(points)
+    return [
+        Run(
+            {**point, "condition": name},
+            study.specification(point, study.condition(name)),
+            fallback=study.specification(point, study.condition(name), "standard")
+            if study.accuracy == "fine"
+            else None,
+        )
+        for name in conditions
+        for point in points
+    ]

@@ -1,0 +1,154 @@
+"""Classical analyses: exact limits, the materials they were made for, and finite elements as an independent code."""
+
+import math
+
+import numpy as np
+import pytest
+
+from palpate.classical import (
+    AreaFunction,
+    corrected_stiffness,
+    depth_while_growing,
+    fit_viscoelastic,
+    oliver_pharr,
+    ting,
+)
+from palpate.classical.creep import creep_rate
+from palpate.classical.viscoelastic import Compliance, hereditary
+from palpate.errors import InputError
+from palpate.indenters import Indenter
+from palpate.model import simulate, specification_from
+from palpate.protocol import trapezoid
+
+CONE = Indenter("cone", half_angle=70.3)
+SPHERE = Indenter("sphere", radius=1000.0)
+BURGERS = {"youngs_modulus": 3.0, "steady_coefficient": 0.02, "transient_coefficient": 0.3, "retardation_time": 4.0}
+
+
+@pytest.mark.parametrize(("indenter", "power"), [(CONE, 2.0), (SPHERE, 1.5)])
+def test_elastic_limit_is_sneddon_and_hertz(indenter, power):
+    modulus, nu = 70.0, 0.3
+    protocol = trapezoid(2.0, 1.0, 0.0, 1.0, points=20)
+    depth = depth_while_growing(Compliance.of({"youngs_modulus": modulus}, nu), indenter, protocol) / 1e3
+    tan = math.tan(math.radians(70.3))
+    factor = 2 / math.pi * tan if indenter is CONE else 4 / 3 * math.sqrt(1.0)
+    assert factor * modulus / (1 - nu**2) * depth**power == pytest.approx(protocol.sample_load)
+
+
+def test_hereditary_integral_agrees_with_quadrature():
+    compliance = Compliance.of(BURGERS, 0.3)
+    protocol = trapezoid(1.5, 3.0, 2.0, 4.0, points=18)
+    fine = np.linspace(0, 9, 90001)
+    rate = np.gradient(protocol.load_at(0.5 * (fine[1:] + fine[:-1])), fine[1:])
+    for t, value in zip(protocol.sample_time, hereditary(compliance, protocol, protocol.sample_time), strict=True):
+        past = fine[1:] - 5e-5 < t
+        expected = np.sum(compliance.at(t - fine[1:][past] + 5e-5) * rate[past]) * 1e-4
+        assert value == pytest.approx(expected, rel=2e-3)
+
+
+def test_relaxation_is_the_inverse_of_the_compliance():
+    """A Maxwell body relaxes as exp(-t/tau)/M_0 with tau = M_0/rate."""
+    compliance = Compliance(0.5, 0.1, ())
+    psi = ting.relaxation(compliance, 0.01, 500)
+    middle = 0.01 * (np.arange(500) + 0.5)
+    assert psi == pytest.approx(np.exp(-middle / 5.0) / 0.5, rel=5e-3)
+
+
+@pytest.mark.parametrize("indenter", [CONE, SPHERE])
+def test_elastic_unloading_retraces_loading(indenter):
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
+    compliance = Compliance.of({"youngs_modulus": 3.0}, 0.34)
+    assert ting.depth(compliance, indenter, protocol, 2000) == pytest.approx(
+        depth_while_growing(compliance, indenter, protocol), rel=0.02, abs=3.0
+    )
+
+
+def test_ting_converges_with_the_grid():
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
+    compliance = Compliance.of(BURGERS, 0.5)
+    coarse, middle, fine = (ting.depth(compliance, CONE, protocol, steps) for steps in (200, 400, 1600))
+    assert np.abs(middle - fine).max() < 0.6 * np.abs(coarse - fine).max()
+    assert np.abs(middle - fine).max() < 0.005 * fine.max()
+
+
+def test_ting_agrees_with_finite_elements_in_unloading():
+    """The closed form neglects the true contact normal and radial displacement (2 to 3 % of the depth)."""
+    material = {
+        "model": "nonlinear_burgers",
+        "poisson_ratio": 0.499,
+        **BURGERS,
+        "steady_exponent": 0.0,
+        "transient_exponent": 0.0,
+    }
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
+    found = simulate(
+        specification_from(
+            {"material": material, "indenter": {"shape": "cone", "half_angle": 70.3}, "protocol": protocol}
+        )
+    ).depth
+    closed = ting.depth(Compliance.of(BURGERS, 0.499), CONE, protocol)
+    shape = found / found[19] - closed / closed[19]
+    assert found[:20] == pytest.approx(closed[:20], rel=0.04)
+    assert np.abs(shape[:38]).max() < 0.02
+
+
+def test_fit_recovers_what_made_the_curve():
+    protocol = trapezoid(1.0, 10.0, 10.0, 10.0, points=60)
+    depth = ting.depth(Compliance.of(BURGERS, 0.34), CONE, protocol)
+    found = fit_viscoelastic("burgers", CONE, protocol, depth, 0.34, unloading=True)
+    assert {name: found.values[name] for name in BURGERS} == pytest.approx(BURGERS, rel=0.01)
+    loading = depth_while_growing(Compliance.of(BURGERS, 0.34), CONE, protocol)
+    found = fit_viscoelastic("burgers", CONE, protocol, loading, 0.34, unloading=False)
+    assert {name: found.values[name] for name in BURGERS} == pytest.approx(BURGERS, rel=0.01)
+
+
+def test_oliver_pharr_is_exact_for_its_own_model():
+    """Elastic unloading of a cone from Sneddon's solution: h_c = 2 h / pi, epsilon = 2 (pi - 2) / pi, beta 1."""
+    modulus, nu, tan = 70.0, 0.3, math.tan(math.radians(70.3))
+    load = np.concatenate([np.linspace(0.1, 5, 50), np.linspace(5, 0, 51)[1:]])
+    depth = 1e3 * np.sqrt(load * math.pi * (1 - nu**2) / (2 * modulus * tan))
+    found = oliver_pharr(
+        load,
+        depth,
+        nu,
+        area=AreaFunction((math.pi * tan**2,)),
+        beta=1.0,
+        epsilon=2 * (math.pi - 2) / math.pi,
+        indenter=None,
+    )
+    assert found.exponent == pytest.approx(2.0, rel=1e-4)
+    assert found.contact_depth == pytest.approx(2 / math.pi * depth.max(), rel=1e-4)
+    assert found.modulus == pytest.approx(modulus, rel=1e-3)
+
+
+def test_an_elastic_tip_makes_the_sample_stiffer_than_its_contact():
+    load = np.concatenate([np.linspace(0.1, 5, 50), np.linspace(5, 0, 51)[1:]])
+    depth = 500 + 100 * np.sqrt(load)
+    rigid, diamond = (oliver_pharr(load, depth, 0.2, indenter=tip) for tip in (None, (1141.0, 0.07)))
+    assert 1 / diamond.reduced_modulus == pytest.approx((1 - 0.04) / diamond.modulus + (1 - 0.0049) / 1141.0)
+    assert diamond.modulus > rigid.modulus
+
+
+def test_area_function_is_recovered_with_any_number_of_terms():
+    depth = np.geomspace(20, 2000, 30)
+    for coefficients in ((24.5,), (24.5, 300.0), (24.5, 300.0, -50.0, 20.0)):
+        true = AreaFunction(coefficients)
+        for first in (24.5, None):
+            found = AreaFunction.calibrated(depth, true.area(depth), len(coefficients), first=first)
+            assert found.coefficients == pytest.approx(coefficients, rel=1e-6)
+
+
+def test_creep_correction_removes_exactly_the_creep_that_was_added():
+    elastic, rate, unloading = 0.02, 0.8, 0.5
+    apparent = 1 / (1 / elastic - rate / unloading)
+    assert corrected_stiffness(apparent, rate, unloading) == pytest.approx(elastic)
+    assert corrected_stiffness(apparent, 0.0, unloading) == pytest.approx(apparent)
+
+
+def test_creep_rate_of_a_parabola():
+    time = np.linspace(0, 20, 201)
+    load = np.clip(time, 0, 10) / 10
+    depth = np.where(time < 10, 10 * time, 100 + 3 * (time - 10) - 0.1 * (time - 10) ** 2)
+    assert creep_rate(time, load, depth) == pytest.approx(1.0, rel=1e-6)
+    with pytest.raises(InputError, match="no hold"):
+        creep_rate(time, time / 20, depth)

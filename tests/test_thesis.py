@@ -1,0 +1,171 @@
+"""The studies of the thesis: they are found, their designs are what they say, and scaling laws hold in their maps."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.calibration.space import Space
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.model import simulate, specification_from
+from palpate.protocol import trapezoid
+from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
+from palpate.thesis import index as page
+from palpate.thesis.dimensionless import MODULUS, NAMES, groups
+from palpate.thesis.friction import reductions
+from palpate.thesis.identifiability import RANGES, deviations
+from palpate.thesis.kernels_as_printed import PRINTED, predict_as_printed
+from palpate.thesis.optimisers import OPTIMISERS, Finished, Problem
+from palpate.thesis.runs import Run
+
+ROOT = Path(__file__).parent.parent
+MATERIALS = ("aluminium", "epoxy")
+
+
+@pytest.fixture(scope="module")
+def studies():
+    return {name: load_study(ROOT / f"config/thesis/{name}.yaml") for name in MATERIALS}
+
+
+@pytest.mark.parametrize("key", STUDIES)
+def test_every_study_names_designs_and_studies_that_exist(key):
+    study = STUDIES[key]
+    assert set(study.designs) <= set(DESIGNS)
+    assert set(study.after) <= set(STUDIES)
+    assert set(study.recordings) <= set(MATERIALS)
+    assert key in page.ORDER
+
+
+@pytest.mark.parametrize(("design", "count"), [("aluminium_L16", 16), ("epoxy_L27", 108), ("epoxy_P1.00_T030", 288)])
+def test_designs_have_the_size_of_the_thesis(design, count, studies):
+    assert len(DESIGNS[design].runs(studies, {})) == count
+
+
+def test_the_full_grid_has_64_points_and_27_cells(studies):
+    roles = [run.labels["role"] for run in DESIGNS["aluminium_full"].runs(studies, {})]
+    assert (roles.count("training"), roles.count("midpoint")) == (64, 27)
+
+
+def test_l16_lies_on_the_full_grid(studies):
+    def points(design):
+        return {tuple(run.labels[n] for n in studies["aluminium"].levels) for run in DESIGNS[design].runs(studies, {})}
+
+    assert points("aluminium_L16") <= points("aluminium_full")
+
+
+def test_friction_is_run_or_refused_with_a_reason(studies):
+    for run in DESIGNS["friction"].runs(studies, {}):
+        assert (run.specification is None) == bool(run.reason)
+
+
+def burgers(values, load, duration):
+    return simulate(
+        specification_from(
+            {
+                "material": {"model": "nonlinear_burgers", "poisson_ratio": 0.34, **values},
+                "indenter": {"shape": "cone", "half_angle": 70.3},
+                "protocol": trapezoid(load, duration, 0, duration, points=20),
+            }
+        )
+    ).depth
+
+
+def test_materials_of_equal_groups_have_one_curve():
+    """The solver itself obeys the scaling that the dimensionless surrogate rests on."""
+    values = dict(zip(NAMES, (3.5, 0.03, 0.3, 0.3, 0.6, 0.4), strict=True))
+    load, duration = 0.6, 90.0
+    log_steady, m_s, log_transient, m_t, log_retardation = groups(np.array([list(values.values())]), np.array([90.0]))[
+        0
+    ]
+    equal = (MODULUS, np.exp(log_steady), m_s, np.exp(log_transient), m_t, np.exp(log_retardation))
+    reference = burgers(dict(zip(NAMES, map(float, equal), strict=True)), 1.0, 30.0)
+    assert burgers(values, load, duration) == pytest.approx(reference * np.sqrt(load * MODULUS / 3.5), rel=2e-3)
+
+
+def test_curves_come_from_the_store_the_second_time(tmp_path, studies):
+    study = studies["epoxy"]
+    run = Run({"condition": "P1.00_T030"}, study.specification(study.cells[0], study.condition("P1.00_T030")))
+    refused = Run({"condition": "none"}, None, "not offered")
+    first = compute([run, refused], tmp_path / "store", report=lambda line: None)
+    files = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.npz")}
+    second = compute([run, refused], tmp_path / "store", report=lambda line: None)
+    assert {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.npz")} == files
+    assert np.array_equal(first.depth, second.depth, equal_nan=True)
+    first.save(tmp_path / "design.npz")
+    loaded = Curves.load_from(tmp_path / "design.npz")
+    assert loaded.labels == first.labels
+    assert loaded.reasons == ["", "not offered"]
+    assert len(loaded.succeeded().labels) == 1
+    assert loaded.max_depth[0] == loaded.depth[0, 49]
+
+
+def test_printed_kernels_interpolate_one_mode_exactly():
+    points = np.random.default_rng(1).random((12, 3))
+    depth = np.outer(1 + points.sum(axis=1), np.linspace(1, 2, 7))
+    for kernel in PRINTED:
+        assert predict_as_printed(kernel, 0.5, points, depth, points) == pytest.approx(depth, rel=1e-6)
+
+
+def test_what_no_test_informs_is_as_wide_as_anything():
+    information = np.diag([1e6, 1e4, 0.0, 1.0, 1.0, 1.0, 1.0])
+    width = deviations(information)
+    assert width[:2] == pytest.approx([1.96e-3, 1.96e-2])
+    assert width[2] > 1e6
+    assert len(width) == len(RANGES)
+
+
+def test_a_finding_has_a_known_verdict():
+    with pytest.raises(InputError, match="verdict"):
+        Finding("a", "b", "c", "maybe")
+
+
+def test_the_page_shows_findings_and_effort(tmp_path):
+    from palpate.figures.style import plt, save
+
+    save(plt.figure(figsize=(1, 1)), tmp_path / "friction.png")
+    finding = {"what": "x", "thesis": "1 < 2", "here": "2", "verdict": "differs", "why": "because"}
+    outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0}}
+    labels = [{"address": "one"}, {"address": "one"}, {"address": ""}]
+    blank = np.full((3, 1), np.nan)
+    curves = Curves(labels, blank, blank, blank, ["", "", "refused"], np.array([3.0, 3.0, 0.0]))
+    page.write(outcomes, {"friction": tmp_path / "friction.png"}, [curves], tmp_path / "index.html")
+    text = (tmp_path / "index.html").read_text()
+    assert "1 different curves" in text
+    assert "3 s in the solver, 2 s" in text
+    assert "1 &lt; 2" in text
+
+
+def test_friction_is_measured_against_the_frictionless_curve_of_the_same_test():
+    common = {"kinematics": "large", "max_load": 1.0, "loading_time": 30.0}
+    labels, depth = [], []
+    for name, scale in (("P1.00_T030", 1.0), ("P0.50_T030", 0.7)):
+        for coefficient in (0.0, 0.5):
+            labels.append({"condition": name, "friction": coefficient} | common)
+            depth.append(scale * np.array([100.0, 200.0 * (1 - 0.02 * coefficient), 150.0 * (1 - 0.04 * coefficient)]))
+    load = np.tile([0.5, 1.0, 0.0], (4, 1))
+    curves = Curves(labels, load, load, np.array(depth), [""] * 4, np.zeros(4))
+    rows = [row for row in reductions(curves) if row["friction"] == 0.5]
+    assert [row["max_depth_reduction_percent"] for row in rows] == pytest.approx([1.0, 1.0])
+    assert [row["residual_depth_reduction_percent"] for row in rows] == pytest.approx([2.0, 2.0])
+
+
+class Bowl:
+    """A surrogate whose curve is the parameters themselves."""
+
+    def predict(self, x):
+        return x
+
+
+@pytest.mark.parametrize("optimiser", OPTIMISERS)
+def test_every_optimiser_reaches_the_bottom_of_a_bowl_or_spends_its_budget(optimiser, monkeypatch):
+    monkeypatch.setattr(optimisers, "BUDGET", 30000)
+    space = Space({"a": (0.0, 1.0), "b": (0.0, 2.0)})
+    bottom = np.array([0.3, 1.4])
+    problem = Problem({"one": Bowl(), "two": Bowl()}, {"one": bottom, "two": bottom + 0.1}, space, least=0.005)
+    with pytest.raises(Finished):
+        OPTIMISERS[optimiser](problem, 1)
+    assert problem.evaluations <= 30000 + 200
+    assert problem.best < 0.005 * (1.001 if 0.001 in problem.reached else 1.1)
+    counts = [problem.reached[excess][0] for excess in sorted(problem.reached, reverse=True)]
+    assert counts == sorted(counts)

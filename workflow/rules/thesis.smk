@@ -1,0 +1,122 @@
+# Every study of the thesis, from its curves to one page of verdicts: snakemake --cores 2 thesis
+from palpate.thesis import DESIGNS, STUDIES
+
+THESIS = "results/thesis"
+MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy")}
+SHARED = sorted(
+    f"thesis/{file.name}"
+    for file in Path(SOURCE, "palpate/thesis").glob("*.py")
+    if file.stem not in STUDIES
+)
+
+
+rule thesis:
+    input:
+        f"{THESIS}/index.html",
+
+
+rule thesis_recordings:
+    input:
+        "config/thesis/{material}.yaml",
+    output:
+        directory(f"{THESIS}/recordings/{{material}}"),
+    log:
+        f"{THESIS}/logs/recordings_{{material}}.log",
+    wildcard_constraints:
+        material="|".join(MATERIALS),
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=LABORATORY_CODE + PHYSICS_CODE,
+    script:
+        "../../scripts/thesis_recordings.py"
+
+
+rule thesis_design:
+    input:
+        outcomes=lambda wildcards: expand(
+            f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
+        ),
+        studies=lambda wildcards: MATERIALS[DESIGNS[wildcards.design].material],
+    output:
+        f"{THESIS}/designs/{{design}}.npz",
+    log:
+        f"{THESIS}/logs/design_{{design}}.log",
+    wildcard_constraints:
+        design="|".join(map(re.escape, DESIGNS)),
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=PHYSICS_CODE + fingerprint("design", *SHARED),
+    script:
+        "../../scripts/thesis_design.py"
+
+
+rule thesis_study:
+    input:
+        designs=lambda wildcards: expand(
+            f"{THESIS}/designs/{{design}}.npz", design=STUDIES[wildcards.key].designs
+        ),
+        outcomes=lambda wildcards: expand(
+            f"{THESIS}/{{study}}.json", study=STUDIES[wildcards.key].after
+        ),
+        recordings=lambda wildcards: expand(
+            f"{THESIS}/recordings/{{material}}",
+            material=STUDIES[wildcards.key].recordings,
+        ),
+        studies=lambda wildcards: sorted(
+            {
+                MATERIALS[DESIGNS[name].material]
+                for name in STUDIES[wildcards.key].designs
+            }
+        ),
+    output:
+        f"{THESIS}/{{key}}.json",
+    log:
+        f"{THESIS}/logs/{{key}}.log",
+    wildcard_constraints:
+        key="|".join(STUDIES),
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=lambda wildcards: CALIBRATION_CODE
+        + SURROGATE_CODE
+        + fingerprint("design", "classical", *SHARED, f"thesis/{wildcards.key}.py"),
+    script:
+        "../../scripts/thesis_study.py"
+
+
+rule thesis_figure:
+    input:
+        f"{THESIS}/{{key}}.json",
+    output:
+        f"{THESIS}/figures/{{key}}.png",
+    log:
+        f"{THESIS}/logs/figure_{{key}}.log",
+    wildcard_constraints:
+        key="|".join(STUDIES),
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=lambda wildcards: fingerprint(
+            "figures/style.py", f"figures/thesis_{wildcards.key}.py"
+        ),
+    script:
+        "../../scripts/thesis_figure.py"
+
+
+rule thesis_index:
+    input:
+        outcomes=expand(f"{THESIS}/{{key}}.json", key=STUDIES),
+        figures=expand(f"{THESIS}/figures/{{key}}.png", key=STUDIES),
+        designs=expand(f"{THESIS}/designs/{{design}}.npz", design=DESIGNS),
+    output:
+        f"{THESIS}/index.html",
+    log:
+        f"{THESIS}/logs/index.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=fingerprint("report.py", "thesis/index.py"),
+    script:
+        "../../scripts/thesis_index.py"
