@@ -1,0 +1,192 @@
+r"""Where the indenter first touches, found in a recording with its approach; and where a sharp tip's law begins.
+
+The two differ: a blunt tip touches first and only later follows the law of the sharp one, whose origin then lies before
+the touch, and dirt or a film is touched long before the body beneath it.
+
+The touch is found as a change of law along the depth (the usual way with force curves; Gavara, Sci. Rep. 6 (2016)
+21267, compares such ways): before it the load is a straight line in depth, whatever the springs leave, beyond it
+
+    P = a + b h + k (h - h_0)_+^m ,     1 <= m <= 2,
+
+from a flat or fully plastic contact (1) over Hertz's sphere (3/2) to the cone (2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from scipy.ndimage import median_filter
+
+from palpate.errors import InputError
+
+EXPONENTS = np.linspace(1.0, 2.0, 11)
+WINDOWS = (30.0, 100.0, 300.0, 1000.0)
+LOADED = 0.1
+FEWEST = 6
+LEVEL = 0.95
+STARTS = (0.05, 0.1, 0.2, 0.4)
+LEVELS = 400
+
+
+@dataclass(frozen=True)
+class ContactPoint:
+    """A point of contact with its 95 % interval along the depth.
+
+    Attributes
+    ----------
+    index
+        Last recorded point before contact.
+    time, load, depth
+        [s], what the load reads without contact [mN], [nm]; all in the recording's own counting.
+    lower, upper
+        Ends of the interval of the depth [nm].
+    """
+
+    index: int
+    time: float
+    load: float
+    depth: float
+    lower: float
+    upper: float
+
+
+def load_noise(load: np.ndarray) -> float:
+    """Return the standard deviation [mN] of a load (n,), from second differences, which a smooth history leaves small."""
+    return float(np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6))) if len(load) > 4 else 0.0
+
+
+def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
+    """Return the point of first touch.
+
+    The law is fitted over several spans of load beyond the touch (30 to 1000 standard deviations of the load); the span
+    with the narrowest interval is taken, and the interval widened to hold what the other spans give.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm]; with or without approach. Without it the load is taken to be zero before contact.
+
+    Raises
+    ------
+    InputError
+        When fewer than six points lie between touch and a tenth of the largest load.
+    """
+    first, last = way_in(load, depth)
+    force, path = load[first : last + 1], depth[first : last + 1]
+    if len(force) < FEWEST:
+        raise InputError(
+            f"only {len(force)} points lie below a tenth of the largest load, too few to find the contact in",
+            remedy="export the approach too, or leave the vendor's contact (--contact file)",
+            place="load_mN",
+        )
+    smooth, noise = median_filter(force, 5, mode="nearest"), max(load_noise(force), 1e-6 * load.max())
+    rough = int(np.flatnonzero(smooth <= smooth.min() + 6 * noise)[-1])
+    fits = []
+    for window in WINDOWS:
+        beyond = np.flatnonzero(force[rough:] > smooth.min() + window * noise)
+        end = min(rough + max(int(beyond[0]) if len(beyond) else len(force), FEWEST), len(force))
+        start = max(0, rough - max(30, 2 * (end - rough)))
+        if end - start >= FEWEST:
+            fits.append(_interval(force[start:end], path[start:end], approach=rough - start >= FEWEST))
+    best = min(fits, key=lambda fit: fit[2] - fit[1])
+    contact, given = best[0], [fit[0] for fit in fits]
+    before = np.flatnonzero(path[: last + 1 - first] <= contact)
+    index = first + (int(before[-1]) if len(before) else 0)
+    following = min(index + 1, len(time) - 1)
+    moved = depth[following] - depth[index]
+    share = np.clip((contact - depth[index]) / moved, -1.0, 1.0) if moved > 0 else 0.0
+    moment = time[index] + share * (time[following] - time[index])
+    return ContactPoint(index, float(moment), best[3], contact, min(best[1], *given), max(best[2], *given))
+
+
+def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
+    """Return the first and last index of the approach: from the farthest retreat to a tenth of the largest load."""
+    last = int(np.argmax(load > LOADED * load.max()))
+    return int(np.argmin(depth[: last + 1])), last
+
+
+def _interval(load: np.ndarray, depth: np.ndarray, approach: bool) -> tuple[float, float, float, float]:
+    """Return contact depth, ends of its interval and the load there, for the points (n,) of one span.
+
+    The profile of the sum of squares over the contact depth is cut where an F test with the residuals' effective number
+    of points (their correlation of first order) would reject.
+    """
+    low = depth.min() if approach else 2 * depth.min() - depth.max()
+    trial = np.linspace(low, low + 0.95 * (depth.max() - low), 400)
+    for _ in range(2):
+        squares, exponent = _profile(load, depth, trial, approach)
+        best = int(np.argmin(squares))
+        rest, level = _residuals(load, depth, trial[best], exponent[best], approach)
+        power = float(rest @ rest)
+        correlation = float(np.clip(rest[1:] @ rest[:-1] / power, 0.0, 0.98)) if power > 0 else 0.0
+        freedom = max(len(load) * (1 - correlation) / (1 + correlation) - (4 + approach), 1.0)
+        allowed = squares[best] * (1 + stats.f.ppf(LEVEL, 1, freedom) / freedom)
+        inside = trial[squares <= allowed]
+        contact, lower, upper = trial[best], inside[0], inside[-1]
+        step = trial[1] - trial[0]
+        trial = np.linspace(max(lower - 2 * step, trial[0]), min(upper + 2 * step, trial[-1]), 400)
+    return float(contact), float(lower), float(upper), level
+
+
+def _straight(depth: np.ndarray, approach: bool) -> np.ndarray:
+    """Return an orthonormal basis (n, 2) of straight lines in depth, or an empty one without an approach."""
+    columns = np.column_stack([np.ones_like(depth), depth - depth.mean()])
+    return np.linalg.qr(columns[:, : 2 if approach else 0])[0]
+
+
+def _profile(
+    load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least sum of squares, and its exponent, for each contact depth on trial (k,)."""
+    basis = _straight(depth, approach)
+    force = load - basis @ (basis.T @ load)
+    squares, exponents = np.full(len(trial), np.inf), np.ones(len(trial))
+    for exponent in EXPONENTS:
+        law = np.clip(depth[:, None] - trial, 0.0, None) ** exponent
+        law -= basis @ (basis.T @ law)
+        along = force @ law
+        left = np.where(along > 0, force @ force - along**2 / np.maximum(np.sum(law**2, axis=0), 1e-300), np.inf)
+        better = left < squares
+        squares[better], exponents[better] = left[better], exponent
+    return squares, exponents
+
+
+def _residuals(
+    load: np.ndarray, depth: np.ndarray, contact: float, exponent: float, approach: bool
+) -> tuple[np.ndarray, float]:
+    """Return what the best law with this contact and exponent leaves (n,), and its load at contact [mN]."""
+    columns = np.column_stack([np.clip(depth - contact, 0.0, None) ** exponent, np.ones_like(depth), depth - contact])
+    columns = columns[:, : 3 if approach else 1]
+    solution = np.linalg.lstsq(columns, load, rcond=None)[0]
+    return load - columns @ solution, float(solution[1]) if approach else 0.0
+
+
+def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
+    r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
+
+    Any body without a length obeys it under a cone or pyramid while the load grows. The points are those that reach each
+    of 400 levels of load for the first time (so holds and reloading count little), above a tenth of the largest load.
+    The interval covers the residuals, taken as correlated, and how the origin moves when the fit begins at 5, 20 or
+    40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
+
+    Parameters
+    ----------
+    load, depth : ndarray, shape (n,)
+        [mN], [nm]; the frame's deflection taken off.
+    """
+    largest = np.maximum.accumulate(load)
+    origins = {}
+    for start in STARTS:
+        levels = np.linspace(start, 1.0, LEVELS) * largest[-1]
+        chosen = np.unique(np.searchsorted(largest, levels))
+        terms = np.column_stack([np.ones(len(chosen)), np.sqrt(load[chosen])])
+        solution = np.linalg.lstsq(terms, depth[chosen], rcond=None)[0]
+        rest = depth[chosen] - terms @ solution
+        correlation = float(np.clip(rest[1:] @ rest[:-1] / max(rest @ rest, 1e-300), 0.0, 0.98))
+        covariance = np.linalg.inv(terms.T @ terms) * (rest @ rest) / max(len(rest) - 2, 1)
+        error = float(np.sqrt(covariance[0, 0] * (1 + correlation) / (1 - correlation)))
+        origins[start] = float(solution[0]), error
+    (origin, error), others = origins[LOADED], [value for value, _ in origins.values()]
+    return origin, min(origin - 1.96 * error, *others), max(origin + 1.96 * error, *others)
