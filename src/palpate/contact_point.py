@@ -91,14 +91,17 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
         if end - start >= FEWEST:
             fits.append(_interval(force[start:end], path[start:end], approach=rough - start >= FEWEST))
     best = min(fits, key=lambda fit: fit[2] - fit[1])
-    contact, given = best[0], [fit[0] for fit in fits]
+    contact, width = best[0], best[2] - best[1]
+    near = [fit for fit in fits if fit[2] - fit[1] <= 2 * width]
+    lower = min(*(fit[0] for fit in fits), *(fit[1] for fit in near))
+    upper = max(*(fit[0] for fit in fits), *(fit[2] for fit in near))
     before = np.flatnonzero(path[: last + 1 - first] <= contact)
     index = first + (int(before[-1]) if len(before) else 0)
     following = min(index + 1, len(time) - 1)
     moved = depth[following] - depth[index]
     share = np.clip((contact - depth[index]) / moved, -1.0, 1.0) if moved > 0 else 0.0
     moment = time[index] + share * (time[following] - time[index])
-    return ContactPoint(index, float(moment), best[3], contact, min(best[1], *given), max(best[2], *given))
+    return ContactPoint(index, float(moment), best[3], contact, lower, upper)
 
 
 def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
