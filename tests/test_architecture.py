@@ -9,7 +9,9 @@ SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "__init__"},
     {"parameters", "yaml_file"},
-    {"protocol", "recording", "indenters"},
+    {"protocol", "recording", "indenters", "contact_point"},
+    {"segments"},
+    {"drift_rate"},
     {"materials"},
     {"fem", "specification"},
     {"mechanisms"},

@@ -291,9 +291,9 @@ def _load_history(
     if entry["load_history"] != "recorded":
         return read_recording_columns(Path(entry["load_history"]))
     if source.get("condition") == entry["name"]:
-        from palpate.readers import read_vendor_file
+        from palpate.readers import read_source
 
-        return read_vendor_file(source["file"], source.get("sha256"))[0].recording
+        return read_source(source)[0].recording
     for folder in recordings.values():
         for file in sorted(folder.glob(f"{entry['name']}_*.csv")):
             return read_recording(file)

@@ -95,13 +95,37 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     near = [fit for fit in fits if fit[2] - fit[1] <= 2 * width]
     lower = min(*(fit[0] for fit in fits), *(fit[1] for fit in near))
     upper = max(*(fit[0] for fit in fits), *(fit[2] for fit in near))
-    before = np.flatnonzero(path[: last + 1 - first] <= contact)
+    index, moment = _reached(contact, time, depth, first, last)
+    return ContactPoint(index, moment, best[3], contact, lower, upper)
+
+
+def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
+    """Return the point of contact at a depth that the user gives; the load there is the median of ten points before.
+
+    Raises
+    ------
+    InputError
+        When the tip is not on its way in at that depth.
+    """
+    first, last = way_in(load, depth)
+    if not depth[first] <= contact < depth[last]:
+        raise InputError(
+            f"contact at {contact:g} nm lies outside the way in, {depth[first]:.4g} to {depth[last]:.4g} nm",
+            remedy="give a depth in the file's own counting",
+            place="contact",
+        )
+    index, moment = _reached(contact, time, depth, first, last)
+    level = float(np.median(load[max(first, index - 9) : index + 1]))
+    return ContactPoint(index, moment, level, contact, contact, contact)
+
+
+def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, last: int) -> tuple[int, float]:
+    """Return the last point on the way in at or before a depth, and when it is reached between there and the next [s]."""
+    before = np.flatnonzero(depth[first:last] <= contact)
     index = first + (int(before[-1]) if len(before) else 0)
-    following = min(index + 1, len(time) - 1)
-    moved = depth[following] - depth[index]
-    share = np.clip((contact - depth[index]) / moved, -1.0, 1.0) if moved > 0 else 0.0
-    moment = time[index] + share * (time[following] - time[index])
-    return ContactPoint(index, float(moment), best[3], contact, lower, upper)
+    moved = depth[index + 1] - depth[index]
+    share = float(np.clip((contact - depth[index]) / moved, -1.0, 1.0)) if moved > 0 else 0.0
+    return index, float(time[index] + share * (time[index + 1] - time[index]))
 
 
 def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:

@@ -13,7 +13,7 @@ from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.readers import read_vendor_file
+from palpate.readers import read_source
 from palpate.recording import Recording, read_recording
 
 LOAD_TOLERANCE = 0.05
@@ -175,7 +175,7 @@ def convert_source(study: Study, folder: Path) -> None:
     source = study.source
     notes = tuple(f"{key}: {source[key]}" for key in ("repository", "commit", "path", "licence") if key in source)
     folder.mkdir(parents=True, exist_ok=True)
-    for number, test in enumerate(read_vendor_file(source["file"], source.get("sha256")), 1):
+    for number, test in enumerate(read_source(source), 1):
         replace(test.recording, notes=(*test.recording.notes, *notes)).write(
             folder / f"{source['condition']}_{number}.csv"
         )

@@ -27,7 +27,7 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read all tests, in the order of their numbers, from contact to the end of the drift hold."""
+    """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
     results, inputs = source.by_test("Results"), source.by_test("Required Inputs")
     tests = []
     for sheet in sorted(name for name in source.sheets if name.startswith("Test ")):
@@ -53,7 +53,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
                 corrections=corrections,
             )  # fmt: skip
             metadata = metadata | {"Frame Stiffness [N/m]": f"{raw[RAW[2]][surface]:g}"}
-        recording = recording_from(source, sheet, sheet, time[surface:], load[surface:], depth[surface:])
+        recording = recording_from(source, sheet, sheet, time, load, depth)
         tests.append(VendorTest(sheet, recording, metadata))
     return tests
 

@@ -25,7 +25,7 @@ class VendorTest:
     name
         The test's name in the file, or its number.
     recording
-        Time from contact [s], load [mN], depth [nm].
+        Time [s], load [mN], depth [nm], whole: time is zero at the file's own contact and negative in the approach.
     metadata
         Whatever the file says of instrument, tip, method and results, by the vendor's names.
     """
