@@ -12,6 +12,7 @@ ORDER = [
     {"protocol", "recording", "indenters", "contact_point"},
     {"segments"},
     {"drift_rate"},
+    {"survey"},
     {"materials"},
     {"fem", "specification"},
     {"mechanisms"},

@@ -53,7 +53,7 @@ class ContactPoint:
 
 
 def load_noise(load: np.ndarray) -> float:
-    """Return the standard deviation [mN] of a load (n,), from second differences, which a smooth history leaves small."""
+    """Return the standard deviation [mN] of a load (n,), from second differences, small in any smooth history."""
     return float(np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6))) if len(load) > 4 else 0.0
 
 
@@ -120,7 +120,7 @@ def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarr
 
 
 def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, last: int) -> tuple[int, float]:
-    """Return the last point on the way in at or before a depth, and when it is reached between there and the next [s]."""
+    """Return the last point on the way in at or before a depth, and when it is reached after that point [s]."""
     before = np.flatnonzero(depth[first:last] <= contact)
     index = first + (int(before[-1]) if len(before) else 0)
     moved = depth[index + 1] - depth[index]
@@ -163,9 +163,7 @@ def _straight(depth: np.ndarray, approach: bool) -> np.ndarray:
     return np.linalg.qr(columns[:, : 2 if approach else 0])[0]
 
 
-def _profile(
-    load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: bool
-) -> tuple[np.ndarray, np.ndarray]:
+def _profile(load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: bool) -> tuple[np.ndarray, np.ndarray]:
     """Return the least sum of squares, and its exponent, for each contact depth on trial (k,)."""
     basis = _straight(depth, approach)
     force = load - basis @ (basis.T @ load)
@@ -193,8 +191,8 @@ def _residuals(
 def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
     r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
 
-    Any body without a length obeys it under a cone or pyramid while the load grows. The points are those that reach each
-    of 400 levels of load for the first time (so holds and reloading count little), above a tenth of the largest load.
+    Any body without a length obeys it under a cone or pyramid while the load grows. The points are those that reach
+    each of 400 levels of load first (so holds and reloading count little), above a tenth of the largest load.
     The interval covers the residuals, taken as correlated, and how the origin moves when the fit begins at 5, 20 or
     40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
 

@@ -49,9 +49,9 @@ class DriftRate:
 
 
 def measured_in(time: np.ndarray, depth: np.ndarray, segments: Iterable[Segment]) -> DriftRate | None:
-    """Return the rate in the longest drift hold of a test, less two points at each end, or None where none is long enough.
+    """Return the rate in the longest drift hold of a test, or None where none is long enough.
 
-    The ends of a segment are known to about two points.
+    Two points are left off at each end: a segment's ends are known to about that.
     """
     holds = [part for part in segments if part.kind == "drift_hold" and part.last - part.first >= FEWEST + 2 * CORNER]
     if not holds:

@@ -9,6 +9,7 @@ surrounds it, is a hold, and the sign of the others' change says the rest.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -95,7 +96,7 @@ def _kinds(time: np.ndarray, level: np.ndarray, knots: np.ndarray) -> list[tuple
     rate = np.abs(change) / duration
     moving = np.abs(change) > CHANGE
     pieces = []
-    for k, (first, last) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
+    for k, (first, last) in enumerate(pairwise(knots)):
         beside = [rate[j] for j in (*np.flatnonzero(moving[:k])[-1:], *(k + 1 + np.flatnonzero(moving[k + 1 :])[:1]))]
         still = abs(change[k]) <= CHANGE and (not beside or rate[k] <= SLOW * max(beside))
         pieces.append((0 if still else int(np.sign(change[k])), int(first), int(last)))
@@ -113,13 +114,9 @@ def _merged(pieces: list[tuple[int, int, int]], level: np.ndarray) -> list[tuple
     return joined
 
 
-def _named(
-    pieces: list[tuple[int, int, int]], level: np.ndarray, load: np.ndarray
-) -> list[tuple[str, int, int]]:
-    """Name the pieces; those that rise past an earlier load are cut there, those without load join what surrounds them."""
-    touching = [
-        piece for piece in pieces if piece[0] or np.median(level[piece[1] : piece[2] + 1]) > CHANGE
-    ] or pieces
+def _named(pieces: list[tuple[int, int, int]], level: np.ndarray, load: np.ndarray) -> list[tuple[str, int, int]]:
+    """Name the pieces; one that rises past an earlier load is cut there, one without load joins what surrounds it."""
+    touching = [piece for piece in pieces if piece[0] or np.median(level[piece[1] : piece[2] + 1]) > CHANGE] or pieces
     named: list[tuple[str, int, int]] = []
     for k, (sign, first, last) in enumerate(touching):
         first = named[-1][2] if named else pieces[0][1]

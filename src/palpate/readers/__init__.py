@@ -16,7 +16,17 @@ from palpate.readers.zero import zeroed
 
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
-__all__ = ["CORRECTIONS", "READERS", "ColumnMap", "Reader", "VendorTest", "read_source", "read_vendor_file", "select"]
+__all__ = [
+    "CORRECTIONS",
+    "READERS",
+    "ColumnMap",
+    "Reader",
+    "VendorTest",
+    "read_source",
+    "read_vendor_file",
+    "select",
+    "zeroed",
+]
 
 
 def read_vendor_file(

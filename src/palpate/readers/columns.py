@@ -67,7 +67,9 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
     InputError
         When no table has the columns, or too many of its values are no numbers.
     """
-    tables = {name: source.sheet(name) for name in source.sheets} if source.workbook else {source.path.stem: _rows(source)}
+    tables = (
+        {name: source.sheet(name) for name in source.sheets} if source.workbook else {source.path.stem: _rows(source)}
+    )
     tests = []
     for name, rows in tables.items():
         place = _columns_of(rows, columns)

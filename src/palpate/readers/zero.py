@@ -59,8 +59,9 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
     )  # fmt: skip
     origin, low, high = sharp_origin(load, depth)
     note = (
-        f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and {point.time:.4g} s "
-        f"of the file, where the load read {point.load:.3g} mN; from there a sharp tip's law begins at {origin:.4g} nm "
+        f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and "
+        f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN; from there "
+        f"a sharp tip's law begins at {origin:.4g} nm "
         f"({low:.4g} to {high:.4g})"
     )
     return replace(recording, time=time, load=load, depth=depth, notes=(*recording.notes, note))
