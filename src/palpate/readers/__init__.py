@@ -68,12 +68,17 @@ def read_vendor_file(
         raise error.located(file=path) from None
 
 
-def read_source(source: Mapping[str, Any]) -> list[VendorTest]:
-    """Read the tests that the section ``source`` of a study asks for."""
+def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
+    """Read the tests of each condition from a study's section ``source``; raises `InputError` when one is missing."""
     columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
     tests = read_vendor_file(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
-    return [select(tests, str(name), source["file"]) for name in source.get("tests", [])] or tests
+    if "condition" in source:
+        return {source["condition"]: tests}
+    return {
+        condition: [select(tests, str(name), source["file"], f"source.conditions.{condition}") for name in names]
+        for condition, names in source["conditions"].items()
+    }
 
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> list[VendorTest]:
@@ -92,7 +97,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     )
 
 
-def select(tests: list[VendorTest], wanted: str, path: str | Path) -> VendorTest:
+def select(tests: list[VendorTest], wanted: str, path: str | Path, place: str = "--test") -> VendorTest:
     """Return the test called `wanted`, or the one of that number, counted from 1."""
     for test in tests:
         if test.name == wanted:
@@ -100,4 +105,4 @@ def select(tests: list[VendorTest], wanted: str, path: str | Path) -> VendorTest
     if wanted.isdigit() and 1 <= int(wanted) <= len(tests):
         return tests[int(wanted) - 1]
     names = ", ".join(test.name for test in tests)
-    raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place="--test")
+    raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.contact_point import ContactPoint, first_touch, sharp_origin, touch_at
+from palpate.contact_point import ContactPoint, first_touch, load_noise, sharp_origin, touch_at
 from palpate.errors import InputError
 from palpate.readers.vendor import VendorTest
 from palpate.recording import Recording
@@ -15,7 +15,7 @@ CONTACTS = ("file", "auto", "none")
 
 
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
-    """Return a test whose time, load and depth are zero at contact, and which begins there.
+    """Return a test whose time, load and depth are zero at contact; it begins there and ends when the tip has left.
 
     Parameters
     ----------
@@ -34,8 +34,10 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     if contact == "file":
-        later = r.time >= 0
-        return replace(test, recording=replace(r, time=r.time[later], load=r.load[later], depth=r.depth[later]))
+        later = slice(int(np.argmax(r.time >= 0)), None)
+        return replace(
+            test, recording=until_retreat(replace(r, time=r.time[later], load=r.load[later], depth=r.depth[later]))
+        )
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     try:
@@ -45,7 +47,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
             point = touch_at(float(contact), r.time, r.load, r.depth)
     except InputError as error:
         raise error.located(place=test.name) from None
-    return replace(test, recording=begun(r, point))
+    return replace(test, recording=until_retreat(begun(r, point)))
 
 
 def begun(recording: Recording, point: ContactPoint) -> Recording:
@@ -65,3 +67,12 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
         f"({low:.4g} to {high:.4g})"
     )
     return replace(recording, time=time, load=load, depth=depth, notes=(*recording.notes, note))
+
+
+def until_retreat(recording: Recording) -> Recording:
+    """Return the recording up to where its load falls below zero for good: there the tip hangs free."""
+    loaded = np.flatnonzero(recording.load > 6 * load_noise(recording.load))
+    last = int(loaded[-1]) if len(loaded) else len(recording) - 1
+    free = np.flatnonzero(recording.load[last:] < 0)
+    end = last + int(free[0]) if len(free) else len(recording)
+    return replace(recording, time=recording.time[:end], load=recording.load[:end], depth=recording.depth[:end])
