@@ -7,6 +7,7 @@ include: "workflow/rules/snapshots.smk"
 include: "workflow/rules/surrogates.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/real.smk"
 
 
 rule all:

@@ -24,7 +24,7 @@ ORDER = [
     {"calibration"},
     {"observations"},
     {"figures", "report"},
-    {"steps"},
+    {"steps", "reading"},
     {"tracking"},
     {"commands"},
     {"cli"},

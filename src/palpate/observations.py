@@ -78,7 +78,8 @@ def check_given(study: Study) -> None:
             try:
                 _check_one(study, study.condition(condition), test.recording.from_contact())
             except InputError as error:
-                raise error.located(file=study.source["file"], place=test.name) from None
+                where = ", ".join(filter(None, (test.name, error.place)))
+                raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
 
 
 def written_by_workflow(study: Study, name: str) -> bool:

@@ -26,8 +26,9 @@ from palpate.observations import check_given, files_of
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
 )
+DATA = config.get("data") if workflow.configfiles else None
 try:
-    STUDY = load_study(STUDY_FILE, data=config.get("data"))
+    STUDY = load_study(STUDY_FILE, data=DATA)
     check_given(STUDY)
 except InputError as error:
     print(f"palpate: {error}", file=sys.stderr)
@@ -44,9 +45,12 @@ CALIBRATION_CODE = fingerprint(
     *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
 )
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
-READER_CODE = fingerprint("readers", "observations.py", "recording.py")
+FINDERS = ("contact_point.py", "segments.py", "drift_rate.py", "survey.py")
+READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
+READING_CODE = fingerprint(
+    "readers", *FINDERS, "recording.py", "figures", "reading.py", "report.py"
+)
 LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")
-DATA = config.get("data")
 
 
 def curves(values, accuracy):
