@@ -8,7 +8,7 @@ import pytest
 
 from palpate.cli import main
 from palpate.errors import InputError
-from palpate.readers import READERS, read_vendor_file, select
+from palpate.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.readers.source import Source
 from palpate.recording import read_recording
 
@@ -199,6 +199,104 @@ def test_foreign_files_get_one_line(tmp_path, content, capsys):
     file.write_bytes(content)
     assert main(["read", str(file), "-o", str(tmp_path / "out")]) == 2
     assert "no format that palpate knows" in capsys.readouterr().err
+
+
+TIME = np.linspace(0, 60, 61)
+FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])
+PATH = 0.25 * np.sqrt(FORCE / 2e3) + 0.001 * TIME
+NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
+MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})
+
+
+def rows_of(delimiter, comma):
+    head = ["Sample: glass", "", delimiter.join(["No", "h", "t / s", "Fn"]), delimiter.join(["", "um", "s", "uN"])]
+    body = [delimiter.join(f"{x:.7f}" for x in (k, *row)) for k, row in enumerate(zip(PATH, TIME, FORCE, strict=True))]
+    return "\n".join([*head, *(line.replace(".", ",") if comma else line for line in body), "end of test", ""])
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True), (";", False), ("\t", True), ("\t", False)])
+def test_any_text_table_by_its_columns(tmp_path, delimiter, comma):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(delimiter, comma))
+    (test,) = read_vendor_file(file, columns=MAP)
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(FORCE / 1e3, abs=1e-6)
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-3)
+
+
+def test_columns_by_number(tmp_path):
+    file = tmp_path / "bare.txt"
+    np.savetxt(file, np.column_stack([TIME, FORCE, PATH]))
+    (test,) = read_vendor_file(file, columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}, dict(MAP.units)))
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-6)
+
+
+@needs_recordings
+def test_a_workbook_by_its_columns_is_what_its_reader_reads():
+    """The same file by the KLA reader and by a map of columns; 1.8e308 for "invalid" goes either way."""
+    known = read_vendor_file(KLA, contact="none")
+    mapped = read_vendor_file(
+        KLA, columns=ColumnMap({"time": "Time", "load": "Load", "depth": "Depth"}), contact="none"
+    )
+    assert [test.name for test in mapped] == [test.name for test in known]
+    for one, other in zip(known, mapped, strict=True):
+        assert other.recording.depth == pytest.approx(one.recording.depth)
+        assert other.recording.load == pytest.approx(one.recording.load)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--columns", "time=t / s,load=Fn,depth=hh"], "no table with numbers"),
+        (["--columns", "time=t / s,load=Fn"], "no column is named for depth"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=kg"], "load in 'kg' is not known"),
+        (["--columns", "time=t / s,load=Fn,depth=h,force=Fn"], "'force' is no channel"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--raw"], "final channels only"),
+        ([], "no format that palpate knows"),
+    ],
+)
+def test_a_wrong_map_gets_one_line(tmp_path, arguments, words, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(",", False))
+    assert main(["read", str(file), *arguments, "-o", str(tmp_path / "out")]) == 2
+    line = capsys.readouterr().err.strip()
+    assert words in line
+    assert "\n" not in line
+
+
+def test_the_command_line_reads_a_table_and_surveys_it(tmp_path, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(";", True))
+    chosen = ["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=uN,depth=um"]
+    assert main(["read", str(file), *chosen, "--survey", "-o", str(tmp_path / "out")]) == 0
+    assert read_recording(tmp_path / "out/table.csv").depth.max() == pytest.approx(1e3 * PATH.max(), rel=1e-4)
+    assert (tmp_path / "out/table.png").stat().st_size > 10000
+    assert "unloading" in (tmp_path / "out/table_survey.txt").read_text()
+
+
+def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
+    file = tmp_path / "x.csv"
+    load = FORCE.copy()
+    load[20] = 1.7976931348623157e308
+    file.write_text("t,P,h\n" + "\n".join(f"{a},{b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True)))
+    columns = ColumnMap({"time": "t", "load": "P", "depth": "h"})
+    (test,) = read_vendor_file(file, columns=columns)
+    assert len(test.recording) == len(TIME) - 1
+    file.write_text(
+        "t,P,h\n" + "\n".join(f"{a},{1.8e308 if a % 3 else b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True))
+    )
+    with pytest.raises(InputError, match="points are invalid"):
+        read_vendor_file(file, columns=columns)
+
+
+@needs_recordings
+@pytest.mark.parametrize(
+    "study", sorted((Path(__file__).parent.parent / "config/real").glob("*.yaml")), ids=lambda p: p.stem
+)
+def test_studies_of_real_recordings_are_sound(study, capsys):
+    assert main(["check", str(study), "--data", str(RECORDINGS)]) == 0
+    assert main(["check", str(study), "--data", str(study.parent)]) == 2
+    assert "is missing" in capsys.readouterr().err
 
 
 def test_checksum_guards_a_study(tmp_path):

@@ -71,13 +71,13 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     Raises
     ------
     InputError
-        When fewer than six points lie between touch and a tenth of the largest load.
+        When fewer than six points lie between the start and half the largest load.
     """
     first, last = way_in(load, depth)
     force, path = load[first : last + 1], depth[first : last + 1]
     if len(force) < FEWEST:
         raise InputError(
-            f"only {len(force)} points lie below a tenth of the largest load, too few to find the contact in",
+            f"only {len(force)} points lie on the way in, too few to find the contact in",
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
@@ -129,9 +129,13 @@ def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, la
 
 
 def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
-    """Return the first and last index of the approach: from the farthest retreat to a tenth of the largest load."""
+    """Return the first and last index of the way in: from the farthest retreat to a tenth of the largest load.
+
+    Where fewer than ten points lie between, as in coarse recordings, ten are taken, up to half the largest load.
+    """
     last = int(np.argmax(load > LOADED * load.max()))
-    return int(np.argmin(depth[: last + 1])), last
+    first = int(np.argmin(depth[: last + 1]))
+    return first, max(last, min(first + 10, int(np.argmax(load > 0.5 * load.max()))))
 
 
 def _interval(load: np.ndarray, depth: np.ndarray, approach: bool) -> tuple[float, float, float, float]:

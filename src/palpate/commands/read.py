@@ -89,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         replace(recording, notes=notes).write(path)
         print(path)
         if arguments.survey:
-            surveys.append(_survey(test, path.with_suffix(".png")))
+            surveys.append(_survey(test, arguments.file, path.with_suffix(".png")))
     if surveys:
         from palpate.survey import table
 
@@ -99,12 +99,16 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _survey(test: VendorTest, path: Path) -> Survey:
+def _survey(test: VendorTest, file: Path, path: Path) -> Survey:
     """Find and draw what one test shows."""
+    from palpate.errors import InputError
     from palpate.figures.recording import draw
     from palpate.survey import survey
 
-    found = survey(test.recording)
+    try:
+        found = survey(test.recording)
+    except InputError as error:
+        raise error.located(file=file, place=test.name) from None
     at_file = np.interp(0.0, test.recording.time, test.recording.depth)
     draw(found, path, chosen=float(at_file))
     return found
