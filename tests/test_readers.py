@@ -111,6 +111,16 @@ def test_hld_raw_depth_is_what_the_sensor_s_polynomial_gives():
 
 
 @needs_recordings
+def test_hld_depth_less_what_yields_behind_the_specimen():
+    """Regression in the file: 27.848 nm/mN of load, machine compliance and load cell together."""
+    (vendor,), (raw,) = (read_vendor_file(HLD, corrections=chosen, contact="none") for chosen in (None, RAW))
+    r, deep = raw.recording, raw.recording.load > 5
+    terms = np.column_stack([r.load, r.time, np.ones(len(r))])[deep]
+    compliance = np.linalg.lstsq(terms, (r.depth - vendor.recording.depth)[deep], rcond=None)[0][0]
+    assert compliance == pytest.approx(27.848, rel=0.002)
+
+
+@needs_recordings
 def test_lines_that_end_with_carriage_returns():
     (test,) = read_vendor_file(BRUKER)
     assert test.recording.load.max() == pytest.approx(200, rel=0.01)

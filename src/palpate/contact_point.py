@@ -28,6 +28,7 @@ FEWEST = 6
 LEVEL = 0.95
 STARTS = (0.05, 0.1, 0.2, 0.4)
 LEVELS = 400
+RISING = 4
 
 
 @dataclass(frozen=True)
@@ -177,6 +178,7 @@ def _profile(load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: b
         law -= basis @ (basis.T @ law)
         along = force @ law
         left = np.where(along > 0, force @ force - along**2 / np.maximum(np.sum(law**2, axis=0), 1e-300), np.inf)
+        left = np.maximum(left, 0.0)
         better = left < squares
         squares[better], exponents[better] = left[better], exponent
     return squares, exponents
@@ -199,6 +201,7 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
     each of 400 levels of load first (so holds and reloading count little), above a tenth of the largest load.
     The interval covers the residuals, taken as correlated, and how the origin moves when the fit begins at 5, 20 or
     40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
+    All three are NaN where fewer than four points rise to the largest load.
 
     Parameters
     ----------
@@ -210,6 +213,8 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
     for start in STARTS:
         levels = np.linspace(start, 1.0, LEVELS) * largest[-1]
         chosen = np.unique(np.searchsorted(largest, levels))
+        if len(chosen) < RISING:
+            return (np.nan,) * 3
         terms = np.column_stack([np.ones(len(chosen)), np.sqrt(load[chosen])])
         solution = np.linalg.lstsq(terms, depth[chosen], rcond=None)[0]
         rest = depth[chosen] - terms @ solution

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.contact_point import ContactPoint, first_touch, load_noise, sharp_origin, touch_at
+from palpate.contact_point import ContactPoint, first_touch, load_noise, touch_at
 from palpate.errors import InputError
 from palpate.readers.vendor import VendorTest
 from palpate.recording import Recording
@@ -59,12 +59,9 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
             (recording.time, point.time), (recording.load, point.load), (recording.depth, point.depth)
         )
     )  # fmt: skip
-    origin, low, high = sharp_origin(load, depth)
     note = (
         f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and "
-        f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN; from there "
-        f"a sharp tip's law begins at {origin:.4g} nm "
-        f"({low:.4g} to {high:.4g})"
+        f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN"
     )
     return replace(recording, time=time, load=load, depth=depth, notes=(*recording.notes, note))
 
