@@ -18,7 +18,7 @@ from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, recorded, trapezoid
-from palpate.readers import VendorTest, read_source
+from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, read_recording
 from palpate.specification import Specification
 from palpate.yaml_file import read_yaml
@@ -67,7 +67,7 @@ class Study:
         Names of the conditions that each calibration uses; ``all`` is always there.
     recordings
         Folder of each set of recordings.
-    cells_per_job, seed, surrogate, calibration, laboratory, source
+    cells_per_job, seed, surrogate, calibration, diagnosis, laboratory, source
         Settings with their defaults filled in.
     """
 
@@ -88,6 +88,7 @@ class Study:
     seed: int
     surrogate: Mapping[str, Any]
     calibration: Mapping[str, Any]
+    diagnosis: Mapping[str, Any]
     laboratory: Mapping[str, Mapping[str, Any]]
     source: Mapping[str, Any]
 
@@ -192,6 +193,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         seed=settings["seed"],
         surrogate=settings["surrogate"],
         calibration=settings["calibration"],
+        diagnosis=settings["diagnosis"],
         laboratory=settings.get("laboratory", {}),
         source=source,
     )
@@ -206,7 +208,7 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
         if data is not None:
             raise InputError("data is given, but the study names no source", remedy="leave data off", place="data")
         return {}
-    source = {**settings["source"], "file": _data_file(settings["source"]["file"], data)}
+    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
     conditions = [entry["name"] for entry in settings["conditions"]]
     for key, name, known in (
         ("recordings", source["recordings"], list(settings.get("recordings", {}))),
@@ -225,14 +227,6 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
             place="source.file",
         )
     return source
-
-
-def _data_file(named: str, data: str | None) -> str:
-    """Return the vendor's file: `data`, or what lies below the folder `data` under the name that the study gives."""
-    if data is None or not Path(data).is_dir():
-        return data or named
-    found = sorted(Path(data).rglob(Path(named).name))
-    return str(found[0]) if found else str(Path(data) / Path(named).name)
 
 
 def _check_laboratories(study: Study) -> None:

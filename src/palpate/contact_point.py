@@ -1,7 +1,7 @@
-r"""Where the indenter first touches, found in a recording with its approach; and where a sharp tip's law begins.
+r"""Where the indenter first touches, found in a recording with its approach.
 
-The two differ: a blunt tip touches first and only later follows the law of the sharp one, whose origin then lies before
-the touch, and dirt or a film is touched long before the body beneath it.
+That is not where the law of a sharp tip begins (`palpate.sharp_origin`): a blunt tip touches later than that, and dirt or
+a film is touched long before the body beneath it.
 
 The touch is found as a change of law along the depth (the usual way with force curves; Gavara, Sci. Rep. 6 (2016)
 21267, compares such ways): before it the load is a straight line in depth, whatever the springs leave, beyond it
@@ -26,9 +26,6 @@ WINDOWS = (30.0, 100.0, 300.0, 1000.0)
 LOADED = 0.1
 FEWEST = 6
 LEVEL = 0.95
-STARTS = (0.05, 0.1, 0.2, 0.4)
-LEVELS = 400
-RISING = 4
 
 
 @dataclass(frozen=True)
@@ -192,35 +189,3 @@ def _residuals(
     columns = columns[:, : 3 if approach else 1]
     solution = np.linalg.lstsq(columns, load, rcond=None)[0]
     return load - columns @ solution, float(solution[1]) if approach else 0.0
-
-
-def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
-    r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
-
-    Any body without a length obeys it under a cone or pyramid while the load grows. The points are those that reach
-    each of 400 levels of load first (so holds and reloading count little), above a tenth of the largest load.
-    The interval covers the residuals, taken as correlated, and how the origin moves when the fit begins at 5, 20 or
-    40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
-    All three are NaN where fewer than four points rise to the largest load.
-
-    Parameters
-    ----------
-    load, depth : ndarray, shape (n,)
-        [mN], [nm]; the frame's deflection taken off.
-    """
-    largest = np.maximum.accumulate(load)
-    origins = {}
-    for start in STARTS:
-        levels = np.linspace(start, 1.0, LEVELS) * largest[-1]
-        chosen = np.unique(np.searchsorted(largest, levels))
-        if len(chosen) < RISING:
-            return (np.nan,) * 3
-        terms = np.column_stack([np.ones(len(chosen)), np.sqrt(load[chosen])])
-        solution = np.linalg.lstsq(terms, depth[chosen], rcond=None)[0]
-        rest = depth[chosen] - terms @ solution
-        correlation = float(np.clip(rest[1:] @ rest[:-1] / max(rest @ rest, 1e-300), 0.0, 0.98))
-        covariance = np.linalg.inv(terms.T @ terms) * (rest @ rest) / max(len(rest) - 2, 1)
-        error = float(np.sqrt(covariance[0, 0] * (1 + correlation) / (1 - correlation)))
-        origins[start] = float(solution[0]), error
-    (origin, error), others = origins[LOADED], [value for value, _ in origins.values()]
-    return origin, min(origin - 1.96 * error, *others), max(origin + 1.96 * error, *others)

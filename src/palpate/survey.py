@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from palpate.contact_point import ContactPoint, first_touch, sharp_origin
+from palpate.contact_point import ContactPoint, first_touch
 from palpate.drift_rate import DriftRate, measured_in
 from palpate.recording import Recording
 from palpate.segments import Segment, segments
+from palpate.sharp_origin import sharp_origin
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from palpate import snapshots
 from palpate.config import load_study
+from palpate.diagnosis import design
 from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import check_given, files_of
@@ -30,6 +31,7 @@ DATA = config.get("data") if workflow.configfiles else None
 try:
     STUDY = load_study(STUDY_FILE, data=DATA)
     check_given(STUDY)
+    design.candidates(STUDY)
 except InputError as error:
     print(f"palpate: {error}", file=sys.stderr)
     sys.exit(2)
@@ -39,13 +41,21 @@ BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
+DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")
 CALIBRATION_CODE = fingerprint(
     *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
 )
+DIAGNOSIS_CODE = fingerprint(*PHYSICS, "calibration", "diagnosis", "observations.py")
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
-FINDERS = ("contact_point.py", "segments.py", "drift_rate.py", "survey.py")
+FINDERS = (
+    "contact_point.py",
+    "sharp_origin.py",
+    "segments.py",
+    "drift_rate.py",
+    "survey.py",
+)
 READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
 READING_CODE = fingerprint(
     "readers", *FINDERS, "recording.py", "figures", "reading.py", "report.py"

@@ -13,6 +13,7 @@ from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
 from palpate.materials.radial import state_size, step_weights
+from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 25
 TOLERANCE = 1e-7
@@ -26,8 +27,9 @@ class Problem:
     ----------
     mesh : Mesh
     profile : Profile
+    specimen : Specimen
     coefficients : ndarray, shape (regions, c)
-        Law of each region, see `palpate.materials.radial`.
+        Law of each region at large depth, see `palpate.materials.radial`.
     region : ndarray of int, shape (m,)
         Region of each element.
     large : bool
@@ -36,6 +38,7 @@ class Problem:
 
     mesh: Mesh
     profile: Profile
+    specimen: Specimen
     coefficients: np.ndarray
     region: np.ndarray
     large: bool
@@ -128,8 +131,10 @@ def advance(
     """
     mesh, profile = problem.mesh, problem.profile
     step = time - state.time
-    weights = np.stack([step_weights(row, step) for row in problem.coefficients])
-    begin_step(state.material, problem.region, problem.coefficients, weights, work.past, work.alpha)
+    midway = 0.5e3 * (state.depth + guess.depth)
+    coefficients = resisted(problem.coefficients, problem.specimen.resistance(midway))
+    weights = np.stack([step_weights(row, step) for row in coefficients])
+    begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     contact, guesses = guess.contact.copy(), state.guesses.copy()
     reaction = np.empty(len(mesh.nodes))
@@ -146,7 +151,7 @@ def advance(
         displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
-            problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
+            problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
             contact, slope, curvature, work.band, work.residual, work.border, reaction,
         )  # fmt: skip
         work.iterations += 1
@@ -169,7 +174,7 @@ def advance(
         work.norms.append(norm)
         if norm < TOLERANCE and not pulled.any():
             material = state.material.copy()
-            end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
+            end_step(work.local, guesses, problem.region, coefficients, weights, material)
             return State(time, depth, displacement, material, contact, guesses, reaction)
         if search is not None and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]

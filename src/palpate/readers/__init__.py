@@ -22,6 +22,7 @@ __all__ = [
     "ColumnMap",
     "Reader",
     "VendorTest",
+    "locate",
     "read_source",
     "read_vendor_file",
     "select",
@@ -66,6 +67,14 @@ def read_vendor_file(
         return [zeroed(test, contact) for test in _whole(source, corrections, columns)]
     except InputError as error:
         raise error.located(file=path) from None
+
+
+def locate(named: str, data: str | None) -> str:
+    """Return the vendor's file: `data`, or what lies below the folder `data` under the name that a study gives."""
+    if data is None or not Path(data).is_dir():
+        return data or named
+    found = sorted(Path(data).rglob(Path(named).name))
+    return str(found[0]) if found else str(Path(data) / Path(named).name)
 
 
 def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
