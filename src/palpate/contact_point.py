@@ -1,6 +1,6 @@
 r"""Where the indenter first touches, found in a recording with its approach.
 
-That is not where the law of a sharp tip begins (`palpate.sharp_origin`): a blunt tip touches later than that, and dirt or
+That is not where the law of a sharp tip begins (`palpate.sharp_origin`): a blunt tip touches later, and dirt or
 a film is touched long before the body beneath it.
 
 The touch is found as a change of law along the depth (the usual way with force curves; Gavara, Sci. Rep. 6 (2016)
