@@ -104,10 +104,10 @@ def test_fused_silica_zero_points():
 
 @needs_recordings
 def test_vendor_s_contact_is_found_again():
-    """The XP marks contact by a rise in harmonic stiffness, read every 0.2 s at 10 nm/s and noise of a few nm."""
+    """The XP marks contact by a rise in harmonic stiffness, on its way in at 10 nm/s: within a second of that."""
     for test in read_vendor_file(XP, contact="none"):
         r = test.recording
-        assert first_touch(r.time, r.load, r.depth).depth == pytest.approx(0.0, abs=5.0), test.name
+        assert first_touch(r.time, r.load, r.depth).depth == pytest.approx(0.0, abs=10.0), test.name
 
 
 @needs_recordings

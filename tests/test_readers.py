@@ -11,6 +11,7 @@ from palpate.cli import main
 from palpate.errors import InputError
 from palpate.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.readers.source import Source
+from palpate.readers.vendor import recording_from
 from palpate.recording import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
@@ -298,6 +299,14 @@ def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
     )
     with pytest.raises(InputError, match="points are invalid"):
         read_vendor_file(file, columns=columns)
+
+
+def test_points_without_values_at_the_ends_are_no_damage():
+    time, blank = np.arange(100.0), np.full(100, np.nan)
+    time[:40], blank[:90] = np.nan, 1.0
+    assert len(recording_from(Source(Path("x"), b""), "a", "a", time, time, blank)) == 50
+    with pytest.raises(InputError, match="100 of 100 points are invalid"):
+        recording_from(Source(Path("x"), b""), "a", "a", np.full(100, np.nan), time, blank)
 
 
 @needs_recordings

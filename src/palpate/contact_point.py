@@ -25,6 +25,7 @@ EXPONENTS = np.linspace(1.0, 2.0, 11)
 WINDOWS = (30.0, 100.0, 300.0, 1000.0)
 LOADED = 0.1
 FEWEST = 6
+TELLING = 3.0
 LEVEL = 0.95
 
 
@@ -50,16 +51,17 @@ class ContactPoint:
     upper: float
 
 
-def load_noise(load: np.ndarray) -> float:
-    """Return the standard deviation [mN] of a load (n,), from second differences, small in any smooth history."""
-    return float(np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6))) if len(load) > 4 else 0.0
+def noise_of(values: np.ndarray) -> float:
+    """Return the standard deviation of the noise of a channel (n,), from second differences, small when it is smooth."""
+    return float(np.median(np.abs(np.diff(values, 2))) / (0.6745 * np.sqrt(6))) if len(values) > 4 else 0.0
 
 
 def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of first touch.
 
     The law is fitted over several spans of load beyond the touch (30 to 1000 standard deviations of the load); the span
-    with the narrowest interval is taken, and the interval widened to hold what the other spans give.
+    with the narrowest interval is taken, and the interval widened by those of the spans that tell nearly as much (whose
+    intervals are at most three times as wide), and to one standard deviation of the depth's noise on either side.
 
     Parameters
     ----------
@@ -79,7 +81,7 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
-    smooth, noise = median_filter(force, 5, mode="nearest"), max(load_noise(force), 1e-6 * load.max())
+    smooth, noise = median_filter(force, 5, mode="nearest"), max(noise_of(force), 1e-6 * load.max())
     rough = int(np.flatnonzero(smooth <= smooth.min() + 6 * noise)[-1])
     fits = []
     for window in WINDOWS:
@@ -87,12 +89,14 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
         end = min(rough + max(int(beyond[0]) if len(beyond) else len(force), FEWEST), len(force))
         start = max(0, rough - max(30, 2 * (end - rough)))
         if end - start >= FEWEST:
-            fits.append(_interval(force[start:end], path[start:end], approach=rough - start >= FEWEST))
+            approach = rough - start >= FEWEST
+            fits.append(_interval(force[start:end], path[start:end], approach, noise_of(depth) / noise))
     best = min(fits, key=lambda fit: fit[2] - fit[1])
     contact, width = best[0], best[2] - best[1]
-    near = [fit for fit in fits if fit[2] - fit[1] <= 2 * width]
-    lower = min(*(fit[0] for fit in fits), *(fit[1] for fit in near))
-    upper = max(*(fit[0] for fit in fits), *(fit[2] for fit in near))
+    telling = [fit for fit in fits if fit[2] - fit[1] <= TELLING * width]
+    error = noise_of(depth)
+    lower = min(contact - error, *(fit[1] for fit in telling))
+    upper = max(contact + error, *(fit[2] for fit in telling))
     index, moment = _reached(contact, time, depth, first, last)
     return ContactPoint(index, moment, best[3], contact, lower, upper)
 
@@ -136,42 +140,57 @@ def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
     return first, max(last, min(first + 10, int(np.argmax(load > 0.5 * load.max()))))
 
 
-def _interval(load: np.ndarray, depth: np.ndarray, approach: bool) -> tuple[float, float, float, float]:
+def _interval(
+    load: np.ndarray, depth: np.ndarray, approach: bool, noise_ratio: float
+) -> tuple[float, float, float, float]:
     """Return contact depth, ends of its interval and the load there, for the points (n,) of one span.
 
     The profile of the sum of squares over the contact depth is cut where an F test with the residuals' effective number
-    of points (their correlation of first order) would reject.
+    of points (their correlation of first order) would reject. Noise in depth counts as noise in load by the slope of
+    the law found before, so points on the steep side weigh less.
+
+    Parameters
+    ----------
+    noise_ratio
+        Noise in depth over noise in load [nm/mN].
     """
     low = depth.min() if approach else 2 * depth.min() - depth.max()
     trial = np.linspace(low, low + 0.95 * (depth.max() - low), 400)
-    for _ in range(2):
-        squares, exponent = _profile(load, depth, trial, approach)
+    weight = np.ones_like(load)
+    for step in range(3):
+        squares, exponent = _profile(load, depth, weight, trial, approach)
         best = int(np.argmin(squares))
-        rest, level = _residuals(load, depth, trial[best], exponent[best], approach)
+        rest, slope, level = _residuals(load, depth, weight, trial[best], exponent[best], approach)
+        if step == 0:
+            weight = 1 / np.hypot(1.0, noise_ratio * slope)
+            continue
         power = float(rest @ rest)
         correlation = float(np.clip(rest[1:] @ rest[:-1] / power, 0.0, 0.98)) if power > 0 else 0.0
         freedom = max(len(load) * (1 - correlation) / (1 + correlation) - (4 + approach), 1.0)
         allowed = squares[best] * (1 + stats.f.ppf(LEVEL, 1, freedom) / freedom)
         inside = trial[squares <= allowed]
         contact, lower, upper = trial[best], inside[0], inside[-1]
-        step = trial[1] - trial[0]
-        trial = np.linspace(max(lower - 2 * step, trial[0]), min(upper + 2 * step, trial[-1]), 400)
+        margin = 2 * (trial[1] - trial[0])
+        trial = np.linspace(max(lower - margin, trial[0]), min(upper + margin, trial[-1]), 400)
     return float(contact), float(lower), float(upper), level
 
 
-def _straight(depth: np.ndarray, approach: bool) -> np.ndarray:
-    """Return an orthonormal basis (n, 2) of straight lines in depth, or an empty one without an approach."""
-    columns = np.column_stack([np.ones_like(depth), depth - depth.mean()])
+def _straight(depth: np.ndarray, weight: np.ndarray, approach: bool) -> np.ndarray:
+    """Return an orthonormal basis (n, 2) of weighted straight lines in depth, or an empty one without an approach."""
+    columns = weight[:, None] * np.column_stack([np.ones_like(depth), depth - depth.mean()])
     return np.linalg.qr(columns[:, : 2 if approach else 0])[0]
 
 
-def _profile(load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least sum of squares, and its exponent, for each contact depth on trial (k,)."""
-    basis = _straight(depth, approach)
-    force = load - basis @ (basis.T @ load)
+def _profile(
+    load: np.ndarray, depth: np.ndarray, weight: np.ndarray, trial: np.ndarray, approach: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least weighted sum of squares, and its exponent, for each contact depth on trial (k,)."""
+    basis = _straight(depth, weight, approach)
+    force = weight * load
+    force -= basis @ (basis.T @ force)
     squares, exponents = np.full(len(trial), np.inf), np.ones(len(trial))
     for exponent in EXPONENTS:
-        law = np.clip(depth[:, None] - trial, 0.0, None) ** exponent
+        law = weight[:, None] * np.clip(depth[:, None] - trial, 0.0, None) ** exponent
         law -= basis @ (basis.T @ law)
         along = force @ law
         left = np.where(along > 0, force @ force - along**2 / np.maximum(np.sum(law**2, axis=0), 1e-300), np.inf)
@@ -182,10 +201,11 @@ def _profile(load: np.ndarray, depth: np.ndarray, trial: np.ndarray, approach: b
 
 
 def _residuals(
-    load: np.ndarray, depth: np.ndarray, contact: float, exponent: float, approach: bool
-) -> tuple[np.ndarray, float]:
-    """Return what the best law with this contact and exponent leaves (n,), and its load at contact [mN]."""
-    columns = np.column_stack([np.clip(depth - contact, 0.0, None) ** exponent, np.ones_like(depth), depth - contact])
-    columns = columns[:, : 3 if approach else 1]
-    solution = np.linalg.lstsq(columns, load, rcond=None)[0]
-    return load - columns @ solution, float(solution[1]) if approach else 0.0
+    load: np.ndarray, depth: np.ndarray, weight: np.ndarray, contact: float, exponent: float, approach: bool
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return what the best law leaves, weighted (n,), its slope (n,) [mN/nm] and its load at contact [mN]."""
+    beyond = np.clip(depth - contact, 0.0, None)
+    columns = np.column_stack([beyond**exponent, np.ones_like(depth), depth - contact])[:, : 3 if approach else 1]
+    solution = np.linalg.lstsq(weight[:, None] * columns, weight * load, rcond=None)[0]
+    slope = np.where(beyond > 0, solution[0] * exponent * beyond ** (exponent - 1), 0.0)
+    return weight * (load - columns @ solution), slope, float(solution[1]) if approach else 0.0

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
-from palpate.contact_point import load_noise
+from palpate.contact_point import noise_of
 from palpate.errors import InputError
 from palpate.protocol import corners
 
@@ -79,7 +79,7 @@ def segments(time: np.ndarray, load: np.ndarray, contact: int = 0) -> list[Segme
         )
     smooth = median_filter(load[contact:], 5, mode="nearest")
     smooth[[0, -1]] = load[[contact, -1]]
-    scale = LINEAR * max(load_noise(load[contact:]), 1e-4 * smooth.max() / LINEAR)
+    scale = LINEAR * max(noise_of(load[contact:]), 1e-4 * smooth.max() / LINEAR)
     level = np.arcsinh(smooth / scale)
     knots = np.flatnonzero(corners(time[contact:], level, TOLERANCE))
     pieces = _merged(_kinds(time[contact:], level, knots), level)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.contact_point import ContactPoint, first_touch, load_noise, touch_at
+from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
 from palpate.errors import InputError
 from palpate.readers.vendor import VendorTest
 from palpate.recording import Recording
@@ -68,7 +68,7 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
 
 def until_retreat(recording: Recording) -> Recording:
     """Return the recording up to where its load falls below zero for good: there the tip hangs free."""
-    loaded = np.flatnonzero(recording.load > 6 * load_noise(recording.load))
+    loaded = np.flatnonzero(recording.load > 6 * noise_of(recording.load))
     last = int(loaded[-1]) if len(loaded) else len(recording) - 1
     free = np.flatnonzero(recording.load[last:] < 0)
     end = last + int(free[0]) if len(free) else len(recording)
