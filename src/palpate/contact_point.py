@@ -52,7 +52,7 @@ class ContactPoint:
 
 
 def noise_of(values: np.ndarray) -> float:
-    """Return the standard deviation of the noise of a channel (n,), from second differences, small when it is smooth."""
+    """Return the standard deviation of a channel's noise (n,), from second differences, small where it is smooth."""
     return float(np.median(np.abs(np.diff(values, 2))) / (0.6745 * np.sqrt(6))) if len(values) > 4 else 0.0
 
 
