@@ -10,6 +10,7 @@ include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/thesis.smk"
+include: "workflow/rules/real.smk"
 
 
 rule all:

@@ -1,5 +1,6 @@
 """Vendors' files against facts that their makers printed in them; foreign and broken files against one clear line."""
 
+import sys
 import zipfile
 from pathlib import Path
 
@@ -8,8 +9,9 @@ import pytest
 
 from palpate.cli import main
 from palpate.errors import InputError
-from palpate.readers import READERS, read_vendor_file, select
+from palpate.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.readers.source import Source
+from palpate.readers.vendor import recording_from
 from palpate.recording import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
@@ -110,6 +112,16 @@ def test_hld_raw_depth_is_what_the_sensor_s_polynomial_gives():
 
 
 @needs_recordings
+def test_hld_depth_less_what_yields_behind_the_specimen():
+    """Regression in the file: 27.848 nm/mN of load, machine compliance and load cell together."""
+    (vendor,), (raw,) = (read_vendor_file(HLD, corrections=chosen, contact="none") for chosen in (None, RAW))
+    r, deep = raw.recording, raw.recording.load > 5
+    terms = np.column_stack([r.load, r.time, np.ones(len(r))])[deep]
+    compliance = np.linalg.lstsq(terms, (r.depth - vendor.recording.depth)[deep], rcond=None)[0][0]
+    assert compliance == pytest.approx(27.848, rel=0.002)
+
+
+@needs_recordings
 def test_lines_that_end_with_carriage_returns():
     (test,) = read_vendor_file(BRUKER)
     assert test.recording.load.max() == pytest.approx(200, rel=0.01)
@@ -199,6 +211,143 @@ def test_foreign_files_get_one_line(tmp_path, content, capsys):
     file.write_bytes(content)
     assert main(["read", str(file), "-o", str(tmp_path / "out")]) == 2
     assert "no format that palpate knows" in capsys.readouterr().err
+
+
+TIME = np.linspace(0, 60, 61)
+FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])
+PATH = 0.25 * np.sqrt(FORCE / 2e3) + 0.001 * TIME
+NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
+MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})
+
+
+def rows_of(delimiter, comma):
+    head = ["Sample: glass", "", delimiter.join(["No", "h", "t / s", "Fn"]), delimiter.join(["", "um", "s", "uN"])]
+    body = [delimiter.join(f"{x:.7f}" for x in (k, *row)) for k, row in enumerate(zip(PATH, TIME, FORCE, strict=True))]
+    return "\n".join([*head, *(line.replace(".", ",") if comma else line for line in body), "end of test", ""])
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True), (";", False), ("\t", True), ("\t", False)])
+def test_any_text_table_by_its_columns(tmp_path, delimiter, comma):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(delimiter, comma))
+    (test,) = read_vendor_file(file, columns=MAP)
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(FORCE / 1e3, abs=1e-6)
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-3)
+
+
+def test_columns_by_number(tmp_path):
+    file = tmp_path / "bare.txt"
+    np.savetxt(file, np.column_stack([TIME, FORCE, PATH]))
+    (test,) = read_vendor_file(file, columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}, dict(MAP.units)))
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-6)
+
+
+@needs_recordings
+def test_a_workbook_by_its_columns_is_what_its_reader_reads():
+    """The same file by the KLA reader and by a map of columns; 1.8e308 for "invalid" goes either way."""
+    known = read_vendor_file(KLA, contact="none")
+    mapped = read_vendor_file(
+        KLA, columns=ColumnMap({"time": "Time", "load": "Load", "depth": "Depth"}), contact="none"
+    )
+    assert [test.name for test in mapped] == [test.name for test in known]
+    for one, other in zip(known, mapped, strict=True):
+        assert other.recording.depth == pytest.approx(one.recording.depth)
+        assert other.recording.load == pytest.approx(one.recording.load)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--columns", "time=t / s,load=Fn,depth=hh"], "no table with numbers"),
+        (["--columns", "time=t / s,load=Fn"], "no column is named for depth"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=kg"], "load in 'kg' is not known"),
+        (["--columns", "time=t / s,load=Fn,depth=h,force=Fn"], "'force' is no channel"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--raw"], "final channels only"),
+        ([], "no format that palpate knows"),
+    ],
+)
+def test_a_wrong_map_gets_one_line(tmp_path, arguments, words, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(",", False))
+    assert main(["read", str(file), *arguments, "-o", str(tmp_path / "out")]) == 2
+    line = capsys.readouterr().err.strip()
+    assert words in line
+    assert "\n" not in line
+
+
+def test_the_command_line_reads_a_table_and_surveys_it(tmp_path, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(";", True))
+    chosen = ["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=uN,depth=um"]
+    assert main(["read", str(file), *chosen, "--survey", "-o", str(tmp_path / "out")]) == 0
+    assert read_recording(tmp_path / "out/table.csv").depth.max() == pytest.approx(1e3 * PATH.max(), rel=1e-4)
+    assert (tmp_path / "out/table.png").stat().st_size > 10000
+    assert "unloading" in (tmp_path / "out/table_survey.txt").read_text()
+
+
+def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
+    file = tmp_path / "x.csv"
+    load = FORCE.copy()
+    load[20] = 1.7976931348623157e308
+    file.write_text("t,P,h\n" + "\n".join(f"{a},{b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True)))
+    columns = ColumnMap({"time": "t", "load": "P", "depth": "h"})
+    (test,) = read_vendor_file(file, columns=columns)
+    assert len(test.recording) == len(TIME) - 1
+    file.write_text(
+        "t,P,h\n" + "\n".join(f"{a},{1.8e308 if a % 3 else b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True))
+    )
+    with pytest.raises(InputError, match="points are invalid"):
+        read_vendor_file(file, columns=columns)
+
+
+def test_points_without_values_at_the_ends_are_no_damage():
+    time, blank = np.arange(100.0), np.full(100, np.nan)
+    time[:40], blank[:90] = np.nan, 1.0
+    assert len(recording_from(Source(Path("x"), b""), "a", "a", time, time, blank)) == 50
+    with pytest.raises(InputError, match="100 of 100 points are invalid"):
+        recording_from(Source(Path("x"), b""), "a", "a", np.full(100, np.nan), time, blank)
+
+
+@needs_recordings
+@pytest.mark.parametrize(
+    "study", sorted((Path(__file__).parent.parent / "config/real").glob("*.yaml")), ids=lambda p: p.stem
+)
+def test_studies_of_real_recordings_are_sound(study, capsys):
+    assert main(["check", str(study), "--data", str(RECORDINGS)]) == 0
+    assert main(["check", str(study), "--data", str(study.parent)]) == 2
+    assert "is missing" in capsys.readouterr().err
+
+
+def test_afm_force_curve(tmp_path):
+    """Hertz under a soft cantilever: the tip's depth is the piezo's travel less the deflection."""
+    afmformats = pytest.importorskip("afmformats")
+    time = np.linspace(0, 2, 1001)
+    depth = 400.0 - 1000.0 * np.abs(time - 1)
+    force = 1e-9 * 2e-3 * np.clip(depth, 0, None) ** 1.5 + 2e-12 * np.sin(np.arange(1001) ** 2)
+    data = {"time": time, "force": force, "height (measured)": 1e-6 - 1e-9 * depth - force / 0.05,
+            "segment": (time > 1).astype(np.uint8)}  # fmt: skip
+    facts = {"spring constant": 0.05, "sensitivity": 5e-8, "path": tmp_path / "x", "enum": 0,
+             "imaging mode": "force-distance", "feedback mode": "contact"}  # fmt: skip
+    curve = afmformats.AFMForceDistance(data=data, metadata=afmformats.meta.MetaData(facts))
+    curve.export_data(tmp_path / "x.h5", fmt="hdf5")
+    file = tmp_path / "named_otherwise.dat"
+    file.write_bytes((tmp_path / "x.h5").read_bytes())
+    (whole,), (test,) = (read_vendor_file(file, contact=choice) for choice in ("none", "auto"))
+    assert whole.recording.depth == pytest.approx(depth - depth[0], abs=1e-3)
+    assert test.recording.load.max() == pytest.approx(1.6e-5, rel=0.01)
+    assert test.recording.depth.max() == pytest.approx(400, abs=5)
+    file.write_bytes(file.read_bytes()[:3000])
+    with pytest.raises(InputError, match="afmformats cannot read it"):
+        read_vendor_file(file)
+
+
+def test_afm_without_its_library_gets_one_line(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "afmformats", None)
+    with zipfile.ZipFile(tmp_path / "a.jpk-force", "w") as archive:
+        archive.writestr("header.properties", "type=x")
+    with pytest.raises(InputError, match="pip install afmformats"):
+        read_vendor_file(tmp_path / "a.jpk-force")
 
 
 def test_checksum_guards_a_study(tmp_path):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import difflib
 import itertools
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, recorded, trapezoid
+from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, read_recording
 from palpate.specification import Specification
 from palpate.yaml_file import read_yaml
@@ -127,7 +129,7 @@ def load_study(path: str | Path, data: str | None = None) -> Study:
     path
         The YAML file.
     data
-        Path of the vendor's file, in place of the one that ``source`` names.
+        The vendor's file in place of the one that ``source`` names, or a folder that holds one of that name.
 
     Raises
     ------
@@ -153,6 +155,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
             f"material model {model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="material.model"
         )
     source = _source(settings, data)
+    tests = cache(lambda: read_source(source))
     levels = _levels(model, material, values["parameters"])
     try:
         indenter = Indenter.from_mapping(values["indenter"])
@@ -165,7 +168,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
                 f"{name!r} is the name of a folder of results", remedy="choose another name", place="recordings"
             )
     conditions = tuple(
-        _condition(k, entry, settings["points"], recordings, source) for k, entry in enumerate(values["conditions"])
+        _condition(k, entry, settings["points"], recordings, source, tests)
+        for k, entry in enumerate(values["conditions"])
     )
     names = [condition.name for condition in conditions]
     for name in names:
@@ -204,14 +208,15 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
         if data is not None:
             raise InputError("data is given, but the study names no source", remedy="leave data off", place="data")
         return {}
-    source = {**settings["source"], "file": data or settings["source"]["file"]}
-    for key, known in (
-        ("recordings", list(settings.get("recordings", {}))),
-        ("condition", [entry["name"] for entry in settings["conditions"]]),
+    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
+    conditions = [entry["name"] for entry in settings["conditions"]]
+    for key, name, known in (
+        ("recordings", source["recordings"], list(settings.get("recordings", {}))),
+        *(("condition", name, conditions) for name in source.get("conditions", [source.get("condition")])),
     ):
-        if source[key] not in known:
+        if name not in known:
             raise InputError(
-                f"{source[key]!r} is not among {', '.join(known) or 'none'}{_suggestion(source[key], known)}",
+                f"{name!r} is not among {', '.join(known) or 'none'}{_suggestion(name, known)}",
                 remedy=f"name one of the study's {key.rstrip('s')}s",
                 place=f"source.{key}",
             )
@@ -266,7 +271,12 @@ def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[fl
 
 
 def _condition(
-    index: int, entry: Mapping[str, Any], points: int, recordings: Mapping[str, Path], source: Mapping[str, Any]
+    index: int,
+    entry: Mapping[str, Any],
+    points: int,
+    recordings: Mapping[str, Path],
+    source: Mapping[str, Any],
+    tests: Callable[[], Mapping[str, list[VendorTest]]],
 ) -> Condition:
     place = f"conditions[{index}] ({entry['name']})"
     numbers = ("max_load", "loading_time", "unloading_time")
@@ -274,7 +284,7 @@ def _condition(
     if "load_history" in entry:
         if given:
             raise InputError(f"load_history and {given[0]} exclude each other", remedy="keep one", place=place)
-        history = _load_history(entry, recordings, source, place).from_contact()
+        history = _load_history(entry, recordings, source, tests, place).from_contact()
         protocol = recorded(history.time, history.load, points)
     else:
         missing = [key for key in numbers if key not in entry]
@@ -287,15 +297,17 @@ def _condition(
 
 
 def _load_history(
-    entry: Mapping[str, Any], recordings: Mapping[str, Path], source: Mapping[str, Any], place: str
+    entry: Mapping[str, Any],
+    recordings: Mapping[str, Path],
+    source: Mapping[str, Any],
+    tests: Callable[[], Mapping[str, list[VendorTest]]],
+    place: str,
 ) -> Recording:
     """Return the recording whose load a condition follows."""
     if entry["load_history"] != "recorded":
         return read_recording_columns(Path(entry["load_history"]))
-    if source.get("condition") == entry["name"]:
-        from palpate.readers import read_vendor_file
-
-        return read_vendor_file(source["file"], source.get("sha256"))[0].recording
+    if entry["name"] in source.get("conditions", [source.get("condition")]):
+        return tests()[entry["name"]][0].recording
     for folder in recordings.values():
         for file in sorted(folder.glob(f"{entry['name']}_*.csv")):
             return read_recording(file)

@@ -13,7 +13,7 @@ from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.readers import read_vendor_file
+from palpate.readers import read_source
 from palpate.recording import Recording, read_recording
 
 LOAD_TOLERANCE = 0.05
@@ -69,10 +69,17 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
 
 
 def check_given(study: Study) -> None:
-    """Check every set of recordings that exists before the workflow runs (not those that it writes itself)."""
+    """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file."""
     for name in study.recordings:
         if not written_by_workflow(study, name):
             check(study, name)
+    for condition, tests in (read_source(study.source) if study.source else {}).items():
+        for test in tests:
+            try:
+                _check_one(study, study.condition(condition), test.recording.from_contact())
+            except InputError as error:
+                where = ", ".join(filter(None, (test.name, error.place)))
+                raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
 
 
 def written_by_workflow(study: Study, name: str) -> bool:
@@ -171,11 +178,10 @@ def observations(study: Study, name: str) -> dict[str, Observation]:
 
 
 def convert_source(study: Study, folder: Path) -> None:
-    """Write the tests of the study's vendor file as replicates of its condition."""
+    """Write the tests of the study's vendor file as replicates of their conditions."""
     source = study.source
     notes = tuple(f"{key}: {source[key]}" for key in ("repository", "commit", "path", "licence") if key in source)
     folder.mkdir(parents=True, exist_ok=True)
-    for number, test in enumerate(read_vendor_file(source["file"], source.get("sha256")), 1):
-        replace(test.recording, notes=(*test.recording.notes, *notes)).write(
-            folder / f"{source['condition']}_{number}.csv"
-        )
+    for condition, tests in read_source(source).items():
+        for number, test in enumerate(tests, 1):
+            replace(test.recording, notes=(*test.recording.notes, *notes)).write(folder / f"{condition}_{number}.csv")

@@ -130,7 +130,7 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
     load[0] = 0.0
     noise = np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6)) if len(load) > 2 else 0.0
     allowed = max(tolerance * load.max(), min(6 * noise, MOST_NOISE * load.max()))
-    keep = _corners(time, load, allowed)
+    keep = corners(time, load, allowed)
     if keep.sum() > MOST_KNOTS:
         raise InputError(
             f"the load history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
@@ -140,7 +140,7 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
     return Protocol(time[keep], load[keep], np.linspace(0.0, time[-1], points + 1)[1:])
 
 
-def _corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:
+def corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:
     """Return which points (n,) a piecewise linear history must keep to stay within `allowed` of all others."""
     keep = np.zeros(len(time), dtype=bool)
     keep[[0, -1]] = True

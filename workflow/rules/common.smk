@@ -27,8 +27,9 @@ from palpate.observations import check_given, files_of
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
 )
+DATA = config.get("data") if workflow.configfiles else None
 try:
-    STUDY = load_study(STUDY_FILE, data=config.get("data"))
+    STUDY = load_study(STUDY_FILE, data=DATA)
     check_given(STUDY)
     design.candidates(STUDY)
 except InputError as error:
@@ -48,9 +49,18 @@ CALIBRATION_CODE = fingerprint(
 )
 DIAGNOSIS_CODE = fingerprint(*PHYSICS, "calibration", "diagnosis", "observations.py")
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
-READER_CODE = fingerprint("readers", "observations.py", "recording.py")
+FINDERS = (
+    "contact_point.py",
+    "sharp_origin.py",
+    "segments.py",
+    "drift_rate.py",
+    "survey.py",
+)
+READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
+READING_CODE = fingerprint(
+    "readers", *FINDERS, "recording.py", "figures", "reading.py", "report.py"
+)
 LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")
-DATA = config.get("data")
 
 
 def curves(values, accuracy):

@@ -6,6 +6,13 @@ import argparse
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from palpate.readers import VendorTest
+    from palpate.survey import Survey
 
 NAME = "read"
 HELP = "turn a vendor's file into recording CSVs"
@@ -26,6 +33,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAMES",
         help="apply these alone, such as drift,frame",
     )
+    parser.add_argument(
+        "--contact",
+        type=_contact,
+        default="file",
+        metavar="file|auto|none|NM",
+        help="begin at the file's contact, at the one found, nowhere (keep the approach), or at this depth",
+    )
+    parser.add_argument("--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="columns of a table")
+    parser.add_argument("--units", type=_pairs, default={}, metavar="time=s,load=mN,depth=nm", help="their units")
+    parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
 
 
@@ -36,20 +53,62 @@ def _corrections(text: str) -> frozenset[str]:
     return chosen
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Write one CSV a test, with what the file says of it as comments."""
-    from palpate.readers import read_vendor_file, select
+def _contact(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        if text not in ("file", "auto", "none"):
+            raise argparse.ArgumentTypeError(f"{text!r} is not file, auto, none or a depth in nm") from None
+        return text
 
-    tests = read_vendor_file(arguments.file, corrections=arguments.corrections)
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = [part.split("=", 1) for part in text.split(",")]
+    if any(len(pair) != 2 for pair in pairs):
+        raise argparse.ArgumentTypeError(f"{text!r} is not time=...,load=...,depth=...")
+    return {key.strip(): value.strip() for key, value in pairs}
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
+    from palpate.readers import ColumnMap, read_vendor_file, select, zeroed
+
+    columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
+    tests = read_vendor_file(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
     if arguments.test is not None:
         tests = [select(tests, arguments.test, arguments.file)]
     chosen = arguments.corrections
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
+    surveys = []
     for test in tests:
-        notes = (*test.recording.notes, applied, *(f"{key}: {value}" for key, value in test.metadata.items()))
+        recording = zeroed(test, arguments.contact).recording
+        notes = (*recording.notes, applied, *(f"{key}: {value}" for key, value in test.metadata.items()))
         path = arguments.output / f"{re.sub(r'[^A-Za-z0-9._-]+', '_', test.name)}.csv"
-        replace(test.recording, notes=notes).write(path)
+        replace(recording, notes=notes).write(path)
+        print(path)
+        if arguments.survey:
+            surveys.append(_survey(test, arguments.file, path.with_suffix(".png")))
+    if surveys:
+        from palpate.survey import table
+
+        path = arguments.output / f"{arguments.file.stem}_survey.txt"
+        path.write_text(table(surveys).to_csv(index=False, sep="\t", float_format="%.5g"), encoding="utf-8")
         print(path)
     return 0
+
+
+def _survey(test: VendorTest, file: Path, path: Path) -> Survey:
+    """Find and draw what one test shows."""
+    from palpate.errors import InputError
+    from palpate.figures.recording import draw
+    from palpate.survey import survey
+
+    try:
+        found = survey(test.recording)
+    except InputError as error:
+        raise error.located(file=file, place=test.name) from None
+    at_file = np.interp(0.0, test.recording.time, test.recording.depth)
+    draw(found, path, chosen=float(at_file))
+    return found

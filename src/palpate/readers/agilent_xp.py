@@ -27,7 +27,7 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read all tests, in the order of their numbers, from contact to the end of the drift hold."""
+    """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
     results, inputs = source.by_test("Results"), source.by_test("Required Inputs")
     tests = []
     for sheet in sorted(name for name in source.sheets if name.startswith("Test ")):
@@ -41,6 +41,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
                 "the indenter never touched the sample", remedy="remove the test", file=source.path, place=sheet
             )
         surface = on_sample[0]
+        if RAW[2] in map(str, source.sheet(sheet)[0]):
+            metadata = metadata | {"Frame Stiffness [N/m]": f"{source.columns(sheet, RAW[2:])[RAW[2]][surface]:g}"}
         if corrections is not None:
             raw = source.columns(sheet, RAW)
             displacement, force = (raw[key] - raw[key][surface] for key in RAW[:2])
@@ -52,8 +54,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
                 compliance=1e6 / raw[RAW[2]][surface],
                 corrections=corrections,
             )  # fmt: skip
-            metadata = metadata | {"Frame Stiffness [N/m]": f"{raw[RAW[2]][surface]:g}"}
-        recording = recording_from(source, sheet, sheet, time[surface:], load[surface:], depth[surface:])
+        recording = recording_from(source, sheet, sheet, time, load, depth)
         tests.append(VendorTest(sheet, recording, metadata))
     return tests
 

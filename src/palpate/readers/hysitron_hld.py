@@ -27,7 +27,7 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read the one test, from the last point without load before it is loaded.
+    """Read the one test; time is counted from the last point without load before it is loaded.
 
     ``frame`` stands for all that yields behind the specimen: machine compliance and load cell.
     """
@@ -55,7 +55,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     if corrections is not None and "frame" not in corrections:
         depth = depth + 1e3 * compliance * (load - load[begin]) - (cell - cell[begin])
     name = source.path.stem
-    recording = recording_from(source, "test data", name, time[begin:] - time[begin], load[begin:], depth[begin:])
+    recording = recording_from(source, "test data", name, time - time[begin], load, depth)
     return [VendorTest(name, recording, {key.strip(): value.strip() for key, value in entries.items()})]
 
 

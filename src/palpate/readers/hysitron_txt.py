@@ -27,7 +27,7 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read the one test, from the last point without load before it is loaded."""
+    """Read the one test; time is counted from the last point without load before it is loaded."""
     start = next((k for k, line in enumerate(source.lines) if line.startswith(COLUMNS[0])), None)
     announced = next((int(found[1]) for line in source.lines[:20] if (found := COUNT.match(line))), 0)
     names = source.lines[start].split("\t") if start is not None else []
@@ -57,9 +57,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         depth = 2 * depth - corrected(depth, since, force, drift=drift, compliance=compliance, corrections=every)
         depth = corrected(depth, since, force, drift=drift, compliance=compliance, corrections=corrections)
         metadata |= {"drift [nm/s]": f"{drift:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
-    recording = recording_from(
-        source, "values", source.path.stem, time[begin:] - time[begin], load[begin:], depth[begin:]
-    )
+    recording = recording_from(source, "values", source.path.stem, time - time[begin], load, depth)
     return [VendorTest(source.path.stem, recording, metadata)]
 
 

@@ -1,4 +1,4 @@
-"""KLA (InView, iNano, G200X) workbooks: time, load and depth of every test from the surface marker on."""
+"""KLA (InView, iNano, G200X) workbooks: time, load and depth of every test; contact is where the surface is marked."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     for sheet in (name for name in source.sheets if name.startswith("Test ")):
         channels = source.columns(sheet, CHANNELS)
         time, load, depth = (channels[name] for name in CHANNELS)
-        recording = recording_from(source, sheet, sheet, time - time[0], load, depth)
+        markers = [str(cell).strip() for cell in source.sheet(sheet)[0]].index("Markers")
+        marked = [k for k, row in enumerate(source.sheet(sheet)[2:]) if str(row[markers]).startswith("Surface")]
+        recording = recording_from(source, sheet, sheet, time - time[marked[0] if marked else 0], load, depth)
         number = sheet.removeprefix("Test ").strip()
         metadata = {key: value for table in tables for key, value in table.get(number, {}).items()}
         tests.append(VendorTest(sheet, recording, metadata))

@@ -25,7 +25,7 @@ class VendorTest:
     name
         The test's name in the file, or its number.
     recording
-        Time from contact [s], load [mN], depth [nm].
+        Time [s], load [mN], depth [nm], whole: time is zero at the file's own contact and negative in the approach.
     metadata
         Whatever the file says of instrument, tip, method and results, by the vendor's names.
     """
@@ -109,9 +109,13 @@ def recording_from(
     Raises
     ------
     InputError
-        When more than a twentieth of the points would have to go, or the rest is no recording.
+        When more than a twentieth of the points between the first and the last valid one would have to go, or the rest
+        is no recording.
     """
     valid = np.isfinite(time) & np.isfinite(load) & np.isfinite(depth)
+    if valid.any():
+        ends = np.flatnonzero(valid)[[0, -1]]
+        time, load, depth, valid = (values[ends[0] : ends[1] + 1] for values in (time, load, depth, valid))
     time, load, depth = time[valid], load[valid], depth[valid]
     later = np.append(True, np.diff(np.maximum.accumulate(time)) > 0) if len(time) else valid[:0]
     if len(time) < 2 or later.sum() < 0.95 * len(valid):

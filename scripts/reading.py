@@ -1,0 +1,15 @@
+"""Write the page on a study's recordings as they were read."""
+
+from pathlib import Path
+
+from palpate.config import load_study
+from palpate.reading import write_reading
+
+
+def main(snakemake):
+    study = load_study(snakemake.input.study, data=snakemake.params.data)
+    write_reading(study, Path(snakemake.output.page).parent)
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,75 @@
+"""Where a vendor's test is made to begin: at the file's own contact, at the one found in it, or nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
+from palpate.errors import InputError
+from palpate.readers.vendor import VendorTest
+from palpate.recording import Recording
+
+CONTACTS = ("file", "auto", "none")
+
+
+def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
+    """Return a test whose time, load and depth are zero at contact; it begins there and ends when the tip has left.
+
+    Parameters
+    ----------
+    test
+        With its approach; time is zero at the file's contact.
+    contact
+        ``file``: the approach is cut off, nothing else is touched. ``auto``: contact is found (`first_touch`).
+        ``none``: the test stays whole. A number: contact is where the tip first comes to this depth [nm].
+
+    Raises
+    ------
+    InputError
+        When the tip never comes to the depth given, or too few points are left to find contact in.
+    """
+    r = test.recording
+    if contact == "none":
+        return test
+    if contact == "file":
+        later = slice(int(np.argmax(r.time >= 0)), None)
+        return replace(
+            test, recording=until_retreat(replace(r, time=r.time[later], load=r.load[later], depth=r.depth[later]))
+        )
+    if isinstance(contact, str) and contact not in CONTACTS:
+        raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
+    try:
+        if contact == "auto":
+            point = first_touch(r.time, r.load, r.depth)
+        else:
+            point = touch_at(float(contact), r.time, r.load, r.depth)
+    except InputError as error:
+        raise error.located(place=test.name) from None
+    return replace(test, recording=until_retreat(begun(r, point)))
+
+
+def begun(recording: Recording, point: ContactPoint) -> Recording:
+    """Return the recording from contact on, zero there in time, load and depth, with what was found as a note."""
+    later = recording.time > point.time
+    time, load, depth = (
+        np.append(0.0, channel[later] - zero)
+        for channel, zero in (
+            (recording.time, point.time), (recording.load, point.load), (recording.depth, point.depth)
+        )
+    )  # fmt: skip
+    note = (
+        f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and "
+        f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN"
+    )
+    return replace(recording, time=time, load=load, depth=depth, notes=(*recording.notes, note))
+
+
+def until_retreat(recording: Recording) -> Recording:
+    """Return the recording up to where its load falls below zero for good: there the tip hangs free."""
+    loaded = np.flatnonzero(recording.load > 6 * noise_of(recording.load))
+    last = int(loaded[-1]) if len(loaded) else len(recording) - 1
+    free = np.flatnonzero(recording.load[last:] < 0)
+    end = last + int(free[0]) if len(free) else len(recording)
+    return replace(recording, time=recording.time[:end], load=recording.load[:end], depth=recording.depth[:end])

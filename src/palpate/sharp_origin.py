@@ -1,0 +1,42 @@
+"""Where the law of a sharp tip begins, extrapolated from the loading curve."""
+
+from __future__ import annotations
+
+import numpy as np
+
+STARTS = (0.05, 0.1, 0.2, 0.4)
+MAIN = 0.1
+LEVELS = 400
+RISING = 4
+
+
+def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
+    r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
+
+    Any body without a length obeys it under a cone or pyramid while the load grows. The points are those that reach
+    each of 400 levels of load first (so holds and reloading count little), above a tenth of the largest load.
+    The interval covers the residuals, taken as correlated, and how the origin moves when the fit begins at 5, 20 or
+    40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
+    All three are NaN where fewer than four points rise to the largest load.
+
+    Parameters
+    ----------
+    load, depth : ndarray, shape (n,)
+        [mN], [nm]; the frame's deflection taken off.
+    """
+    largest = np.maximum.accumulate(load)
+    origins = {}
+    for start in STARTS:
+        levels = np.linspace(start, 1.0, LEVELS) * largest[-1]
+        chosen = np.unique(np.searchsorted(largest, levels))
+        if len(chosen) < RISING:
+            return (np.nan,) * 3
+        terms = np.column_stack([np.ones(len(chosen)), np.sqrt(load[chosen])])
+        solution = np.linalg.lstsq(terms, depth[chosen], rcond=None)[0]
+        rest = depth[chosen] - terms @ solution
+        correlation = float(np.clip(rest[1:] @ rest[:-1] / max(rest @ rest, 1e-300), 0.0, 0.98))
+        covariance = np.linalg.inv(terms.T @ terms) * (rest @ rest) / max(len(rest) - 2, 1)
+        error = float(np.sqrt(covariance[0, 0] * (1 + correlation) / (1 - correlation)))
+        origins[start] = float(solution[0]), error
+    (origin, error), others = origins[MAIN], [value for value, _ in origins.values()]
+    return origin, min(origin - 1.96 * error, *others), max(origin + 1.96 * error, *others)

@@ -1,0 +1,71 @@
+"""What a recording shows by itself, before any model: contact, segments, and drift in its hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from palpate.contact_point import ContactPoint, first_touch
+from palpate.drift_rate import DriftRate, measured_in
+from palpate.recording import Recording
+from palpate.segments import Segment, segments
+from palpate.sharp_origin import sharp_origin
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """A recording with what was found in it.
+
+    Attributes
+    ----------
+    recording
+        Whole, with its approach.
+    contact
+        First touch.
+    origin
+        Depth where a sharp tip's law begins, with its interval [nm].
+    parts
+        Segments in the order of time.
+    drift
+        None without a drift hold.
+    """
+
+    recording: Recording
+    contact: ContactPoint
+    origin: tuple[float, float, float]
+    parts: list[Segment]
+    drift: DriftRate | None
+
+
+def survey(recording: Recording) -> Survey:
+    """Find contact, segments and drift; raises `InputError` on a recording too short for it."""
+    time, load, depth = recording.time, recording.load, recording.depth
+    contact = first_touch(time, load, depth)
+    beyond = slice(contact.index, None)
+    origin = sharp_origin(load[beyond] - contact.load, depth[beyond])
+    parts = segments(time, load - contact.load, contact.index)
+    return Survey(recording, contact, origin, parts, measured_in(time, depth, parts))
+
+
+def table(surveys: Iterable[Survey]) -> pd.DataFrame:
+    """Return one row a recording: contact, origin and drift with intervals, and the segments' durations."""
+    rows = []
+    for item in surveys:
+        row = {
+            "test": item.recording.name,
+            "points": len(item.recording),
+            "max_load_mN": item.recording.load.max() - item.contact.load,
+            "contact_time_s": item.contact.time,
+            "contact_nm": item.contact.depth,
+            "contact_lower_nm": item.contact.lower,
+            "contact_upper_nm": item.contact.upper,
+        }
+        row |= dict(zip(("origin_nm", "origin_lower_nm", "origin_upper_nm"), item.origin, strict=True))
+        drift = (item.drift.rate, item.drift.lower, item.drift.upper) if item.drift else (np.nan,) * 3
+        row |= dict(zip(("drift_nm_per_s", "drift_lower_nm_per_s", "drift_upper_nm_per_s"), drift, strict=True))
+        row["segments"] = "; ".join(f"{part.kind} {part.start:.4g} to {part.end:.4g} s" for part in item.parts)
+        rows.append(row)
+    return pd.DataFrame(rows)

@@ -1,0 +1,124 @@
+"""Contact found in recordings whose contact is known, exactly or from their own loading curves."""
+
+import numpy as np
+import pytest
+from test_readers import KLA, XP, needs_recordings
+
+from palpate.contact_point import first_touch, touch_at
+from palpate.errors import InputError
+from palpate.readers import read_vendor_file
+from palpate.readers.zero import zeroed
+from palpate.sharp_origin import sharp_origin
+
+CONTACT, RAMP = 37.0, 9e-5
+
+
+def law(depth, cap):
+    """Load of a sharp tip with a spherical cap of height `cap`: Hertz, then a square, smooth where they meet."""
+    depth = np.clip(depth, 0.0, None)
+    hertz = RAMP * (cap + cap / 3) ** 2 / cap**1.5
+    return np.where(depth < cap, hertz * depth**1.5, RAMP * (depth + cap / 3) ** 2)
+
+
+def correlated(rng, size, sigma, rho=0.5):
+    noise = np.empty(size)
+    noise[0] = rng.standard_normal()
+    for k in range(1, size):
+        noise[k] = rho * noise[k - 1] + np.sqrt(1 - rho**2) * rng.standard_normal()
+    return sigma * noise
+
+
+def recording(seed, cap, size=800, approach=True):
+    """Approach from 100 nm above, on a spring that leaves 1e-6 mN/nm; then 800 nm down in 50 s."""
+    rng = np.random.default_rng(seed)
+    time = np.linspace(0 if approach else 10, 60, size)
+    path = np.where(time < 10, -100 + 10 * time, 16 * (time - 10))
+    load = law(path, cap) + correlated(rng, size, 3e-4) + (0.01 + 1e-6 * path if approach else 0.0)
+    return time, load, path + CONTACT + correlated(rng, size, 0.5)
+
+
+@pytest.mark.parametrize("approach", [True, False])
+@pytest.mark.parametrize("cap", [1.0, 20.0, 60.0])
+def test_known_contact_lies_in_the_interval(cap, approach):
+    found = [first_touch(*recording(seed, cap, 400 + 200 * (seed % 4), approach)) for seed in range(12)]
+    errors = np.array([point.depth - CONTACT for point in found])
+    assert np.sqrt(np.mean(errors**2)) < 3.0
+    held = sum(point.lower <= CONTACT <= point.upper for point in found)
+    assert held >= 9, "of 12, at 95 %"
+    assert np.median([point.upper - point.lower for point in found]) < 10.0
+
+
+def test_contact_moves_with_depth_time_and_unit():
+    time, load, depth = recording(3, 20.0)
+    point, moved = first_touch(time, load, depth), first_touch(time + 7.0, 2 * load, depth - 500.0)
+    assert moved.depth == pytest.approx(point.depth - 500.0, abs=1e-6)
+    assert moved.time == pytest.approx(point.time + 7.0, abs=1e-6)
+    assert moved.load == pytest.approx(2 * point.load, abs=1e-9)
+    assert point.load == pytest.approx(0.01, abs=3e-4)
+    assert point.time == pytest.approx(10.0, abs=0.3)
+
+
+def test_an_earlier_touch_and_lift_is_not_taken_for_contact():
+    time, load, depth = recording(5, 20.0)
+    before = np.linspace(-20, -0.1, 300)
+    lifted = np.interp(before, [-20, 0], [CONTACT + 5, CONTACT - 100])
+    first = 0.01 + law(lifted - CONTACT, 20.0)
+    point = first_touch(np.append(before, time), np.append(first, load), np.append(lifted, depth))
+    assert point.depth == pytest.approx(CONTACT, abs=4.0)
+    assert point.time == pytest.approx(10.0, abs=0.5)
+
+
+def test_origin_of_the_sharp_law_lies_before_a_blunt_tip_s_touch():
+    _, load, depth = recording(1, 60.0, approach=False)
+    origin, lower, upper = sharp_origin(load, depth)
+    assert origin == pytest.approx(CONTACT - 20.0, abs=1.0)
+    assert lower < origin < upper
+
+
+def test_contact_given_by_the_user():
+    time, load, depth = recording(2, 20.0)
+    point = touch_at(CONTACT, time, load, depth)
+    assert (point.depth, point.lower, point.upper) == (CONTACT, CONTACT, CONTACT)
+    assert point.time == pytest.approx(10.0, abs=0.2)
+    with pytest.raises(InputError, match="outside the way in"):
+        touch_at(5000.0, time, load, depth)
+
+
+def test_too_few_points_are_refused():
+    with pytest.raises(InputError, match="too few"):
+        first_touch(np.arange(5.0), np.arange(5.0), np.arange(5.0))
+
+
+@needs_recordings
+def test_fused_silica_zero_points():
+    """The zeros that the loading curves extrapolate to: 14 at 45 to 57 nm, test 11 at 161, test 3 (dirt) at 855."""
+    for number, test in enumerate(read_vendor_file(KLA, contact="none"), 1):
+        r = test.recording
+        touch = first_touch(r.time, r.load, r.depth)
+        origin, lower, upper = sharp_origin(r.load - touch.load, r.depth)
+        expected = {3: (855, 5), 11: (161, 5)}.get(number, (51, 7))
+        assert origin == pytest.approx(expected[0], abs=expected[1]), test.name
+        assert lower < origin < upper
+        assert touch.upper < lower if number == 3 else touch.depth > upper, "dirt is touched first; a blunt tip too"
+
+
+@needs_recordings
+def test_vendor_s_contact_is_found_again():
+    """The XP marks contact by a rise in harmonic stiffness, on its way in at 10 nm/s: within a second of that."""
+    for test in read_vendor_file(XP, contact="none"):
+        r = test.recording
+        assert first_touch(r.time, r.load, r.depth).depth == pytest.approx(0.0, abs=10.0), test.name
+
+
+@needs_recordings
+def test_contact_chosen():
+    file, auto, whole, own = (
+        read_vendor_file(KLA, contact=choice)[0].recording for choice in ("file", "auto", "none", 80)
+    )
+    assert whole.depth.max() == file.depth.max()
+    assert auto.time[0] == auto.depth[0] == auto.load[0] == 0
+    assert file.depth.max() - auto.depth.max() == pytest.approx(87, abs=3)
+    assert file.depth.max() - own.depth.max() == 80
+    assert any("contact at" in note for note in auto.notes)
+    with pytest.raises(InputError, match="file, auto, none"):
+        zeroed(read_vendor_file(KLA)[0], "automatic")

@@ -1,0 +1,108 @@
+"""The page on a vendor's file as it was read, and surveys of recordings that hold little or nothing."""
+
+import numpy as np
+import pytest
+import yaml
+from test_readers import ANON, needs_recordings
+
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.readers import read_vendor_file
+from palpate.reading import write_reading
+from palpate.recording import Recording
+from palpate.survey import survey
+
+STUDY = {
+    "study": "glass",
+    "material": {"model": "elastic", "poisson_ratio": 0.2},
+    "parameters": {"youngs_modulus": [60, 80]},
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "conditions": [{"name": "A", "load_history": "recorded"}, {"name": "B", "load_history": "recorded"}],
+    "recordings": {"lab": "results/glass/recordings/lab"},
+}
+
+
+def workbook_like(folder, contact):
+    """A table of one test with 30 nm of approach, and the study that reads it."""
+    time = np.linspace(0, 50, 501)
+    depth = np.interp(time, [0, 10, 30, 50], [-30, 0, 200, 60])
+    load = 8e-5 * np.clip(depth, 0, None) ** 2 * np.where(time > 30, np.interp(time, [30, 50], [1, 0]), 1)
+    load += 2e-4 * np.sin(np.arange(501) ** 2)
+    file = folder / "glass.csv"
+    np.savetxt(file, np.column_stack([time, load, depth]), delimiter=",", header="t,P,h", comments="")
+    source = {
+        "file": str(file), "recordings": "lab", "conditions": {"A": [1], "B": ["glass"]}, "contact": contact,
+        "columns": {"time": "t", "load": "P", "depth": "h"},
+    }  # fmt: skip
+    (folder / "study.yaml").write_text(yaml.safe_dump({**STUDY, "source": source}))
+    return folder / "study.yaml"
+
+
+@pytest.mark.parametrize("contact", ["auto", 2.5])
+def test_page_on_the_recordings_of_a_study(tmp_path, contact):
+    study = load_study(workbook_like(tmp_path, contact))
+    assert study.condition("A").protocol.sample_time[-1] == pytest.approx(40, abs=0.5)
+    write_reading(study, tmp_path / "reading")
+    page = (tmp_path / "reading/reading.html").read_text()
+    assert page.count("<img") == 2
+    assert "approach 0 to" in page
+    rows = (tmp_path / "reading/survey.csv").read_text().splitlines()
+    assert len(rows) == 3
+    assert float(rows[1].split(",")[4]) == pytest.approx(0, abs=3), "contact in the file's own counting"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("conditions", {"A": [1], "C": [1]}, "'C' is not among A, B"),
+        ("conditions", {"A": [1], "B": [7]}, "has no test '7'"),
+        ("contact", "automatic", "give file, auto or the depth"),
+        ("contact", 1e4, "outside the way in"),
+        ("corrections", ["creep"], "'creep' is not one of"),
+        ("condition", "A", "either condition or conditions"),
+        ("columns", {"time": "t", "load": "P", "depth": "x"}, "no table with numbers"),
+    ],
+)
+def test_a_wrong_source_gets_one_line(tmp_path, key, value, words):
+    path = workbook_like(tmp_path, "auto")
+    values = yaml.safe_load(path.read_text())
+    values["source"][key] = value
+    path.write_text(yaml.safe_dump(values))
+    with pytest.raises(InputError, match=words):
+        load_study(path)
+
+
+def test_a_study_without_a_source_has_no_such_page(tmp_path):
+    path = workbook_like(tmp_path, "auto")
+    values = yaml.safe_load(path.read_text())
+    del values["source"]
+    values["conditions"] = [{"name": "A", "max_load": 1, "loading_time": 1, "unloading_time": 1}]
+    path.write_text(yaml.safe_dump(values))
+    with pytest.raises(InputError, match="names no vendor's file"):
+        write_reading(load_study(path), tmp_path)
+
+
+@pytest.mark.parametrize("size", [3, 12, 50, 400])
+@pytest.mark.parametrize("load", ["none", "constant", "noise", "falling", "ramp", "step"])
+def test_strange_recordings_are_surveyed_or_refused(size, load):
+    time, rng = np.linspace(0, 10, size), np.random.default_rng(0)
+    force = {
+        "none": 0 * time, "constant": 0 * time + 1, "noise": rng.standard_normal(size), "falling": 10 - time,
+        "ramp": time, "step": 1.0 * (time > 5),
+    }[load]  # fmt: skip
+    try:
+        found = survey(Recording(time, force, 100 * time))
+    except InputError:
+        return
+    assert found.parts[0].start == 0
+    assert found.parts[-1].end == 10
+    assert found.contact.lower <= found.contact.depth <= found.contact.upper
+
+
+@needs_recordings
+def test_contact_of_a_recording_without_approach_is_near_its_start():
+    (test,) = read_vendor_file(ANON, contact="none")
+    found = survey(test.recording)
+    assert found.contact.lower <= 0 <= found.contact.upper
+    assert [part.kind for part in found.parts] == ["loading", "hold", "unloading"]
+    assert [part.duration for part in found.parts] == pytest.approx([34.4, 30, 33], abs=0.5)
