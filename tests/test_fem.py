@@ -104,7 +104,7 @@ def test_newton_converges_quadratically(large):
     protocol = trapezoid(1.0, 30.0, 0.0, 30.0)
     mesh = polar_mesh(ring_radii(0.1, 0.8, STANDARD), STANDARD.sectors)
     problem = Problem(mesh, Profile.of(CONE), law()[None], np.zeros(len(mesh.elements), dtype=np.int64), large)
-    work, state, before = Workspace.of(mesh), State.initial(problem), None
+    work, state, before = Workspace.of(problem), State.initial(problem), None
     for time in step_times(protocol, 1)[:12]:
         state, before, _ = march(problem, protocol, state, before, time, work)
     advance(problem, state, 1.2 * time, float(protocol.load_at(1.2 * time)), 1.0, state, work)

@@ -1,4 +1,14 @@
-"""The profile of a rigid axisymmetric indenter, and which surface nodes it touches."""
+"""What holds where a rigid axisymmetric indenter touches: its profile, and Coulomb friction along its generator.
+
+The indenter moves along z only, so a node that touches it at the distance R from the axis slips exactly when R changes.
+Its friction T = -m N opposes the slip since first touch, up to the limit |m| = mu,
+
+    m = mu clip((R - A) / (ELASTIC_SLIP r), -1, 1),
+
+with the anchor A: R at first touch, dragged along when the node slips. The little slip that precedes the limit
+stands for sticking; in proportion to the node's own distance r and normal force N, it adds no length to a sharp cone.
+(Elastic-plastic analogy: Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 5.2.)
+"""
 
 from __future__ import annotations
 
@@ -8,6 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.indenters import Indenter
+
+SLOPE, CURVATURE, RATIO, RATIO_SLOPE = range(4)
+ELASTIC_SLIP = 1e-4
 
 
 @dataclass(frozen=True)
@@ -49,3 +62,35 @@ class Profile:
     def depth_for(self, r: float) -> float:
         """Return f at one distance [um]."""
         return float(self(np.array([r]))[0][0])
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of the surface nodes.
+
+    Parameters
+    ----------
+    coefficient
+        mu.
+    reach : ndarray, shape (k,)
+        Slip at which a node that stuck reaches the limit [um].
+    """
+
+    coefficient: float
+    reach: np.ndarray
+
+    @classmethod
+    def of(cls, coefficient: float, r: np.ndarray) -> Friction:
+        """Return the friction of nodes at the undeformed distances `r` (k,) [um]."""
+        return cls(coefficient, ELASTIC_SLIP * np.maximum(r, r[1]))
+
+    def ratio(self, distance: np.ndarray, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return m and dm/dR of nodes at the distances R; an anchor of NaN marks one that did not touch before."""
+        slip = np.nan_to_num((distance - anchor) / self.reach)
+        sticks = (np.abs(slip) < 1.0) & np.isfinite(anchor)
+        return self.coefficient * np.clip(slip, -1.0, 1.0), np.where(sticks, self.coefficient / self.reach, 0.0)
+
+    def dragged(self, distance: np.ndarray, anchor: np.ndarray, contact: np.ndarray) -> np.ndarray:
+        """Return the anchors at the end of a step; a node that touches since this step is anchored where it is."""
+        known = np.where(np.isfinite(anchor), anchor, distance)
+        return np.where(contact, np.clip(known, distance - self.reach, distance + self.reach), np.nan)

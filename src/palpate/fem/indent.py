@@ -124,8 +124,8 @@ def indent(
     smallest, largest = contact_range(coefficients, indenter, protocol)
     mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
     region = np.zeros(len(mesh.elements), dtype=np.int64)
-    problem = Problem(mesh, Profile.of(indenter), coefficients[None, :], region, large)
-    work = Workspace.of(mesh)
+    problem = Problem(mesh, Profile.of(indenter), coefficients[None, :], region, large, indenter.friction)
+    work = Workspace.of(problem)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
     reason, steps = "", 0

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import lapack
 
 from palpate.errors import ConvergenceError
-from palpate.fem.contact import Profile
+from palpate.fem import banded
+from palpate.fem.contact import CURVATURE, RATIO, RATIO_SLOPE, SLOPE, Friction, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -32,6 +32,8 @@ class Problem:
         Region of each element.
     large : bool
         Logarithmic instead of linear strains.
+    friction : float
+        Coulomb coefficient between indenter and body.
     """
 
     mesh: Mesh
@@ -39,6 +41,7 @@ class Problem:
     coefficients: np.ndarray
     region: np.ndarray
     large: bool
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +58,10 @@ class State:
     contact : ndarray of bool, shape (n,)
     guesses : ndarray, shape (m, 4)
         Last q at each Gauss point, where the next search begins.
-    reaction : ndarray, shape (n,)
-        Vertical contact force at the nodes [mN].
+    force : ndarray, shape (n, 2)
+        Force of the indenter on the nodes, along r and z [mN].
+    anchor : ndarray, shape (k,)
+        Distance from the axis at which each surface node sticks [um]; NaN where it does not touch.
     """
 
     time: float
@@ -65,7 +70,8 @@ class State:
     material: np.ndarray
     contact: np.ndarray
     guesses: np.ndarray
-    reaction: np.ndarray
+    force: np.ndarray
+    anchor: np.ndarray
 
     @classmethod
     def initial(cls, problem: Problem) -> State:
@@ -74,7 +80,8 @@ class State:
         contact = np.zeros(n, dtype=bool)
         contact[0] = True
         material = np.zeros((m, 4, state_size(problem.coefficients[0])))
-        return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros(n))
+        anchor = np.full(len(problem.mesh.surface), np.nan)
+        return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros((n, 2)), anchor)
 
 
 @dataclass
@@ -93,13 +100,14 @@ class Workspace:
     norms: list[float] = field(default_factory=list)
 
     @classmethod
-    def of(cls, mesh: Mesh) -> Workspace:
-        """Allocate for `mesh`."""
+    def of(cls, problem: Problem) -> Workspace:
+        """Allocate for `problem`; friction makes its matrix unsymmetric."""
+        mesh = problem.mesh
         m = len(mesh.elements)
         return cls(
-            np.empty((mesh.size, mesh.bandwidth + 1)),
+            banded.allocate(mesh.size, mesh.bandwidth, symmetric=problem.friction == 0.0),
             np.empty(mesh.size),
-            np.empty(mesh.size),
+            np.empty((mesh.size, 2)),
             np.empty((m, 4, 4)),
             np.empty((m, 4)),
             np.empty((m, 4, 4)),
@@ -132,22 +140,27 @@ def advance(
     begin_step(state.material, problem.region, problem.coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     contact, guesses = guess.contact.copy(), state.guesses.copy()
-    reaction = np.empty(len(mesh.nodes))
+    force = np.empty((len(mesh.nodes), 2))
     surface = mesh.surface
     free = mesh.equations >= 0
-    slope, curvature = np.zeros(len(mesh.nodes)), np.zeros(len(mesh.nodes))
+    rule = np.zeros((len(mesh.nodes), 4))
+    friction = Friction.of(problem.friction, mesh.nodes[surface, 0])
+    diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search = None
     for iteration in range(ITERATIONS):
-        height, slope[surface], curvature[surface] = profile(mesh.nodes[surface, 0] + displacement[surface, 0])
+        distance = mesh.nodes[surface, 0] + displacement[surface, 0]
+        height, rule[surface, SLOPE], rule[surface, CURVATURE] = profile(distance)
+        if problem.friction:
+            rule[surface, RATIO], rule[surface, RATIO_SLOPE] = friction.ratio(distance, state.anchor)
         gap = height - depth - displacement[surface, 1]
         contact[surface] |= gap < 0.0
         displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
             problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
-            contact, slope, curvature, work.band, work.residual, work.border, reaction,
+            contact, rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
         work.iterations += 1
         if not np.isfinite(corner):
@@ -157,6 +170,7 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
+        reaction = -force[:, 1]
         pulled = contact & (reaction < -TOLERANCE * scale)
         if iteration > 0 and pulled.any() and contact.sum() > 1:
             contact &= ~pulled
@@ -170,17 +184,18 @@ def advance(
         if norm < TOLERANCE and not pulled.any():
             material = state.material.copy()
             end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
-            return State(time, depth, displacement, material, contact, guesses, reaction)
+            anchor = friction.dragged(distance, state.anchor, contact[surface])
+            return State(time, depth, displacement, material, contact, guesses, force, anchor)
         if search is not None and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
-        if failed:
+        solution = banded.solve(work.band, mesh.bandwidth, np.column_stack([work.residual, work.border[:, 0]]))
+        if solution is None:
             raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
-        solution, _ = lapack.dpbtrs(factor, np.column_stack([work.residual, work.border]), lower=1, overwrite_b=1)
         forward, sideways = solution.T
-        change = (work.border @ forward - forces[-1]) / (corner - work.border @ sideways)
+        row = work.border[:, 1]
+        change = (row @ forward - forces[-1]) / (corner - row @ sideways)
         search = Search.along(np.append(-forward - change * sideways, change), forces)
         displacement[free] += search.direction[:-1]
         depth += change
