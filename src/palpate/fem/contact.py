@@ -84,9 +84,12 @@ class Friction:
         """Return the friction of nodes at the undeformed distances `r` (k,) [um]."""
         return cls(coefficient, ELASTIC_SLIP * np.maximum(r, r[1]))
 
-    def ratio(self, distance: np.ndarray, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return m and dm/dR of nodes at the distances R; an anchor of NaN marks one that did not touch before."""
-        slip = np.nan_to_num((distance - anchor) / self.reach)
+    def slip(self, distance: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        """Return (R - A) / reach of nodes at the distances R; zero for one that did not touch before (anchor NaN)."""
+        return np.nan_to_num((distance - anchor) / self.reach)
+
+    def ratio(self, slip: np.ndarray, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return m and dm/dR."""
         sticks = (np.abs(slip) < 1.0) & np.isfinite(anchor)
         return self.coefficient * np.clip(slip, -1.0, 1.0), np.where(sticks, self.coefficient / self.reach, 0.0)
 

@@ -145,15 +145,20 @@ def advance(
     free = mesh.equations >= 0
     rule = np.zeros((len(mesh.nodes), 4))
     friction = Friction.of(problem.friction, mesh.nodes[surface, 0])
+    slip = np.zeros(len(surface))
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search = None
     for iteration in range(ITERATIONS):
         distance = mesh.nodes[surface, 0] + displacement[surface, 0]
-        height, rule[surface, SLOPE], rule[surface, CURVATURE] = profile(distance)
         if problem.friction:
-            rule[surface, RATIO], rule[surface, RATIO_SLOPE] = friction.ratio(distance, state.anchor)
+            slip, last = friction.slip(distance, state.anchor), slip
+            reversed_ = (slip * last < 0.0) & (np.abs(slip) > 1.0) & (np.abs(last) > 1.0)
+            distance[reversed_], slip[reversed_] = state.anchor[reversed_], 0.0
+            displacement[surface, 0] = distance - mesh.nodes[surface, 0]
+            rule[surface, RATIO], rule[surface, RATIO_SLOPE] = friction.ratio(slip, state.anchor)
+        height, rule[surface, SLOPE], rule[surface, CURVATURE] = profile(distance)
         gap = height - depth - displacement[surface, 1]
         contact[surface] |= gap < 0.0
         displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
@@ -186,7 +191,7 @@ def advance(
             end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
             anchor = friction.dragged(distance, state.anchor, contact[surface])
             return State(time, depth, displacement, material, contact, guesses, force, anchor)
-        if search is not None and (shorter := search.shorten(forces)) != 0.0:
+        if search is not None and not problem.friction and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
