@@ -156,6 +156,8 @@ def advance(
             slip, last = friction.slip(distance, state.anchor), slip
             reversed_ = (slip * last < 0.0) & (np.abs(slip) > 1.0) & (np.abs(last) > 1.0)
             distance[reversed_], slip[reversed_] = state.anchor[reversed_], 0.0
+            if np.any((np.abs(slip) > 1.0) != (np.abs(last) > 1.0)):
+                search = None
             displacement[surface, 0] = distance - mesh.nodes[surface, 0]
             rule[surface, RATIO], rule[surface, RATIO_SLOPE] = friction.ratio(slip, state.anchor)
         height, rule[surface, SLOPE], rule[surface, CURVATURE] = profile(distance)
@@ -191,7 +193,7 @@ def advance(
             end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
             anchor = friction.dragged(distance, state.anchor, contact[surface])
             return State(time, depth, displacement, material, contact, guesses, force, anchor)
-        if search is not None and not problem.friction and (shorter := search.shorten(forces)) != 0.0:
+        if search is not None and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
