@@ -19,13 +19,20 @@ def diagonal(band: np.ndarray, bandwidth: int) -> int:
     return band.shape[1] - 1 - bandwidth
 
 
-def solve(band: np.ndarray, bandwidth: int, right: np.ndarray) -> np.ndarray | None:
-    """Solve for the columns of `right` (size, k), overwriting `band`; None where the matrix has no factors.
+def solve(band: np.ndarray, bandwidth: int, right: np.ndarray, definite: bool) -> np.ndarray | None:
+    """Solve for the columns of `right` (size, k), overwriting `band`.
 
-    A symmetric matrix has them only if it is positive definite.
+    Returns
+    -------
+    ndarray, shape (size, k), or None
+        None where a symmetric matrix is not positive definite, a general one is singular, or its lower half is not that
+        of a positive definite matrix although it should be `definite`.
     """
-    if diagonal(band, bandwidth) == 0:
+    middle = diagonal(band, bandwidth)
+    if middle == 0:
         factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
         return None if failed else lapack.dpbtrs(factor, right, lower=1)[0]
+    if definite and lapack.dpbtrf(band[:, middle:].T, lower=1)[1]:
+        return None
     factor, pivots, failed = lapack.dgbtrf(band.T, bandwidth, bandwidth, overwrite_ab=1)
     return None if failed else lapack.dgbtrs(factor, bandwidth, bandwidth, right, pivots)[0]

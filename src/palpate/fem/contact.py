@@ -1,13 +1,8 @@
-"""What holds where a rigid axisymmetric indenter touches: its profile, and Coulomb friction along its generator.
+"""What holds where a rigid axisymmetric indenter touches: which nodes do, its profile there, and friction.
 
-The indenter moves along z only, so a node that touches it at the distance R from the axis slips exactly when R changes.
-Its friction T = -m N opposes the slip since first touch, up to the limit |m| = mu,
-
-    m = mu clip((R - A) / (ELASTIC_SLIP r), -1, 1),
-
-with the anchor A: R at first touch, dragged along when the node slips. The little slip that precedes the limit
-stands for sticking; in proportion to the node's own distance r and normal force N, it adds no length to a sharp cone.
-(Elastic-plastic analogy: Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 5.2.)
+A node that touches lies on the indenter, u_z = f(R) - depth at R = r + u_r. One that an iteration finds inside it joins
+by the linearised constraint: the next change of displacements closes its gap together with everything around it, so
+that a law with a yield stress never sees one node moved alone.
 """
 
 from __future__ import annotations
@@ -17,10 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.fem.friction import Friction
+from palpate.fem.mesh import Mesh
 from palpate.indenters import Indenter
 
-SLOPE, CURVATURE, RATIO, RATIO_SLOPE = range(4)
-ELASTIC_SLIP = 1e-4
+SLOPE, CURVATURE, RATIO, RATIO_SLOPE, GAP = range(5)
+PENETRATION = 1e-9  # of the depth, below which a node counts as outside
 
 
 @dataclass(frozen=True)
@@ -64,36 +61,93 @@ class Profile:
         return float(self(np.array([r]))[0][0])
 
 
-@dataclass(frozen=True)
-class Friction:
-    """Coulomb friction of the surface nodes.
+@dataclass(eq=False)
+class Contact:
+    """The contact during the iterations of one time step.
 
-    Parameters
+    Attributes
     ----------
-    coefficient
-        mu.
-    reach : ndarray, shape (k,)
-        Slip at which a node that stuck reaches the limit [um].
+    surface : ndarray of int, shape (k,)
+        Nodes that may touch.
+    r : ndarray, shape (k,)
+        Their undeformed distances from the axis [um].
+    touching : ndarray of bool, shape (n,)
+        Nodes that touch.
+    anchor : ndarray, shape (k,)
+        Anchors of friction at the start of the step [um]; NaN where a node did not touch.
+    rule : ndarray, shape (n, 5)
+        What holds at the nodes that touch: f', f'', m, dm/dR and the gap that the next change of displacements closes.
+    joined
+        Whether some gap is still to be closed.
     """
 
-    coefficient: float
-    reach: np.ndarray
+    profile: Profile
+    friction: Friction
+    surface: np.ndarray
+    r: np.ndarray
+    touching: np.ndarray
+    anchor: np.ndarray
+    rule: np.ndarray
+    slip: np.ndarray
+    joined: bool = False
 
     @classmethod
-    def of(cls, coefficient: float, r: np.ndarray) -> Friction:
-        """Return the friction of nodes at the undeformed distances `r` (k,) [um]."""
-        return cls(coefficient, ELASTIC_SLIP * np.maximum(r, r[1]))
+    def resume(
+        cls, mesh: Mesh, profile: Profile, coefficient: float, touching: np.ndarray, anchor: np.ndarray
+    ) -> Contact:
+        """Begin a step with the nodes that touched and their anchors."""
+        r = mesh.nodes[mesh.surface, 0]
+        rule = np.zeros((len(mesh.nodes), 5))
+        friction = Friction.of(coefficient, r)
+        return cls(profile, friction, mesh.surface, r, touching.copy(), anchor, rule, np.zeros(len(r)))
 
-    def slip(self, distance: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-        """Return (R - A) / reach of nodes at the distances R; zero for one that did not touch before (anchor NaN)."""
-        return np.nan_to_num((distance - anchor) / self.reach)
+    def follow(self, displacement: np.ndarray, depth: float) -> bool:
+        """Put the nodes that touch onto the indenter, changing `displacement` (n, 2), find new ones, write the rule.
 
-    def ratio(self, slip: np.ndarray, anchor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return m and dm/dR."""
-        sticks = (np.abs(slip) < 1.0) & np.isfinite(anchor)
-        return self.coefficient * np.clip(slip, -1.0, 1.0), np.where(sticks, self.coefficient / self.reach, 0.0)
+        Returns
+        -------
+        bool
+            True where the same nodes touch, and the same of them slip, as in the iteration before.
+        """
+        same = self._rub(displacement)
+        distance = self.r + displacement[self.surface, 0]
+        height, slope, curvature = self.profile(distance)
+        gap = height - depth - displacement[self.surface, 1]
+        touched = self.touching[self.surface]
+        displacement[self.surface, 1] += np.where(touched, gap, 0.0)
+        joining = ~touched & (gap < -PENETRATION * abs(depth))
+        self.joined = bool(joining.any())
+        self.touching[self.surface] |= joining
+        self.rule[self.surface, SLOPE] = np.where(self.r > 0.0, slope, 0.0)
+        self.rule[self.surface, CURVATURE] = curvature
+        self.rule[self.surface, GAP] = np.where(joining, gap, 0.0)
+        return same and not self.joined
 
-    def dragged(self, distance: np.ndarray, anchor: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Return the anchors at the end of a step; a node that touches since this step is anchored where it is."""
-        known = np.where(np.isfinite(anchor), anchor, distance)
-        return np.where(contact, np.clip(known, distance - self.reach, distance + self.reach), np.nan)
+    def _rub(self, displacement: np.ndarray) -> bool:
+        """Write the friction; a node whose slip reverses within one iteration is put back to where it stuck."""
+        if self.friction.coefficient == 0.0:
+            return True
+        distance = self.r + displacement[self.surface, 0]
+        slip, last = self.friction.slip(distance, self.anchor), self.slip
+        slides, slid = np.abs(slip) > 1.0, np.abs(last) > 1.0
+        turned = slides & slid & (slip * last < 0.0)
+        displacement[self.surface[turned], 0] = (self.anchor - self.r)[turned]
+        slip[turned] = 0.0
+        self.slip = slip
+        self.rule[self.surface, RATIO], self.rule[self.surface, RATIO_SLOPE] = self.friction.ratio(slip, self.anchor)
+        return bool(np.array_equal(slides & ~turned, slid))
+
+    def pulled(self, force: np.ndarray, tolerance: float) -> np.ndarray:
+        """Return which nodes (n,) the indenter would have to pull: by `force` (n, 2) [mN], more than `tolerance`."""
+        return self.touching & (self.rule[:, SLOPE] * force[:, 0] - force[:, 1] < -tolerance)
+
+    def release(self, pulled: np.ndarray, force: np.ndarray) -> None:
+        """Let go the nodes that are `pulled`, but keep one."""
+        self.touching &= ~pulled
+        if not self.touching.any():
+            self.touching[np.argmax(np.where(pulled, force[:, 1], -np.inf))] = True
+
+    def anchors(self, displacement: np.ndarray) -> np.ndarray:
+        """Return the anchors (k,) at the end of the step."""
+        dragged = self.friction.dragged(self.r + displacement[self.surface, 0], self.anchor)
+        return np.where(self.touching[self.surface], dragged, np.nan)

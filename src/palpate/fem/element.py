@@ -7,7 +7,7 @@ of the node's forces (F_r, F_z) is balance along the generator with Coulomb fric
 
     (1 + m f') F_r + (f' - m) F_z = 0,
 
-where m, between -mu and mu, follows from how far the node has slipped (`palpate.fem.contact`). The system is symmetric
+where m, between -mu and mu, follows from how far the node has slipped (`palpate.fem.friction`). The system is symmetric
 without friction only.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem import hencky, linear
-from palpate.fem.contact import CURVATURE, RATIO, RATIO_SLOPE, SLOPE
+from palpate.fem.contact import CURVATURE, GAP, RATIO, RATIO_SLOPE, SLOPE
 from palpate.materials.radial import ALPHA, commit, history, invariant
 
 DEPTH = 8  # the ninth unknown of an element that touches the indenter
@@ -31,7 +31,7 @@ _hencky_element = hencky.element
 @njit(cache=True)
 def assemble(
     displacement, elements, equations, gradients, volumes, deviatoric, dilatation, region, coefficients, weights,
-    past, alpha, guesses, local, large, contact, rule, band, diagonal, residual, border, force,
+    past, alpha, guesses, local, large, geometric, contact, rule, band, diagonal, residual, border, force,
 ):  # fmt: skip
     """Assemble the constrained system at the given displacements.
 
@@ -50,10 +50,13 @@ def assemble(
         Accumulated plastic strain at the start of the step; last q, updated here.
     large : bool
         Logarithmic instead of linear strains.
+    geometric : bool
+        Keep the stiffness that stress gives to changing strain-displacement relations; without it the matrix is
+        positive definite whatever the stress.
     contact : ndarray of bool, shape (n,)
         Nodes in contact.
-    rule : ndarray, shape (n, 4)
-        What holds at them: f', f'', m and dm/dR.
+    rule : ndarray, shape (n, 5)
+        What holds at them, see `palpate.fem.contact.Contact`.
     band : ndarray, shape (size, columns)
         Out: ``band[j, diagonal + i - j]`` holds the entry (i, j); the lower half only where `diagonal` is zero.
     residual : ndarray, shape (size,)
@@ -84,7 +87,7 @@ def assemble(
         row, step = coefficients[region[e]], weights[region[e]]
         if large:
             if not _hencky_element(
-                gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], step, row, local[e], ke, fe
+                gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], step, row, local[e], ke, fe, geometric
             ):
                 return math.nan
         else:
@@ -92,6 +95,11 @@ def assemble(
                 gradients[e], volumes[e], deviatoric[e], dilatation[e], u, past[e], alpha[e], guesses[e], step, row,
                 local[e], ke, fe,
             )  # fmt: skip
+        for a in range(4):
+            node = elements[e, a]
+            if contact[node] and rule[node, GAP] != 0.0:
+                for i in range(8):
+                    fe[i] += ke[i, 2 * a + 1] * rule[node, GAP]
         touching = False
         for a in range(4):
             node = elements[e, a]

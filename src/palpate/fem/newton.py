@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
-from palpate.fem.contact import CURVATURE, RATIO, RATIO_SLOPE, SLOPE, Friction, Profile
+from palpate.fem.contact import Contact, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -139,35 +139,20 @@ def advance(
     weights = np.stack([step_weights(row, step) for row in problem.coefficients])
     begin_step(state.material, problem.region, problem.coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
-    contact, guesses = guess.contact.copy(), state.guesses.copy()
+    guesses = state.guesses.copy()
+    contact = Contact.resume(mesh, profile, problem.friction, guess.contact, state.anchor)
     force = np.empty((len(mesh.nodes), 2))
-    surface = mesh.surface
     free = mesh.equations >= 0
-    rule = np.zeros((len(mesh.nodes), 4))
-    friction = Friction.of(problem.friction, mesh.nodes[surface, 0])
-    slip = np.zeros(len(surface))
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
-    search = None
+    search, geometric = None, problem.large
     for iteration in range(ITERATIONS):
-        distance = mesh.nodes[surface, 0] + displacement[surface, 0]
-        if problem.friction:
-            slip, last = friction.slip(distance, state.anchor), slip
-            reversed_ = (slip * last < 0.0) & (np.abs(slip) > 1.0) & (np.abs(last) > 1.0)
-            distance[reversed_], slip[reversed_] = state.anchor[reversed_], 0.0
-            if np.any((np.abs(slip) > 1.0) != (np.abs(last) > 1.0)):
-                search = None
-            displacement[surface, 0] = distance - mesh.nodes[surface, 0]
-            rule[surface, RATIO], rule[surface, RATIO_SLOPE] = friction.ratio(slip, state.anchor)
-        height, rule[surface, SLOPE], rule[surface, CURVATURE] = profile(distance)
-        gap = height - depth - displacement[surface, 1]
-        contact[surface] |= gap < 0.0
-        displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
+        same = contact.follow(displacement, depth)
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
             problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
-            contact, rule, work.band, diagonal, work.residual, work.border, force,
+            geometric, contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
         work.iterations += 1
         if not np.isfinite(corner):
@@ -177,36 +162,51 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        reaction = -force[:, 1]
-        pulled = contact & (reaction < -TOLERANCE * scale)
-        if iteration > 0 and pulled.any() and contact.sum() > 1:
-            contact &= ~pulled
-            if not contact.any():
-                contact[np.argmin(np.where(pulled, reaction, np.inf))] = True
+        pulled = contact.pulled(force, TOLERANCE * scale)
+        if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
+            contact.release(pulled, force)
             search = None
             continue
-        forces[:-1], forces[-1] = work.residual, reaction.sum() - load
+        forces[:-1], forces[-1] = work.residual, -force[:, 1].sum() - load
         norm = np.abs(forces).max() / scale
         work.norms.append(norm)
-        if norm < TOLERANCE and not pulled.any():
+        if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
             end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
-            anchor = friction.dragged(distance, state.anchor, contact[surface])
-            return State(time, depth, displacement, material, contact, guesses, force, anchor)
-        if search is not None and (shorter := search.shorten(forces)) != 0.0:
+            anchor = contact.anchors(displacement)
+            return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
+        if search is not None and same and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        solution = banded.solve(work.band, mesh.bandwidth, np.column_stack([work.residual, work.border[:, 0]]))
-        if solution is None:
-            raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
-        forward, sideways = solution.T
-        row = work.border[:, 1]
-        change = (row @ forward - forces[-1]) / (corner - row @ sideways)
-        search = Search.along(np.append(-forward - change * sideways, change), forces)
-        displacement[free] += search.direction[:-1]
-        depth += change
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric)
+        if direction is None:
+            if not geometric:
+                raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
+            geometric, search = False, None
+            continue
+        geometric = problem.large
+        search = Search.along(direction, forces)
+        displacement[free] += direction[:-1]
+        depth += direction[-1]
     raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+
+
+def newton_direction(
+    work: Workspace, bandwidth: int, forces: np.ndarray, corner: float, definite: bool
+) -> np.ndarray | None:
+    """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
+
+    None where the matrix cannot be factored, or ought to be positive definite (`definite`) and is not.
+    """
+    right = np.column_stack([work.residual, work.border[:, 0]])
+    solution = banded.solve(work.band, bandwidth, right, definite)
+    if solution is None:
+        return None
+    forward, sideways = solution.T
+    row = work.border[:, 1]
+    change = (row @ forward - forces[-1]) / (corner - row @ sideways)
+    return np.append(-forward - change * sideways, change)
 
 
 @dataclass
