@@ -50,7 +50,7 @@ class Profile:
         if self.radius == 0.0:
             return self.slope * r, np.full_like(r, self.slope), np.zeros_like(r)
         edge = min(self.junction, 0.99 * self.radius)
-        root = np.sqrt(self.radius**2 - np.minimum(r, edge) ** 2)
+        root = np.sqrt(self.radius**2 - np.clip(r, -edge, edge) ** 2)
         slope = np.minimum(r, edge) / root
         on_cap = r < edge
         height = self.radius - root + np.where(on_cap, 0.0, (r - edge) * slope)

@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
-from palpate.fem.contact import Contact, Profile
+from palpate.fem.contact import CURVATURE, Contact, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -146,9 +146,10 @@ def advance(
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
-    search, geometric = None, problem.large
+    search, geometric = None, True
     for iteration in range(ITERATIONS):
         same = contact.follow(displacement, depth)
+        contact.rule[:, CURVATURE] *= geometric
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
             problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
@@ -179,13 +180,13 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric)
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and problem.large)
         if direction is None:
             if not geometric:
                 raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
             geometric, search = False, None
             continue
-        geometric = problem.large
+        geometric = True
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
