@@ -6,6 +6,7 @@ include: "workflow/rules/recordings.smk"
 include: "workflow/rules/snapshots.smk"
 include: "workflow/rules/surrogates.smk"
 include: "workflow/rules/calibration.smk"
+include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -8,7 +8,7 @@ def main(snakemake):
     study = load_study(snakemake.params.study, data=snakemake.params.data)
     batch = next(batch for batch in snapshots.plan(study) if batch.name == snakemake.params.batch)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        snapshots.compute(study, batch, report=lambda line: print(line, file=log, flush=True))
+        snapshots.compute(batch, report=lambda line: print(line, file=log, flush=True))
 
 
 if "snakemake" in globals():

@@ -12,6 +12,7 @@ from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.radial import step_weights
 from palpate.protocol import Protocol, trapezoid
+from palpate.specimen import Specimen
 
 CONE = Indenter("cone", 70.3)
 BURGERS = {
@@ -31,7 +32,7 @@ def law(key="nonlinear_burgers", **values):
 
 
 def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):
-    outcome = indent(coefficients, indenter, protocol, resolution, large)
+    outcome = indent(Specimen(coefficients), indenter, protocol, resolution, large)
     assert not outcome.reason
     return outcome.depth
 
@@ -103,7 +104,8 @@ def test_large_strain_does_not_feel_a_rigid_rotation():
 def test_newton_converges_quadratically(large):
     protocol = trapezoid(1.0, 30.0, 0.0, 30.0)
     mesh = polar_mesh(ring_radii(0.1, 0.8, STANDARD), STANDARD.sectors)
-    problem = Problem(mesh, Profile.of(CONE), law()[None], np.zeros(len(mesh.elements), dtype=np.int64), large)
+    region = np.zeros(len(mesh.elements), dtype=np.int64)
+    problem = Problem(mesh, Profile.of(CONE), Specimen(law()), law()[None], region, large)
     work, state, before = Workspace.of(problem), State.initial(problem), None
     for time in step_times(protocol, 1)[:12]:
         state, before, _ = march(problem, protocol, state, before, time, work)
@@ -228,6 +230,6 @@ def test_load_history_of_any_shape(parameters):
 
 def test_a_step_that_cannot_converge_is_reported(monkeypatch):
     monkeypatch.setattr("palpate.fem.newton.ITERATIONS", 1)
-    outcome = indent(law(), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)
+    outcome = indent(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)
     assert "no equilibrium" in outcome.reason
     assert np.isnan(outcome.depth).all()

@@ -33,6 +33,8 @@ VISIBLE = {
     "plastic_yield": {"yield_stress": 0.15, "hardening": 0.2},
     "controller_lag": {"lag": 1.0},
     "friction": {"coefficient": 0.25},
+    "film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0},
+    "size_effect": {"length": 50.0},
 }
 
 
@@ -66,6 +68,41 @@ def test_pairs_run(pair):
     depth({key: VISIBLE[key] for key in pair})
 
 
+@pytest.mark.parametrize(
+    ("key", "length"),
+    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius")],
+)
+def test_a_length_scales_with_the_depth(key, length):
+    """With every length of the problem doubled and the load fourfold, depths double: the exact law of a length."""
+    values = VISIBLE[key]
+    doubled = values | {length: 2 * values[length]}
+    high = BASE | {"protocol": BASE["protocol"] | {"max_load": 4.0}, "mechanisms": {key: doubled}}
+    assert simulate(specification_from(high)).depth == pytest.approx(2 * depth({key: values}), rel=1e-5)
+
+
+def test_a_film_of_the_substrates_own_modulus_is_a_half_space():
+    elastic = BASE | {"material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3}}
+    film = elastic | {"mechanisms": {"film_on_substrate": {"thickness": 800.0, "substrate_modulus": 3.0}}}
+    half_space, layered = (simulate(specification_from(values)).depth for values in (elastic, film))
+    assert layered == pytest.approx(half_space, rel=1e-9)
+
+
+def test_a_thick_elastic_film_deepens_by_the_first_order_theory():
+    """Far below the contact the load acts as a point force, whose stress falls like 1/z^2 (Boussinesq).
+
+    To first order in its compliance, a substrate adds the strain energy that it holds: the integral of z^-4 over the
+    half-space below the film, which falls like 1/thickness.
+    """
+    elastic = BASE | {"material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3}}
+
+    def gain(thickness):
+        film = {"film_on_substrate": {"thickness": thickness, "substrate_modulus": 2.7}}
+        return simulate(specification_from(elastic | {"mechanisms": film})).depth[11] - half_space
+
+    half_space = simulate(specification_from(elastic)).depth[11]
+    assert gain(10e3) / gain(20e3) == pytest.approx(2.0, rel=0.05)
+
+
 def test_signs_and_sizes(plain):
     time = np.linspace(2.5, 70, 28)
     load = specification_from(BASE).protocol.sample_load
@@ -86,6 +123,10 @@ def test_signs_and_sizes(plain):
         ({"thermal_drift": {}}, "mechanisms.thermal_drift.rate"),
         ({"tip_rounding": {"radius": -1}}, "mechanisms.tip_rounding.radius"),
         ({"controller_lag": {"lag": -1.0}}, "mechanisms.controller_lag.lag"),
+        (
+            {"film_on_substrate": {"thickness": 100, "substrate_modulus": -1}},
+            "mechanisms.film_on_substrate.substrate_modulus",
+        ),
     ],
 )
 def test_bad_values_are_refused_by_name(mechanisms, place):
@@ -99,3 +140,16 @@ def test_a_mechanism_that_cannot_act_says_so():
     spec = BASE | {"material": elastic, "mechanisms": {"second_voigt": VISIBLE["second_voigt"]}}
     with pytest.raises(InputError, match="no Voigt element"):
         simulate(specification_from(spec))
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "place"),
+    [
+        ({"film_on_substrate": {"thickness": 20.0, "substrate_modulus": 70.0}}, "film_on_substrate.thickness"),
+        ({"tip_rounding": {"radius": 1e8}}, "radius"),
+    ],
+)
+def test_what_the_mesh_cannot_hold_is_refused_with_the_range(mechanism, place):
+    with pytest.raises(InputError, match="give at") as caught:
+        simulate(specification_from(BASE | {"mechanisms": mechanism}))
+    assert caught.value.place.endswith(place)

@@ -9,6 +9,7 @@ from palpate.fem.indent import RESOLUTIONS, indent
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol
+from palpate.specimen import Specimen
 
 REFERENCE = Path(__file__).parent.parent.parent / "shared/reference"
 pytestmark = pytest.mark.skipif(
@@ -40,7 +41,7 @@ def test_agrees_with_calculix(name, law, values, load, duration, stated):
     curve = np.loadtxt(REFERENCE / f"{name}.csv", delimiter=",", comments="#", skiprows=2)
     curve = curve[curve[:, 0] > 0]
     protocol = Protocol(np.array([0, duration, 2 * duration]), np.array([0, load, 0]), np.unique(curve[:, 0]))
-    outcome = indent(LAWS[law].coefficients(values), Indenter("cone", 70.3), protocol, RESOLUTIONS["fine"])
+    outcome = indent(Specimen(LAWS[law].coefficients(values)), Indenter("cone", 70.3), protocol, RESOLUTIONS["fine"])
     assert not outcome.reason
     deviation = (outcome.depth / curve[:, 2] - 1)[curve[:, 1] > 0.15 * load]
     measure = np.sqrt(np.mean(deviation**2)) if name == "bilinear_plasticity" else np.abs(deviation).max()

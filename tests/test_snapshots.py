@@ -44,7 +44,7 @@ def failing(specification):
 
 
 def run(study, folder, solve=fake):
-    return [snapshots.compute(study, b, folder, lambda line: None, solve) for b in snapshots.plan(study, folder)]
+    return [snapshots.compute(b, folder, lambda line: None, solve) for b in snapshots.plan(study, folder)]
 
 
 def test_only_calibrate_conditions_are_planned_in_batches(tmp_path):

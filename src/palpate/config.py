@@ -65,7 +65,7 @@ class Study:
         Names of the conditions that each calibration uses; ``all`` is always there.
     recordings
         Folder of each set of recordings.
-    cells_per_job, seed, surrogate, calibration, laboratory, source
+    cells_per_job, seed, surrogate, calibration, diagnosis, laboratory, source
         Settings with their defaults filled in.
     """
 
@@ -86,6 +86,7 @@ class Study:
     seed: int
     surrogate: Mapping[str, Any]
     calibration: Mapping[str, Any]
+    diagnosis: Mapping[str, Any]
     laboratory: Mapping[str, Mapping[str, Any]]
     source: Mapping[str, Any]
 
@@ -188,6 +189,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         seed=settings["seed"],
         surrogate=settings["surrogate"],
         calibration=settings["calibration"],
+        diagnosis=settings["diagnosis"],
         laboratory=settings.get("laboratory", {}),
         source=source,
     )

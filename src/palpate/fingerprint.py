@@ -7,7 +7,16 @@ import functools
 import hashlib
 from pathlib import Path
 
-PHYSICS = ("fem", "materials", "mechanisms", "indenters.py", "protocol.py", "specification.py", "model.py")
+PHYSICS = (
+    "fem",
+    "materials",
+    "mechanisms",
+    "indenters.py",
+    "protocol.py",
+    "specification.py",
+    "specimen.py",
+    "model.py",
+)
 
 
 @functools.cache

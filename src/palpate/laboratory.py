@@ -50,7 +50,8 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     Parameters
     ----------
     settings
-        `parameters` (the truth), `seed`, `replicates`, `noise_nm`, `noise_time` [s], `site_scatter`.
+        `parameters` (the truth), `mechanisms` (what is concealed), `seed`, `replicates`, `noise_nm`,
+        `noise_time` [s], `site_scatter`.
 
     Raises
     ------
@@ -61,7 +62,8 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     recordings = {}
     for condition in study.conditions:
         exact = replace(condition, protocol=denser(condition.protocol, DENSER))
-        simulation = simulate(study.specification(settings["parameters"], exact, accuracy="fine"))
+        specification = study.specification(settings["parameters"], exact, accuracy="fine")
+        simulation = simulate(replace(specification, mechanisms=settings["mechanisms"]))
         if simulation.status != "ok":
             raise PalpateError(f"virtual laboratory, {condition.name}: {simulation.reason}")
         for replicate in range(1, settings["replicates"] + 1):

@@ -113,7 +113,7 @@ def simulate(specification: Specification) -> Simulation:
     for key, values in specification.mechanisms.items():
         acting = MECHANISMS[key].simulate(acting, values)
     history = indent(
-        acting.coefficients,
+        acting.specimen,
         acting.indenter,
         acting.protocol,
         RESOLUTIONS[acting.accuracy],

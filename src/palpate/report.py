@@ -31,6 +31,11 @@ def image(path: str | Path, caption: str) -> str:
     return f'<figure><img src="data:image/png;base64,{data}" alt="{html.escape(caption)}"></figure>'
 
 
+def paragraph(text: str) -> str:
+    """Return a paragraph of plain text."""
+    return f"<p>{html.escape(text)}</p>"
+
+
 def table(frame: pd.DataFrame) -> str:
     """Return a table; numbers to four digits."""
     return frame.to_html(index=False, border=0, na_rep="", float_format=lambda x: f"{x:.4g}")

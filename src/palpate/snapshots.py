@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from palpate.config import Condition, Study
+from palpate.config import Study
 from palpate.errors import PalpateError
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.model import Simulation, simulate
@@ -59,18 +59,20 @@ class Batch:
     ----------
     name
         Unique in the study.
-    condition
-        Name of the loading condition that they share.
-    cells
-        Indices of grid cells.
+    snapshots
+        What to simulate, all under one loading condition.
     files
         Target of each snapshot, in the same order.
     """
 
     name: str
-    condition: str
-    cells: tuple[int, ...]
+    snapshots: tuple[Snapshot, ...]
     files: tuple[str, ...]
+
+    @property
+    def condition(self) -> str:
+        """Name of the loading condition that its snapshots share."""
+        return self.snapshots[0].condition
 
 
 def address(specification: Specification) -> str:
@@ -91,27 +93,26 @@ def address(specification: Specification) -> str:
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
     """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
-    batches = []
     cells = study.cells
+    batches = []
     for condition in study.conditions:
-        if condition.role != "calibrate":
-            continue
-        files = [str(target(study, condition, cell, results)) for cell in cells]
-        for number, first in enumerate(range(0, len(cells), study.cells_per_job)):
-            members = tuple(range(first, min(first + study.cells_per_job, len(cells))))
-            name = f"{condition.name}_{number:03d}"
-            batches.append(Batch(name, condition.name, members, tuple(files[k] for k in members)))
+        if condition.role == "calibrate":
+            members = [Snapshot(cell, condition.name, study.specification(cell, condition)) for cell in cells]
+            folder = results / study.name / "snapshots" / condition.name
+            batches += divided(condition.name, members, folder, study.cells_per_job)
     return batches
 
 
-def target(study: Study, condition: Condition, cell: Mapping[str, float], results: Path) -> Path:
-    """Return the file of one snapshot in the study's folder."""
-    snapshot = Snapshot(cell, condition.name, study.specification(cell, condition))
-    return results / study.name / "snapshots" / condition.name / f"{snapshot.address}.npz"
+def divided(name: str, members: Sequence[Snapshot], folder: Path, per_job: int) -> list[Batch]:
+    """Divide snapshots into jobs of `per_job`, whose targets lie in `folder`."""
+    parts = [tuple(members[first : first + per_job]) for first in range(0, len(members), per_job)]
+    return [
+        Batch(f"{name}_{number:03d}", part, tuple(str(folder / f"{member.address}.npz") for member in part))
+        for number, part in enumerate(parts)
+    ]
 
 
 def compute(
-    study: Study,
     batch: Batch,
     results: Path = Path("results"),
     report: Callable[[str], None] = print,
@@ -124,14 +125,11 @@ def compute(
     int
         Number of snapshots computed.
     """
-    condition = study.condition(batch.condition)
-    cells = study.cells
     computed = 0
-    for done, (k, file) in enumerate(zip(batch.cells, batch.files, strict=True), 1):
+    for done, (snapshot, file) in enumerate(zip(batch.snapshots, batch.files, strict=True), 1):
         stored = results / "store" / Path(file).stem[:2] / Path(file).name
         if not stored.exists():
-            specification = study.specification(cells[k], condition)
-            write(stored, solve(specification), cells[k], batch.condition)
+            write(stored, solve(snapshot.specification), snapshot.cell, snapshot.condition)
             computed += 1
         link(stored, Path(file))
         if done % 6 == 0 or done == len(batch.files):

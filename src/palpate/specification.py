@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +12,7 @@ from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol
+from palpate.specimen import Specimen, elastic_substrate
 
 ACCURACIES = ("standard", "fine")
 KINEMATICS = ("small", "large")
@@ -34,6 +36,10 @@ class Specification:
         ``standard`` or ``fine``.
     mechanisms
         Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
+    film_thickness, substrate_modulus
+        The material is a film [nm] on an elastic substrate [GPa], where the thickness is finite.
+    size_length
+        Length of the size effect [nm], see `palpate.specimen.Specimen.resistance`.
 
     Raises
     ------
@@ -48,6 +54,9 @@ class Specification:
     kinematics: str = "small"
     accuracy: str = "standard"
     mechanisms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    film_thickness: float = math.inf
+    substrate_modulus: float = 0.0
+    size_length: float = 0.0
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -63,3 +72,10 @@ class Specification:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
         object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
         object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
+
+    @property
+    def specimen(self) -> Specimen:
+        """The body that is pressed."""
+        film, thickness = self.coefficients, self.film_thickness
+        substrate = elastic_substrate(film, self.substrate_modulus) if math.isfinite(thickness) else None
+        return Specimen(film, thickness, substrate, self.size_length)

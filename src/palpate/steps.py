@@ -180,6 +180,11 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
             *(report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
             report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),
         ]
+        if study.diagnosis["enabled"]:
+            diagnosis = read_json(found / "diagnosis.json")
+            link = f'<p>More in <a href="{recordings}/diagnosis.html">the diagnosis</a>.</p>'
+            picture = report.image(found / "figures/diagnosis.png", "diagnosis")
+            pieces = [report.paragraph(diagnosis["sentence"]), picture, link, *pieces]
         sections.append((f"Recordings: {recordings}", pieces))
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))

@@ -127,6 +127,18 @@ def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> N
     log_series("best_sum_of_objectives", [row["best_sum"] for row in result["history"]], generations)
 
 
+def log_diagnosis(content: Mapping[str, Any]) -> None:
+    """Log a diagnosis: verdict and names as tags, probabilities, gain, p-value."""
+    names = "+".join(content["mechanisms"]) or "none"
+    mlflow.set_tags({"verdict": content["verdict"], "mechanisms": names, "mlflow.note.content": content["sentence"]})
+    metrics = {"p_value": content["p_value"], "noise_nm": content["fit"]["noise_nm"]}
+    for role in ("calibrate", "validate"):
+        metrics |= {f"{role}.{k}": v for k, v in content["fit"][role].items() if v is not None}
+    for candidate in content["candidates"]:
+        metrics["probability." + "-".join(candidate["mechanisms"])] = candidate["probability"]
+    mlflow.log_metrics(metrics)
+
+
 def log_files(files: Iterable[str | Path]) -> None:
     """Log files as artifacts of the open run."""
     for file in files:

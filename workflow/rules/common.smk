@@ -19,6 +19,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 from palpate import snapshots
 from palpate.config import load_study
+from palpate.diagnosis import design
 from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import check_given, files_of
@@ -29,6 +30,7 @@ STUDY_FILE = (
 try:
     STUDY = load_study(STUDY_FILE, data=config.get("data"))
     check_given(STUDY)
+    design.candidates(STUDY)
 except InputError as error:
     print(f"palpate: {error}", file=sys.stderr)
     sys.exit(2)
@@ -38,11 +40,13 @@ BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
+DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")
 CALIBRATION_CODE = fingerprint(
     *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
 )
+DIAGNOSIS_CODE = fingerprint(*PHYSICS, "calibration", "diagnosis", "observations.py")
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 READER_CODE = fingerprint("readers", "observations.py", "recording.py")
 LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")

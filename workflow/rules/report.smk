@@ -49,6 +49,7 @@ rule report:
             name=STUDY.recordings,
             file=["errors", "parameters"],
         ),
+        diagnoses=expand(f"{FOLDER}/{{name}}/diagnosis.json", name=DIAGNOSED),
     output:
         f"{FOLDER}/report.html",
     log:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.errors import ConvergenceError
+from palpate.errors import ConvergenceError, InputError
 from palpate.fem.contact import Profile
-from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
+from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
 from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
 from palpate.indenters import Indenter
 from palpate.materials.radial import HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
+from palpate.specimen import Specimen, series
 
 RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=8),
@@ -70,8 +71,18 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
     return float(min(p, 2.8 * flow))
 
 
-def contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
-    """Estimate the smallest contact radius that counts and the largest one [um]."""
+def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
+    """Estimate the smallest contact radius that counts and the largest one [um].
+
+    The softer of film and substrate decides the largest, the film alone the smallest.
+    """
+    smallest, largest = _contact_range(specimen.coefficients, indenter, protocol)
+    if specimen.substrate is None:
+        return smallest, largest
+    return smallest, max(largest, _contact_range(specimen.substrate, indenter, protocol)[1])
+
+
+def _contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
     radius = indenter.radius * 1e-3
     duration = float(protocol.knot_time[-1] * 0.6)
     slope = indenter.slope
@@ -101,30 +112,67 @@ def step_times(protocol: Protocol, refine: int) -> np.ndarray:
     return np.union1d(fine, onset + (first - onset) * GRADED_START)
 
 
+def regions(specimen: Specimen, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Return the laws (regions, c) and the region of each element (m,).
+
+    An element that the interface cuts takes film and substrate in series, by the share of its volume above the
+    interface, in steps of an eighth.
+    """
+    substrate = specimen.substrate
+    if substrate is None:
+        return specimen.coefficients[None, :], np.zeros(len(mesh.elements), dtype=np.int64)
+    share = volume_above(mesh, -1e-3 * specimen.film_thickness)
+    laws = np.stack([series(specimen.coefficients, substrate, k / 8) for k in range(9)])
+    return laws, np.rint(8 * share).astype(np.int64)
+
+
+def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
+    """Refuse what the mesh for a largest contact radius [um] cannot hold.
+
+    Raises
+    ------
+    InputError
+        When a film is thinner than an element at the edge of contact, or a tip larger than the body.
+    """
+    element, body = 1e3 * (resolution.growth - 1.0) * largest, 1e3 * resolution.far * largest
+    if specimen.film_thickness < element:
+        raise InputError(
+            f"thickness = {specimen.film_thickness:g} nm is less than an element at the edge of contact",
+            remedy=f"give at least {element:.3g} nm, or a smaller load",
+            place="mechanisms.film_on_substrate.thickness",
+        )
+    if indenter.radius > body:
+        raise InputError(
+            f"radius = {indenter.radius:g} nm is larger than the body that is simulated",
+            remedy=f"give at most {body:.3g} nm, or a larger load",
+            place="indenter.radius",
+        )
+
+
 def indent(
-    coefficients: np.ndarray,
+    specimen: Specimen,
     indenter: Indenter,
     protocol: Protocol,
     resolution: Resolution,
     large: bool = False,
 ) -> History:
-    """Simulate an indentation of a homogeneous half-space.
-
-    Parameters
-    ----------
-    coefficients : ndarray, shape (c,)
-        The law, see `palpate.materials.radial`.
+    """Simulate an indentation.
 
     Returns
     -------
     History
-        A failure is reported in it, never raised.
+        A failure of the solver is reported in it, never raised.
+
+    Raises
+    ------
+    InputError
+        When the mesh cannot hold the specimen or the tip, see `check_size`.
     """
     began = clock.perf_counter()
-    smallest, largest = contact_range(coefficients, indenter, protocol)
+    smallest, largest = contact_range(specimen, indenter, protocol)
+    check_size(specimen, indenter, resolution, largest)
     mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
-    region = np.zeros(len(mesh.elements), dtype=np.int64)
-    problem = Problem(mesh, Profile.of(indenter), coefficients[None, :], region, large, indenter.friction)
+    problem = Problem(mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large, indenter.friction)
     work = Workspace.of(problem)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)

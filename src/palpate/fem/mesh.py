@@ -120,6 +120,15 @@ def polar_mesh(radii: np.ndarray, sectors: int) -> Mesh:
     )
 
 
+def volume_above(mesh: Mesh, height: float, points: int = 6) -> np.ndarray:
+    """Return the share (m,) of each element's volume that lies above z = `height` [um], by `points`^2 samples."""
+    ticks = (np.arange(points) + 0.5) / points
+    a, b = (grid.ravel() for grid in np.meshgrid(ticks, ticks))
+    shape = np.stack([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
+    r, z = np.moveaxis(mesh.nodes[mesh.elements], 2, 0) @ shape
+    return (r * (z > height)).sum(axis=1) / r.sum(axis=1)
+
+
 def _integration(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return shape function gradients and volumes at the 2 x 2 Gauss points of elements with these corners."""
     offset = 1.0 / np.sqrt(3.0)

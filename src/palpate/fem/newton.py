@@ -13,6 +13,7 @@ from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
 from palpate.materials.radial import state_size, step_weights
+from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 25
 TOLERANCE = 1e-7
@@ -26,8 +27,9 @@ class Problem:
     ----------
     mesh : Mesh
     profile : Profile
+    specimen : Specimen
     coefficients : ndarray, shape (regions, c)
-        Law of each region, see `palpate.materials.radial`.
+        Law of each region at large depth, see `palpate.materials.radial`.
     region : ndarray of int, shape (m,)
         Region of each element.
     large : bool
@@ -38,6 +40,7 @@ class Problem:
 
     mesh: Mesh
     profile: Profile
+    specimen: Specimen
     coefficients: np.ndarray
     region: np.ndarray
     large: bool
@@ -136,8 +139,10 @@ def advance(
     """
     mesh, profile = problem.mesh, problem.profile
     step = time - state.time
-    weights = np.stack([step_weights(row, step) for row in problem.coefficients])
-    begin_step(state.material, problem.region, problem.coefficients, weights, work.past, work.alpha)
+    midway = 0.5e3 * (state.depth + guess.depth)
+    coefficients = resisted(problem.coefficients, problem.specimen.resistance(midway))
+    weights = np.stack([step_weights(row, step) for row in coefficients])
+    begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     guesses = state.guesses.copy()
     contact = Contact.resume(mesh, profile, problem.friction, guess.contact, state.anchor)
@@ -152,8 +157,8 @@ def advance(
         contact.rule[:, CURVATURE] *= geometric
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
-            problem.region, problem.coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
-            geometric, contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
+            problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
+            contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
         work.iterations += 1
         if not np.isfinite(corner):
@@ -173,7 +178,7 @@ def advance(
         work.norms.append(norm)
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
-            end_step(work.local, guesses, problem.region, problem.coefficients, weights, material)
+            end_step(work.local, guesses, problem.region, coefficients, weights, material)
             anchor = contact.anchors(displacement)
             return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
         if search is not None and same and (shorter := search.shorten(forces)) != 0.0:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.protocol import Protocol
 from palpate.specification import Specification
@@ -30,5 +30,6 @@ MECHANISM = Mechanism(
     (Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load"),),
     {"lag": 0.0},
     "Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
+    lambda s: {"lag": Range(0.0, min(2.0, 0.1 * s.loading_time))},
     simulate=simulate,
 )

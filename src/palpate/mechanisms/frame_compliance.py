@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 
 
@@ -19,5 +19,6 @@ MECHANISM = Mechanism(
     (Parameter("compliance", "C_f", "nm/mN", -1000.0, 1000.0, "compliance of the frame beyond what was corrected"),),
     {"compliance": 0.0},
     "Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, equation (8)",
+    lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
     record=record,
 )

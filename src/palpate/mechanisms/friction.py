@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.specification import Specification
 
@@ -24,5 +24,6 @@ MECHANISM = Mechanism(
     (COEFFICIENT,),
     {"coefficient": 0.0},
     "Bucaille et al., Acta Mater. 51 (2003) 1663-1678",
+    lambda s: {"coefficient": Range(0.0, 0.5)},
     simulate=simulate,
 )

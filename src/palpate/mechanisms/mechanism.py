@@ -13,9 +13,58 @@ from palpate.specification import Specification
 Values = Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class Scale:
+    """The size of a study, from which plausible amplitudes follow.
+
+    Parameters
+    ----------
+    depth, load, modulus, duration, loading_time
+        Largest depth [nm], largest load [mN], Young's modulus [GPa], longest test [s] and shortest loading [s].
+    half_angle
+        Nominal half-angle of the cone [deg]; 0 for a sphere.
+    pressure
+        Mean contact pressure [GPa].
+    """
+
+    depth: float
+    load: float
+    modulus: float
+    duration: float
+    loading_time: float
+    half_angle: float
+    pressure: float
+
+
+@dataclass(frozen=True)
+class Range:
+    """Amplitudes that a diagnosis looks at, spread evenly; with `log`, their logarithms are.
+
+    Parameters
+    ----------
+    lower, upper
+        In the unit of the parameter.
+    """
+
+    lower: float
+    upper: float
+    log: bool = False
+
+    def physical(self, coordinate: np.ndarray) -> np.ndarray:
+        """Return the values at coordinates in [0, 1]."""
+        if self.log:
+            return self.lower * (self.upper / self.lower) ** coordinate
+        return self.lower + coordinate * (self.upper - self.lower)
+
+
 def unchanged_specification(specification: Specification, values: Values) -> Specification:
     """Simulate what the base model says."""
     return specification
+
+
+def same_values(values: Values, scale: Scale) -> Values:
+    """Search among the parameters themselves."""
+    return values
 
 
 def unchanged_depth(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
@@ -37,10 +86,17 @@ class Mechanism:
         Values, or limits of values, at which it does nothing.
     source
         Where the effect is described.
+    plausible
+        Ranges, for a study of a given scale, within which a diagnosis looks.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
         Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
+    varies
+        Whether each recording has a value of its own.
+    from_search
+        Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
+        but others on which the curve depends more simply.
     """
 
     key: str
@@ -48,8 +104,16 @@ class Mechanism:
     parameters: tuple[Parameter, ...]
     neutral: Values
     source: str
+    plausible: Callable[[Scale], Mapping[str, Range]]
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
+    varies: bool = False
+    from_search: Callable[[Values, Scale], Values] = same_values
+
+    @property
+    def acts_on_body(self) -> bool:
+        """Whether it needs simulations of its own, rather than adding to the depth of the base model's."""
+        return self.simulate is not unchanged_specification
 
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""

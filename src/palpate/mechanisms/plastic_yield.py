@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import PLASTIC
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.specification import Specification
+
+
+def from_search(values: Values, scale: Scale) -> Values:
+    """Divide the flow stress at Tabor's strain, 0.2 cot(alpha), between yield stress and hardening."""
+    hardened = values["hardened_share"] * values["flow_stress"]
+    strain = 0.2 / math.tan(math.radians(scale.half_angle or 70.3))
+    return {"yield_stress": values["flow_stress"] - hardened, "hardening": hardened / strain}
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
@@ -27,5 +35,10 @@ MECHANISM = Mechanism(
     PLASTIC,
     {"yield_stress": 1e3, "hardening": 0.0},
     "Simo & Hughes, Computational Inelasticity (1998), section 3.3",
+    lambda s: {
+        "flow_stress": Range(0.25 * s.pressure, 2.0 * s.pressure, log=True),
+        "hardened_share": Range(0.0, 0.8),
+    },
     simulate=simulate,
+    from_search=from_search,
 )

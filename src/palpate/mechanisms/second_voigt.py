@@ -6,11 +6,17 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.nonlinear_burgers import VOIGT
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.parameters import Parameter
 from palpate.specification import Specification
 
 NAMES = ("coefficient", "exponent", "retardation_time")
+
+
+def from_search(values: Values, scale: Scale) -> Values:
+    """Turn the compliance at the stress of the study, J2 = (pressure / 3)^2, into a coefficient."""
+    coefficient = values["compliance"] * (scale.pressure / 3) ** (-2 * values["exponent"])
+    return {**{name: values[name] for name in NAMES[1:]}, "coefficient": coefficient}
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
@@ -38,5 +44,11 @@ MECHANISM = Mechanism(
     ),
     {"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
     "Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
+    lambda s: {
+        "compliance": Range(0.0, 0.5 / s.modulus),
+        "exponent": Range(0.0, 0.6),
+        "retardation_time": Range(0.02 * s.duration, s.duration, log=True),
+    },
     simulate=simulate,
+    from_search=from_search,
 )

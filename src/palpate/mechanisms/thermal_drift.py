@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 
 
@@ -19,5 +19,7 @@ MECHANISM = Mechanism(
     (Parameter("rate", r"\dot d", "nm/s", -100.0, 100.0, "drift rate of one recording"),),
     {"rate": 0.0},
     "Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, section III",
+    lambda s: {"rate": Range(-0.3 * s.depth / s.duration, 0.3 * s.depth / s.duration)},
     record=record,
+    varies=True,
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.indenters import HALF_ANGLE
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.specification import Specification
 
 
@@ -23,5 +23,6 @@ MECHANISM = Mechanism(
     (HALF_ANGLE,),
     {"half_angle": 70.3},
     "Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
+    lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0)},
     simulate=simulate,
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.indenters import RADIUS
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.specification import Specification
 
 
@@ -24,5 +24,6 @@ MECHANISM = Mechanism(
     (RADIUS,),
     {"radius": 1e-3},
     "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
+    lambda s: {"radius": Range(1.0, 600.0)},
     simulate=simulate,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.mechanisms.mechanism import Mechanism, Values
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 
 
@@ -19,5 +19,7 @@ MECHANISM = Mechanism(
     (Parameter("offset", "h_0", "nm", -1e5, 1e5, "depth recorded at contact"),),
     {"offset": 0.0},
     "ISO 14577-1:2015, section 7.3 (zero point)",
+    lambda s: {"offset": Range(-0.2 * s.depth, 0.2 * s.depth)},
     record=record,
+    varies=True,
 )

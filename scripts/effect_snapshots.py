@@ -1,0 +1,16 @@
+"""Compute one batch of the simulations that a diagnosis needs, or fetch them from the store."""
+
+from palpate import snapshots
+from palpate.config import load_study
+from palpate.diagnosis import design
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    batch = next(batch for batch in design.plan(study) if batch.name == snakemake.params.batch)
+    with open(snakemake.log[0], "w", encoding="utf-8") as log:
+        snapshots.compute(batch, report=lambda line: print(line, file=log, flush=True))
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

@@ -1,0 +1,1 @@
+"""Diagnosis: where simulation and recordings differ, and what physics was left out."""

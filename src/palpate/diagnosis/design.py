@@ -1,0 +1,155 @@
+"""Which simulations show what each mechanism does: paired runs with and without it, over material and amplitude.
+
+The points are a Sobol sequence over the grid's parameters and the mechanism's search ranges together. Every mechanism
+uses the same materials, so each material is simulated once without any. Since only the difference of the two curves is
+kept, a third of the points in time is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import qmc
+
+from palpate.config import Condition, Study
+from palpate.errors import InputError
+from palpate.fem.indent import contact_range, mean_pressure
+from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.protocol import Protocol
+from palpate.snapshots import Batch, Snapshot, divided
+
+THINNING = 3
+CALIBRATED_DIMENSIONS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One material, simulated with and without a mechanism.
+
+    Parameters
+    ----------
+    cell
+        Material parameters.
+    coordinates : ndarray, shape (k,)
+        Position in the mechanism's search ranges, each in [0, 1].
+    plain, acting
+        The two snapshots.
+    """
+
+    cell: Mapping[str, float]
+    coordinates: np.ndarray
+    plain: Snapshot
+    acting: Snapshot
+
+
+def scale_of(study: Study) -> Scale:
+    """Return the size of the study, estimated from its middle material."""
+    cell = {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+    conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
+    largest = max(conditions, key=lambda condition: condition.protocol.max_load)
+    specification = study.specification(cell, largest)
+    radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
+    slope = study.indenter.slope if study.indenter.half_angle else radius / (1e-3 * study.indenter.radius)
+    rises = [float(np.diff(c.protocol.knot_time)[np.argmax(np.diff(c.protocol.knot_load))]) for c in conditions]
+    return Scale(
+        depth=1.2e3 * radius * slope,
+        load=largest.protocol.max_load,
+        modulus=specification.parameters["youngs_modulus"],
+        duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
+        loading_time=min(rises),
+        half_angle=study.indenter.half_angle,
+        pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
+    )
+
+
+def candidates(study: Study) -> dict[str, Mechanism]:
+    """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip."""
+    wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
+    found = {}
+    for key in wanted:
+        if key not in MECHANISMS:
+            raise InputError(
+                f"mechanism {key!r} is not known",
+                remedy=f"use one of: {', '.join(MECHANISMS)}",
+                place="diagnosis.mechanisms",
+            )
+        mechanism, specification = MECHANISMS[key], study.specification(study.cells[0], study.conditions[0])
+        scale = scale_of(study)
+        try:
+            mechanism.simulate(
+                specification, amplitudes(mechanism, scale, np.full(mechanism_dimensions(mechanism, scale), 0.5))
+            )
+        except InputError:
+            if study.diagnosis["mechanisms"]:
+                raise
+            continue
+        found[key] = mechanism
+    return found
+
+
+def mechanism_dimensions(mechanism: Mechanism, scale: Scale) -> int:
+    """Return the number of coordinates in which a mechanism is searched."""
+    return len(mechanism.plausible(scale))
+
+
+def amplitudes(mechanism: Mechanism, scale: Scale, coordinates: np.ndarray) -> dict[str, float]:
+    """Return a mechanism's parameters at coordinates (k,) of its search ranges."""
+    ranges = mechanism.plausible(scale)
+    searched = {name: float(r.physical(x)) for (name, r), x in zip(ranges.items(), coordinates, strict=True)}
+    return dict(mechanism.from_search(searched, scale))
+
+
+def thinned(protocol: Protocol) -> Protocol:
+    """Return the protocol with every third sample, those at corners of the load history kept."""
+    sample = protocol.sample_time
+    keep = np.zeros(len(sample), dtype=bool)
+    keep[::-THINNING] = True
+    keep |= np.isclose(sample[:, None], protocol.knot_time, rtol=1e-9, atol=0).any(axis=1)
+    return replace(protocol, sample_time=sample[keep])
+
+
+def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
+    """Return the paired simulations of one mechanism under one condition; none where it acts on the depth alone."""
+    mechanism, scale = MECHANISMS[key], scale_of(study)
+    if not mechanism.acts_on_body:
+        return []
+    free = study.free_parameters
+    dimensions = mechanism_dimensions(mechanism, scale)
+    count = study.diagnosis["snapshots"] * (1 + dimensions) // 2
+    sequence = qmc.Sobol(len(free) + CALIBRATED_DIMENSIONS, seed=study.seed)
+    points = sequence.random_base2(int(np.ceil(np.log2(count))))[:count]
+    short = replace(condition, protocol=thinned(condition.protocol))
+    cells = []
+    for point in points:
+        cell = {name: levels[0] for name, levels in study.levels.items()}
+        for name, x in zip(free, point, strict=False):
+            low, high = min(study.levels[name]), max(study.levels[name])
+            cell[name] = float(low + x * (high - low))
+        cells.append(cell)
+    made = []
+    for cell, point in zip(cells, points, strict=True):
+        coordinates = point[len(free) : len(free) + dimensions]
+        plain = study.specification(cell, short)
+        acting = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
+        made.append(
+            Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, acting))
+        )
+    return made
+
+
+def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
+    """Divide the simulations that a diagnosis needs into jobs, by condition."""
+    batches = []
+    for condition in study.conditions:
+        if condition.role != "calibrate":
+            continue
+        members: dict[str, Snapshot] = {}
+        for key in candidates(study):
+            for pair in pairs(study, condition, key):
+                members |= {pair.plain.address: pair.plain, pair.acting.address: pair.acting}
+        folder = results / study.name / "effects" / condition.name
+        batches += divided(f"effects_{condition.name}", list(members.values()), folder, study.cells_per_job)
+    return batches

@@ -1,0 +1,157 @@
+r"""Detection: whether an explanation leaves anything but noise.
+
+The whitened residual is projected off the tangent space of the fitted parameters. Then three kinds of filters look at
+it:
+
+    signatures   each mechanism's effect at several amplitudes, one degree of freedom each
+    own values   a mechanism that varies, with a value for each condition, as many degrees of freedom
+    polynomials  1, x, x^2 over each segment of each condition, three degrees of freedom
+
+each turned into a chi-square probability; the smallest one is the statistic. Its distribution comes from simulated
+noise: the noise model itself is drawn anew each time from its uncertainty, and the material parameters are refitted
+(which, to first order, is the projection). So the p-value is for the whole family of filters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag, cholesky
+from scipy.stats import chi2, qmc
+
+from palpate.diagnosis.covariance import noise_of, varying
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.segments import segments
+from palpate.mechanisms import MECHANISMS
+
+AMPLITUDES = (0.05, 0.3, 0.6, 1.0)
+TRIALS = 16
+DEGREE = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """Directions in which something might be left.
+
+    Parameters
+    ----------
+    name
+        A mechanism, or condition and segment.
+    basis : ndarray, shape (n_all, k)
+        Orthonormal in the whitened space, off the tangent space.
+    """
+
+    name: str
+    basis: np.ndarray
+
+    def log_p(self, white: np.ndarray) -> np.ndarray:
+        """Return the logarithm of the chi-square probability of whitened residuals (n_all, m)."""
+        return chi2.logsf(np.sum((self.basis.T @ white) ** 2, axis=0), self.basis.shape[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Examination:
+    """Outcome of the test of one explanation.
+
+    Attributes
+    ----------
+    p_value
+        Of the whole family.
+    scores
+        For each mechanism the largest reduction of chi-square that any of its filters promises.
+    """
+
+    p_value: float
+    scores: dict[str, float]
+
+
+def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of what `columns` have outside `tangent` (both whitened); may be empty."""
+    scale = np.linalg.norm(columns, axis=0)
+    columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
+    left = columns - tangent @ (tangent.T @ columns)
+    u, s, _ = np.linalg.svd(left, full_matrices=False)
+    return u[:, s > 1e-3]
+
+
+def filters(fit: Fit, keys: Iterable[str]) -> list[Filter]:
+    """Return all filters: those of the mechanisms `keys`, and polynomials."""
+    problem = fit.problem
+    tangent = np.linalg.qr(fit.whiten(fit.tangent))[0]
+    u = problem.parts(fit.explanation, fit.z)[0]
+    found = []
+    for key in keys:
+        if key in fit.explanation:
+            continue
+        dimensions = problem.dimensions((key,)) - problem.space.dimensions
+        trials = np.array(AMPLITUDES)[:, None] if dimensions == 1 else qmc.Sobol(dimensions, seed=0).random(TRIALS)
+        effects = fit.whiten(problem.effect(key, u, trials).T)
+        found += [Filter(key, orthonormal(column[:, None], tangent)) for column in effects.T]
+        if MECHANISMS[key].varies:
+            unit = {p.name: 1.0 for p in MECHANISMS[key].parameters}
+            columns = block_diag(*(problem.recorded_effect(key, c, unit)[:, None] for c in problem.conditions))
+            found.append(Filter(key, orthonormal(fit.whiten(columns), tangent)))
+    size = len(problem.mean)
+    first = 0
+    for condition in problem.conditions:
+        for name, where in segments(condition.protocol).items():
+            columns = np.zeros((size, DEGREE + 1))
+            rows = first + np.flatnonzero(where)
+            columns[rows] = np.vander(np.linspace(-1, 1, len(rows)), DEGREE + 1)
+            found.append(Filter(f"{condition.name} {name}", orthonormal(fit.whiten(columns), tangent)))
+        first += len(condition.protocol.sample_time)
+    return [f for f in found if f.basis.shape[1]]
+
+
+def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return whitened noise of the mean curves (n_all, count), the noise model drawn anew for each column."""
+    model = cholesky(fit.errors.model + 1e-9 * np.eye(len(fit.errors.model)), lower=True)
+    columns = model @ rng.standard_normal((len(model), count))
+    sizes = [len(item) for item in fit.problem.split(fit.problem.mean).values()]
+    ends = np.concatenate([[0], np.cumsum(sizes)])
+    for b in range(count):
+        for first, last, block in zip(ends, ends[1:], fit.errors.blocks(fit.errors.noise.drawn(rng)), strict=False):
+            columns[first:last, b] += cholesky(block, lower=True) @ rng.standard_normal(last - first)
+    return fit.whiten(columns)
+
+
+def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> Examination:
+    """Test whether `fit` leaves anything but noise."""
+    keys = list(keys)
+    white = fit.whiten(fit.residual)[:, None]
+    family = filters(fit, keys)
+    noise = simulated_noise(fit, draws, rng)
+    found = min(float(f.log_p(white)[0]) for f in family)
+    under_noise = np.min([f.log_p(noise) for f in family], axis=0)
+    p_means = (1.0 + np.sum(under_noise <= found)) / (1.0 + draws)
+    scores: dict[str, float] = {}
+    for f in family:
+        if f.name in keys:
+            gain = float(np.sum((f.basis.T @ white) ** 2)) - f.basis.shape[1] + 1
+            scores[f.name] = max(scores.get(f.name, 0.0), gain)
+    return Examination(combined(p_means, between_replicates(fit, keys, site_scatter)), scores)
+
+
+def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:
+    """Return p-values for values that vary between replicates: likelihood ratios with the variance at its bound.
+
+    Source: S.G. Self and K.-Y. Liang, J. Am. Stat. Assoc. 82 (1987) 605-610, case 5.
+    """
+    if not fit.errors.noise.replicated:
+        return []
+    present = varying(fit.explanation)
+    found = []
+    for key in keys:
+        if MECHANISMS[key].varies and key not in present:
+            wider, _ = noise_of(fit.problem, (*present, key), fit.residual, site_scatter)
+            ratio = 2.0 * max(wider.log_likelihood - fit.errors.noise.log_likelihood, 0.0)
+            found.append(0.5 * float(chi2.sf(ratio, 1)))
+    return found
+
+
+def combined(p_means: float, p_replicates: list[float]) -> float:
+    """Return the p-value of means and replicates together (Bonferroni)."""
+    parts = [p_means, *(len(p_replicates) * p for p in p_replicates)]
+    return float(min(1.0, (1 + bool(p_replicates)) * min(parts)))

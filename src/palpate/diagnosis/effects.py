@@ -1,0 +1,88 @@
+"""What each mechanism does to a curve: one surrogate over material and amplitude for each mechanism and condition.
+
+The surrogate holds the difference between the curves with and without the mechanism, in which most of the mesh's error
+cancels. The differences of several mechanisms are added; the forward model itself has the last word (`refine`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from palpate import snapshots
+from palpate.config import Condition, Study
+from palpate.diagnosis.design import candidates, pairs, thinned
+from palpate.errors import PalpateError
+from palpate.surrogate import PODRBF
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """The effect of one mechanism under one condition.
+
+    Attributes
+    ----------
+    surrogate
+        From free material parameters and search coordinates (n, p + k) to the difference [nm] at the thinned times.
+    spread : ndarray, shape (n_points, n_thinned)
+        Linear interpolation from the thinned to all sample times.
+    error : ndarray, shape (n_pairs, n_points)
+        Leave-one-out errors [nm].
+    failures
+        Number of pairs that could not be simulated.
+    """
+
+    surrogate: PODRBF
+    spread: np.ndarray
+    error: np.ndarray
+    failures: int
+
+    def predict(self, points: np.ndarray) -> np.ndarray:
+        """Return the difference (n, n_points) [nm] at points (n, p + k)."""
+        return self.surrogate.predict(points) @ self.spread.T
+
+
+def interpolation(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Return the matrix (n_fine, n_coarse) of linear interpolation in time, from zero at zero."""
+    knots = np.concatenate([[0.0], coarse])
+    return np.column_stack([np.interp(fine, knots, row) for row in np.eye(len(knots))[1:]])
+
+
+def fit_effects(study: Study, condition: Condition, folder: str | Path) -> dict[str, Effect]:
+    """Fit the effects of all mechanisms that act on the body, under one condition, to the simulations in `folder`.
+
+    Raises
+    ------
+    PalpateError
+        When most simulations of a mechanism failed.
+    """
+    times = thinned(condition.protocol).sample_time
+    spread = interpolation(times, condition.protocol.sample_time)
+
+    def curve(snapshot: snapshots.Snapshot) -> np.ndarray:
+        return np.asarray(snapshots.read(Path(folder) / f"{snapshot.address}.npz")["depth"])
+
+    fitted = {}
+    for key in candidates(study):
+        found = pairs(study, condition, key)
+        if not found:
+            continue
+        points = np.array([[*(p.cell[name] for name in study.free_parameters), *p.coordinates] for p in found])
+        difference = np.array([curve(pair.acting) - curve(pair.plain) for pair in found])
+        good = np.isfinite(difference).all(axis=1)
+        if good.sum() < max(3 * points.shape[1], len(good) // 2):
+            raise PalpateError(f"{key} under {condition.name}: {len(good) - good.sum()} of {len(good)} runs failed")
+        surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
+        fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, int((~good).sum()))
+    return fitted
+
+
+def summary(effects: Mapping[str, Effect]) -> dict[str, dict[str, float]]:
+    """Return the leave-one-out error and the failures of each effect."""
+    return {
+        key: {"loo_rmse_nm": float(np.sqrt(np.mean(e.error**2))), "pairs": len(e.error), "failures": e.failures}
+        for key, e in effects.items()
+    }

@@ -1,0 +1,157 @@
+"""Fitting one explanation: material and mechanisms together, with the evidence for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag, cholesky, solve_triangular
+from scipy.optimize import least_squares
+from scipy.stats import qmc
+
+from palpate.diagnosis.covariance import Errors, varying
+from palpate.diagnosis.problem import Explanation, Problem
+from palpate.mechanisms import MECHANISMS
+
+PRIOR_VARIANCE = 1.0 / 12.0
+OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
+TRIALS = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The best parameters of one explanation.
+
+    Attributes
+    ----------
+    explanation
+        Its mechanisms.
+    z : ndarray, shape (k,)
+        Coordinates, see `palpate.diagnosis.problem`.
+    errors
+        Errors of the mean curves.
+    shift : ndarray, shape (n_all,)
+        What the forward model adds to the surrogates' curves near z [nm].
+    """
+
+    problem: Problem
+    explanation: Explanation
+    z: np.ndarray
+    errors: Errors
+    shift: np.ndarray
+
+    @cached_property
+    def factor(self) -> np.ndarray:
+        """Lower Cholesky factor of the covariance."""
+        return cholesky(self.errors.covariance, lower=True)
+
+    def whiten(self, values: np.ndarray) -> np.ndarray:
+        """Return L^-1 values."""
+        return solve_triangular(self.factor, values, lower=True)
+
+    @cached_property
+    def curve(self) -> np.ndarray:
+        """Curves at z [nm]."""
+        return self.problem.curve(self.explanation, self.z) + self.shift
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Mean recorded less simulated depth (n_all,) [nm]."""
+        return self.problem.mean - self.curve
+
+    @cached_property
+    def tangent(self) -> np.ndarray:
+        """Slope of the curves (n_all, k) [nm]."""
+        return self.problem.jacobian(self.explanation, self.z)
+
+    @cached_property
+    def log_likelihood(self) -> float:
+        """Of contrasts and means."""
+        white = self.whiten(self.residual)
+        return self.errors.noise.log_likelihood - 0.5 * float(white @ white) - float(np.log(np.diag(self.factor)).sum())
+
+    @cached_property
+    def posterior(self) -> np.ndarray:
+        """Covariance of the coordinates (k, k); within their ranges, each is known beforehand to 1/12."""
+        white = self.whiten(self.tangent)
+        return np.linalg.inv(white.T @ white + np.eye(len(self.z)) / PRIOR_VARIANCE)
+
+    @cached_property
+    def log_evidence(self) -> float:
+        """Laplace's approximation with priors that are even over the ranges."""
+        white = self.whiten(self.tangent)
+        sharpened = np.eye(len(self.z)) + PRIOR_VARIANCE * white.T @ white
+        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
+
+
+def solve(
+    problem: Problem,
+    explanation: Explanation,
+    errors: Errors,
+    starts: Iterable[np.ndarray],
+    shift: np.ndarray | None = None,
+) -> Fit:
+    """Find the best coordinates from the given starts by bounded least squares."""
+    shift = np.zeros(len(problem.mean)) if shift is None else shift
+    factor = cholesky(errors.covariance, lower=True)
+
+    def residual(z: np.ndarray) -> np.ndarray:
+        return solve_triangular(factor, problem.curve(explanation, z) + shift - problem.mean, lower=True)
+
+    def slope(z: np.ndarray) -> np.ndarray:
+        return solve_triangular(factor, problem.jacobian(explanation, z), lower=True)
+
+    found = [
+        least_squares(residual, np.clip(z, 1e-4, 1 - 1e-4), slope, bounds=(0.0, 1.0), max_nfev=40, xtol=1e-5, ftol=1e-6)
+        for z in starts
+    ]
+    best = min(found, key=lambda result: result.cost).x
+    return spread_own_values(Fit(problem, explanation, best, errors, shift))
+
+
+def spread_own_values(fit: Fit) -> Fit:
+    """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
+    problem, errors = fit.problem, fit.errors
+    for key in varying(fit.explanation):
+        (plausible,) = MECHANISMS[key].plausible(problem.scale).values()
+        block = block_diag(*(parts[key] for parts in errors.components))
+        best, chosen = -np.inf, errors
+        for share in OWN_VALUES:
+            wider = replace(errors, model=errors.model + (share * plausible.upper) ** 2 * block)
+            trial = replace(fit, errors=wider)
+            white, tangent = trial.whiten(fit.residual), trial.whiten(fit.tangent)
+            left = white - tangent @ np.linalg.lstsq(tangent, white, rcond=1e-10)[0]
+            likelihood = -0.5 * float(left @ left) - float(np.log(np.diag(trial.factor)).sum())
+            if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
+                best, chosen = likelihood, wider
+        errors = chosen
+    if errors is fit.errors:
+        return fit
+    factor = cholesky(errors.covariance, lower=True)
+    found = least_squares(
+        lambda z: solve_triangular(factor, problem.curve(fit.explanation, z) + fit.shift - problem.mean, lower=True),
+        np.clip(fit.z, 1e-4, 1 - 1e-4),
+        lambda z: solve_triangular(factor, problem.jacobian(fit.explanation, z), lower=True),
+        bounds=(0.0, 1.0),
+        max_nfev=20,
+    )
+    return Fit(problem, fit.explanation, found.x, errors, fit.shift)
+
+
+def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:
+    """Return where the search for one more mechanism begins: the amplitudes of least misfit to first order.
+
+    The effect is taken at the base fit's material, and its material parameters follow linearly.
+    """
+    problem = base.problem
+    dimensions = problem.dimensions((*base.explanation, key)) - len(base.z)
+    trials = np.linspace(0.0, 1.0, 9)[:, None] if dimensions == 1 else qmc.Sobol(dimensions, seed=0).random(TRIALS)
+    u = problem.parts(base.explanation, base.z)[0]
+    tangent = base.whiten(base.tangent)
+    left = base.whiten(base.residual[:, None] - problem.effect(key, u, trials).T)
+    change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
+    misfit = np.sum((left - tangent @ change) ** 2, axis=0)
+    order = np.argsort(misfit)[:count]
+    return [np.concatenate([np.clip(base.z + 0.5 * change[:, i], 0.02, 0.98), trials[i]]) for i in order]

@@ -1,0 +1,37 @@
+"""Where simulation and recordings differ: the mean residual of each part of a test, with false-discovery control."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.stats import false_discovery_control, norm
+
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.segments import segments
+
+
+def location(fit: Fit) -> list[dict[str, Any]]:
+    """Return the mean residual (recorded less simulated) of each part, the most certain first.
+
+    Its variance is that of the residual after the fit, C - T (T' C^-1 T)^+ T'; q-values after Benjamini & Hochberg,
+    J. R. Stat. Soc. B 57 (1995) 289-300.
+    """
+    white = fit.whiten(fit.tangent)
+    fitted = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
+    covariance = fit.errors.covariance - fitted
+    rows, p_values = [], []
+    first = 0
+    for condition in fit.problem.conditions:
+        for name, where in segments(condition.protocol).items():
+            places = first + np.flatnonzero(where)
+            half = (len(places) + 1) // 2
+            for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
+                mean = float(fit.residual[chosen].mean())
+                deviation = np.sqrt(max(covariance[np.ix_(chosen, chosen)].mean(), 1e-12))
+                rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
+                p_values.append(2 * norm.sf(abs(mean) / deviation))
+        first += len(condition.protocol.sample_time)
+    for row, q in zip(rows, false_discovery_control(p_values), strict=True):
+        row["q_value"] = float(q)
+    return sorted(rows, key=lambda row: (row["q_value"], -abs(row["residual_nm"])))

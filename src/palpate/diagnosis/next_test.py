@@ -1,0 +1,103 @@
+"""What next: the feasible test that would separate the explanations that still stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import toeplitz
+from scipy.stats import chi2, ncx2
+
+from palpate.config import Condition, Study
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.refine import simulated_at
+from palpate.errors import PalpateError
+from palpate.protocol import Protocol, trapezoid
+
+POINTS = 30
+DRAWS = 6
+REPLICATES = 3
+FALSE_ALARM = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class FeasibleTest:
+    """A test that the laboratory could run next.
+
+    Parameters
+    ----------
+    words
+        What a colleague would say.
+    settings
+        Its numbers.
+    protocol
+        Its load history.
+    """
+
+    words: str
+    settings: dict[str, float]
+    protocol: Protocol
+
+
+def feasible(load: float, loading_time: float) -> Iterator[FeasibleTest]:
+    """Yield tests around the largest load [mN] and shortest loading time [s] of a study."""
+    for factor in (0.03, 0.1, 0.3, 3.0):
+        settings = {"max_load": factor * load, "loading_time": loading_time, "hold_time": 0.0}
+        yield _trapezoid(f"the same times at {factor * load:.3g} mN", settings, loading_time)
+    for factor in (0.3, 10.0):
+        time = factor * loading_time
+        settings = {"max_load": load, "loading_time": time, "hold_time": 0.0}
+        yield _trapezoid(f"loading and unloading in {time:.3g} s at {load:.3g} mN", settings, time)
+    settings = {"max_load": load, "loading_time": loading_time, "hold_time": 10 * loading_time}
+    yield _trapezoid(f"a hold of {10 * loading_time:.3g} s at {load:.3g} mN", settings, loading_time)
+    low, hold = 0.1 * load, 10 * loading_time
+    knots = np.array([0.0, loading_time, 1.9 * loading_time, 1.9 * loading_time + hold, 2 * loading_time + hold])
+    loads = np.array([0.0, load, low, low, 0.0])
+    sample = np.union1d(np.linspace(0.0, knots[-1], POINTS + 1)[1:], knots[1:])
+    yield FeasibleTest(
+        f"a hold of {hold:.3g} s at {low:.3g} mN after unloading from {load:.3g} mN",
+        {"max_load": load, "loading_time": loading_time, "low_load": low, "low_hold_time": hold},
+        Protocol(knots, loads, sample),
+    )
+
+
+def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
+    settings = settings | {"unloading_time": unloading}
+    return FeasibleTest(words, settings, trapezoid(**settings, points=POINTS))
+
+
+def discriminating_test(study: Study, standing: list[Fit], rng: np.random.Generator) -> dict[str, Any] | None:
+    """Return the test that separates the two best explanations most surely, with its expected power.
+
+    The distance of the two predicted curves is measured against noise and site scatter of three recordings and against
+    the uncertainty of both explanations' parameters (draws of their posteriors); the power is that of a 1 % test.
+    """
+    first, second = standing[:2]
+    scale = first.problem.scale
+    best: dict[str, Any] | None = None
+    for test in feasible(scale.load, scale.loading_time):
+        condition = Condition("next", "validate", test.protocol)
+        try:
+            (a, spread_a), (b, spread_b) = (_predicted(study, fit, condition, rng) for fit in (first, second))
+        except PalpateError:
+            continue
+        noise = first.errors.noise
+        point = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(len(a)))
+        spread = (point + noise.variances["site"] * np.outer(a, a)) / REPLICATES + spread_a + spread_b
+        distance = float((a - b) @ np.linalg.solve(spread, a - b))
+        power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
+        entry = {"test": test.words, **test.settings, "expected_power": power, "distance": distance}
+        entry["separates"] = ["+".join(first.explanation), "+".join(second.explanation)]
+        if best is None or distance > best["distance"]:
+            best = entry
+    return best
+
+
+def _predicted(study: Study, fit: Fit, condition: Condition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
+    curve = simulated_at(study, condition, fit, fit.z)
+    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="cholesky").clip(0.0, 1.0)
+    curves = np.array([simulated_at(study, condition, fit, z) for z in draws]) - curve
+    return curve, curves.T @ curves / DRAWS

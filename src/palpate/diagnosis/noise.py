@@ -1,0 +1,215 @@
+r"""Noise of the recordings by restricted maximum likelihood, from what distinguishes replicates.
+
+Under condition c, replicate r of the curve h is h_r = h + n_r with the covariance
+
+    K_c = sigma_c^2 rho_c^|i - j| + sum_k v_k M_k,
+
+point noise AR(1) of its own strength and memory for each condition, and variance components common to all:
+
+    site     M = h h^T          one depth factor a recording (scatter between sites)
+    wander   M = min(t, t')     slow drift of the instrument, a random walk
+    ...      M = c c^T          a mechanism whose value differs between recordings, with its column c(t)
+
+Orthonormal contrasts of the replicates have this covariance and do not know h, so they fix the noise whatever the model
+lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Without replicates, what remains of the residual after a
+cubic in each segment takes their place, and the variances of the components are assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
+from scipy.optimize import minimize
+
+LARGEST_MEMORY = 0.99
+SMALLEST_SIGMA = 1e-5
+SMALLEST_VARIANCE = 1e-12
+MARGIN = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Replicates:
+    """Deviations of one condition's recordings from their mean.
+
+    Parameters
+    ----------
+    contrasts : ndarray, shape (k, d)
+        Independent vectors with covariance ``basis @ K @ basis.T`` [nm].
+    basis : ndarray, shape (d, n)
+        The identity, or what projects smooth trends out.
+    components : mapping of ndarray, shape (n, n)
+        Matrix M of each variance component.
+    scale
+        Largest depth [nm].
+    """
+
+    contrasts: np.ndarray
+    basis: np.ndarray
+    components: Mapping[str, np.ndarray]
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseModel:
+    """A fitted noise model.
+
+    Attributes
+    ----------
+    sigma, memory : ndarray, shape (c,)
+        sigma_c [nm] and rho_c.
+    variances
+        v_k by name.
+    log_likelihood
+        Of all contrasts.
+    covariance : ndarray
+        Of the estimates (log sigma, logit rho of each condition, then the variances), from Fisher's information.
+    replicated
+        Whether replicates fixed it; else parts are assumed.
+    """
+
+    sigma: np.ndarray
+    memory: np.ndarray
+    variances: Mapping[str, float]
+    log_likelihood: float
+    covariance: np.ndarray
+    replicated: bool
+
+    def matrix(self, k: int, components: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return K (n, n) of condition number k [nm^2]."""
+        return _matrix(self.sigma[k], self.memory[k], self.variances, components)
+
+    def drawn(self, rng: np.random.Generator) -> NoiseModel:
+        """Return a model drawn from the uncertainty of this one."""
+        count = len(self.sigma)
+        mean = np.concatenate([np.log(self.sigma), _logit(self.memory), list(self.variances.values())])
+        draw = rng.multivariate_normal(mean, self.covariance, method="cholesky")
+        variances = {name: max(v, 0.0) for name, v in zip(self.variances, draw[2 * count :], strict=True)}
+        return NoiseModel(
+            np.exp(draw[:count]), _memory(draw[count : 2 * count]), variances, np.nan, self.covariance, self.replicated
+        )
+
+
+def contrasts(depth: np.ndarray) -> np.ndarray:
+    """Return orthonormal contrasts (R - 1, n) of replicates (R, n)."""
+    return helmert(len(depth)) @ depth
+
+
+def without_trend(segments: Sequence[np.ndarray], degree: int = 3) -> np.ndarray:
+    """Return an orthonormal basis (d, n) of what is left when each segment (bool, n) loses a polynomial."""
+    count = len(segments[0])
+    trends = []
+    for segment in segments:
+        x = np.linspace(-1, 1, int(segment.sum()))
+        for power in range(min(degree, len(x) - 1) + 1):
+            column = np.zeros(count)
+            column[segment] = x**power
+            trends.append(column)
+    full = np.linalg.qr(np.column_stack(trends), mode="complete")[0]
+    return full[:, len(trends) :].T
+
+
+def fit_noise(
+    replicates: Sequence[Replicates], assumed: Mapping[str, float], replicated: bool, largest: Mapping[str, float]
+) -> NoiseModel:
+    """Fit by maximum likelihood.
+
+    Parameters
+    ----------
+    assumed
+        Variance of each component: the value itself without replicates, else where the search begins.
+    largest
+        Upper bounds of some of the variances.
+    """
+    names = list(replicates[0].components)
+    count = len(replicates)
+    start_sigma = [max(np.std(np.diff(r.contrasts)) / np.sqrt(2), SMALLEST_SIGMA * r.scale) for r in replicates]
+    floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
+    start = np.concatenate([np.log(start_sigma), np.zeros(count)])
+    bounds = [(floor, np.log(r.scale)) for floor, r in zip(floors, replicates, strict=True)]
+    bounds += [(-4.0, _logit(np.array(LARGEST_MEMORY)).item())] * count
+    if replicated:
+        first = [np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names]
+        start = np.concatenate([start, first])
+        highest = [
+            np.log(largest[name]) if name in largest else v + MARGIN for name, v in zip(names, first, strict=True)
+        ]
+        bounds += [(value - MARGIN, high) for value, high in zip(first, highest, strict=True)]
+
+    def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
+        values = np.exp(x[2 * count :]) if replicated else [assumed[name] for name in names]
+        return np.exp(x[:count]), _memory(x[count : 2 * count]), dict(zip(names, map(float, values), strict=True))
+
+    def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
+        sigma, memory, variances = unpack(x)
+        value, slope = 0.0, np.zeros(len(x))
+        for k, r in enumerate(replicates):
+            parts = _derivatives(sigma[k], memory[k], r)
+            matrix = r.basis @ _matrix(sigma[k], memory[k], variances, r.components) @ r.basis.T
+            factor = cho_factor(matrix, lower=True)
+            inverse = cho_solve(factor, np.eye(len(matrix)))
+            solved = inverse @ r.contrasts.T
+            rank = len(r.contrasts)
+            value += rank * np.log(np.diag(factor[0])).sum() + 0.5 * np.sum(solved * r.contrasts.T)
+            weight = 0.5 * (rank * inverse - solved @ solved.T)
+            slope[k] += np.sum(weight * parts[0])
+            slope[count + k] += np.sum(weight * parts[1])
+            if replicated:
+                for j, name in enumerate(names):
+                    slope[2 * count + j] += variances[name] * np.sum(weight * parts[2 + j])
+        return value, slope
+
+    found = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60})
+    sigma, memory, variances = unpack(found.x)
+    covariance = _fisher(replicates, sigma, memory, variances, replicated)
+    return NoiseModel(sigma, memory, variances, -float(found.fun), covariance, replicated)
+
+
+def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
+    """Return the inverse of Fisher's information of (log sigma, logit rho, v)."""
+    count, names = len(replicates), list(variances)
+    information = np.zeros((2 * count + len(names),) * 2)
+    for k, r in enumerate(replicates):
+        matrix = r.basis @ _matrix(sigma[k], memory[k], variances, r.components) @ r.basis.T
+        inverse = np.linalg.inv(matrix)
+        solved = [inverse @ part for part in _derivatives(sigma[k], memory[k], r)]
+        places = [k, count + k, *range(2 * count, 2 * count + len(names))]
+        for a, i in enumerate(places):
+            for b, j in enumerate(places):
+                information[i, j] += 0.5 * len(r.contrasts) * np.sum(solved[a] * solved[b].T)
+    if not replicated:
+        information[2 * count :] = information[:, 2 * count :] = 0.0
+        information[range(2 * count, len(information)), range(2 * count, len(information))] = [
+            1.0 / (0.5 * max(v, SMALLEST_VARIANCE)) ** 2 for v in variances.values()
+        ]
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    scaled = information / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    return np.linalg.inv(scaled) / np.outer(scale, scale)
+
+
+def _matrix(sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]):
+    size = len(next(iter(components.values())))
+    matrix = sigma**2 * toeplitz(memory ** np.arange(size))
+    for name, component in components.items():
+        matrix += variances[name] * component
+    return matrix
+
+
+def _derivatives(sigma: float, memory: float, r: Replicates) -> list[np.ndarray]:
+    """Return the derivatives of K by log sigma, logit rho and each variance, in the basis of the contrasts."""
+    size = r.basis.shape[1]
+    lags = np.arange(size)
+    point = sigma**2 * toeplitz(memory**lags)
+    slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
+    parts = [2 * point, slope, *r.components.values()]
+    return [r.basis @ part @ r.basis.T for part in parts] if len(r.basis) < size else parts
+
+
+def _logit(p: np.ndarray) -> np.ndarray:
+    return np.log(p / (1 - p))
+
+
+def _memory(x: np.ndarray) -> np.ndarray:
+    return 1 / (1 + np.exp(-x))

@@ -1,0 +1,53 @@
+"""The page of a diagnosis: what a colleague would say, the picture, and the numbers behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from palpate import report
+
+
+def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, list[str]]]:
+    """Return headings and pieces of HTML, from the content of `diagnosis.json`."""
+    found: list[tuple[str, list[str]]] = [
+        ("What the recordings say", [report.paragraph(content["sentence"]), report.image(figure, "diagnosis")])
+    ]
+    rows = [
+        {
+            "explanation": " + ".join(candidate["mechanisms"]),
+            "probability": candidate["probability"],
+            "parameter": name,
+            **values,
+        }
+        for candidate in content["candidates"]
+        for name, values in candidate["parameters"].items()
+    ]
+    if rows:
+        found.append(("Explanations that stand", [report.table(pd.DataFrame(rows))]))
+    before, after = content["parameters"]["before"], content["parameters"]["after"]
+    material = [
+        {"parameter": name, "before": before[name]["estimate"], "after": after[name]["estimate"]}
+        | {"lower": after[name]["lower"], "upper": after[name]["upper"]}
+        for name in after
+    ]
+    found.append(("Material parameters before and after", [report.table(pd.DataFrame(material))]))
+    if content["discriminating_test"]:
+        test = content["discriminating_test"]
+        words = (
+            f"{test['test']} (expected power {test['expected_power']:.0%}) separates {' and '.join(test['separates'])}"
+        )
+        found.append(("What to measure next", [report.paragraph(words)]))
+    if content["limits"]:
+        found.append(("What these recordings cannot say", [report.paragraph(words) for words in content["limits"]]))
+    clearest = pd.DataFrame(content["location"][:12])
+    found.append(("Where the base model fails", [report.table(clearest)]))
+    return found
+
+
+def write(content: Mapping[str, Any], figure: str | Path, path: str | Path, title: str) -> None:
+    """Write `diagnosis.html`."""
+    report.build(f"Diagnosis of {title}", sections(content, figure), [], path)

@@ -1,0 +1,86 @@
+"""A diagnosis in the words of a colleague."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from palpate.mechanisms import MECHANISMS
+
+
+def sentence(content: Mapping[str, Any]) -> str:
+    """Say what a diagnosis found, from the content of `diagnosis.json`."""
+    verdict, p = content["verdict"], content["p_value"]
+    probability = f"p < {0.002:g}" if p < 0.0021 else f"p = {p:.2g}"
+    if verdict == "adequate":
+        return f"The base model explains the recordings to their noise ({probability}); nothing is claimed."
+    start = f"The base model does not explain the recordings ({probability}){_where(content)}."
+    if verdict == "unexplained":
+        return f"{start} No mechanism that palpate knows, and no pair of them, explains it: something else is missing."
+    if verdict == "identified":
+        return f"{start} {_claim(content['candidates'][0])}: {_gain(content)}.{_bias(content)}"
+    names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
+    if len(content["candidates"]) == 1:
+        return (
+            f"{start} What explains it best: {names}. Without replicates the name stays a suspicion. {_gain(content)}."
+        )
+    test = content["discriminating_test"]
+    further = (
+        f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
+        f"{test['expected_power']:.0%}."
+        if test
+        else ""
+    )
+    return f"{start} One of these explains it, and these tests cannot say which: {names}.{further}"
+
+
+def _claim(candidate: Mapping[str, Any]) -> str:
+    """Name an explanation with its amplitudes."""
+    claims = []
+    for key in candidate["mechanisms"]:
+        values = []
+        for parameter in MECHANISMS[key].parameters:
+            entry = candidate["parameters"][f"{key}.{parameter.name}"]
+            unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+            values.append(
+                f"{parameter.name.replace('_', ' ')} {entry['estimate']:.3g}{unit} "
+                f"({entry['lower']:.3g} to {entry['upper']:.3g})"
+            )
+        claims.append(f"{MECHANISMS[key].title}, {', '.join(values)}")
+    return " with ".join(claims)
+
+
+def _where(content: Mapping[str, Any]) -> str:
+    """Say where the misfit is clearest."""
+    found = [row for row in content["location"] if row["q_value"] < 0.05]
+    if not found:
+        return ""
+    row = found[0]
+    part = "" if row["part"] == "whole" else f"{row['part']} "
+    return f", most clearly in {part}{row['segment']} of {row['condition']} ({row['residual_nm']:+.2g} nm)"
+
+
+def _gain(content: Mapping[str, Any]) -> str:
+    """Say how the errors fall."""
+    fit = content["fit"]
+    role, words = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
+    before, after = fit[role]["before_rmse_nm"], fit[role]["after_rmse_nm"]
+    return (
+        f"the {words} error falls from {before:.1f} to {after:.1f} nm, where noise alone makes {fit['noise_nm']:.1f} nm"
+    )
+
+
+def _bias(content: Mapping[str, Any]) -> str:
+    """Say which material parameter the effect had moved furthest, in half-widths of its interval."""
+    before, after = content["parameters"]["before"], content["parameters"]["after"]
+
+    def moved(name: str) -> float:
+        width = 0.5 * (after[name]["upper"] - after[name]["lower"])
+        return abs(before[name]["estimate"] - after[name]["estimate"]) / max(width, 1e-12)
+
+    name = max(after, key=moved)
+    if moved(name) < 1.0:
+        return ""
+    change = before[name]["estimate"] / after[name]["estimate"] - 1.0
+    direction = "high" if change > 0 else "low"
+    return f" Without it, {name.replace('_', ' ')} came out {abs(change):.0%} too {direction}."

@@ -1,0 +1,98 @@
+"""What a diagnosis found: where the misfit lies, the misfit in time before and after, and the explanations."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from palpate.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, plt, save
+
+PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
+CERTAIN = 0.05
+
+
+def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
+    """Draw the map, the misfits and the candidates.
+
+    Parameters
+    ----------
+    content
+        Of `diagnosis.json`.
+    curves
+        Of `palpate.diagnosis.result.curves`.
+    """
+    names = list(dict.fromkeys(curves["condition"]))
+    columns = min(4, len(names))
+    rows = -(-len(names) // columns)
+    figure = plt.figure(figsize=(DOUBLE_COLUMN, 2.6 + 1.5 * rows))
+    top, bottom = figure.subfigures(2, 1, height_ratios=[2.3, 1.5 * rows])
+    left, right = top.subplots(1, 2, gridspec_kw={"width_ratios": [1.5, 1]})
+    _map(content, left)
+    _candidates(content, right)
+    axes = bottom.subplots(rows, columns, squeeze=False).ravel()
+    for blank in axes[len(names) :]:
+        blank.set_axis_off()
+    for k, (name, axis) in enumerate(zip(names, axes, strict=False)):
+        _misfit(curves[curves["condition"] == name], axis, content["verdict"] in ("identified", "ambiguous"))
+        if k % columns == 0:
+            axis.set_ylabel("rec. - sim. [nm]")
+        if k >= len(names) - columns:
+            axis.set_xlabel("time [s]")
+        if k == 0:
+            axis.legend(fontsize=6, handlelength=1.2, borderaxespad=0.0)
+    figure.suptitle(textwrap.fill(f"{title}: {content['verdict']}", 100), fontsize=9)
+    mark_synthetic(figure, synthetic)
+    save(figure, path)
+
+
+def _map(content: Mapping[str, Any], axis) -> None:
+    """Colour each part of each test by its mean misfit; a dot marks what is not chance."""
+    conditions = sorted({row["condition"] for row in content["location"]})
+    values = np.full((len(conditions), len(PARTS)), np.nan)
+    for row in content["location"]:
+        if (row["segment"], row["part"]) in PARTS:
+            i, j = conditions.index(row["condition"]), PARTS.index((row["segment"], row["part"]))
+            values[i, j] = row["residual_nm"]
+            if row["q_value"] < CERTAIN:
+                axis.plot(j, i, "o", color=RECORDED, ms=3)
+    largest = max(float(np.nanmax(np.abs(values))), 1e-9)
+    image = axis.imshow(values, cmap="RdBu_r", vmin=-largest, vmax=largest, aspect="auto")
+    axis.set_xticks(range(len(PARTS)), [f"{part}\n{segment}" for segment, part in PARTS], fontsize=6)
+    axis.set_yticks(range(len(conditions)), conditions, fontsize=6.5)
+    axis.spines[["left", "bottom"]].set_visible(False)
+    axis.tick_params(length=0)
+    axis.set_title(f"base model: recorded less simulated [nm]; dot: q < {CERTAIN:g}")
+    axis.figure.colorbar(image, ax=axis, shrink=0.85)
+
+
+def _candidates(content: Mapping[str, Any], axis) -> None:
+    """Draw the log evidence of what was tried, relative to the base model, those that stand in colour."""
+    tried = content["tried"][:9]
+    standing = [candidate["mechanisms"] for candidate in content["candidates"]]
+    base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
+    for k, entry in enumerate(tried):
+        name = " + ".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model"
+        stands = entry["mechanisms"] in standing
+        axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
+        axis.text(0.02, k, f" {name}", va="center", fontsize=6.5, transform=axis.get_yaxis_transform())
+    axis.set_ylim(len(tried) - 0.4, -0.6)
+    axis.set_yticks([])
+    axis.spines["left"].set_visible(False)
+    axis.set_xlabel("log evidence over the base model")
+    axis.set_title("explanations tried; in red: those that stand" if standing else "explanations tried; none stands")
+
+
+def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:
+    axis.axhline(0, color="0.7", lw=0.6)
+    axis.fill_between(curve["time_s"], -2 * curve["noise_nm"], 2 * curve["noise_nm"], color="0.9", lw=0)
+    before = curve["recorded_nm"] - curve["before_nm"]
+    axis.plot(curve["time_s"], before, color=SURROGATE, lw=0.9, label="base model")
+    if improved:
+        after = curve["recorded_nm"] - curve["after_nm"]
+        axis.plot(curve["time_s"], after, color=SIMULATED, lw=0.9, label="explained")
+    axis.set_title(f"{curve['condition'].iloc[0]}, {curve['role'].iloc[0]}", fontsize=7)

@@ -1,0 +1,31 @@
+"""Film on a substrate: the tested material is a film on an elastic body of another modulus."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
+from palpate.parameters import Parameter
+from palpate.specification import Specification
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Put an elastic substrate under the material; its Poisson's ratio is the film's."""
+    return replace(specification, film_thickness=values["thickness"], substrate_modulus=values["substrate_modulus"])
+
+
+MECHANISM = Mechanism(
+    "film_on_substrate",
+    "film on a substrate",
+    (
+        Parameter("thickness", "t_f", "nm", 1.0, 1e9, "thickness of the film"),
+        Parameter("substrate_modulus", "E_s", "GPa", 1e-6, 2000.0, "Young's modulus of the substrate"),
+    ),
+    {"thickness": 1e9, "substrate_modulus": 70.0},
+    "Gao, Chiu & Lee, Int. J. Solids Struct. 29 (1992) 2471-2492 (elastic film on a substrate)",
+    lambda s: {
+        "thickness": Range(s.depth, 30.0 * s.depth, log=True),
+        "substrate_modulus": Range(0.2 * s.modulus, 50.0 * s.modulus, log=True),
+    },
+    simulate=simulate,
+)

@@ -1,0 +1,25 @@
+"""Size effect: at small depth the material resists inelastic flow more, by sqrt(1 + length / depth)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
+from palpate.parameters import Parameter
+from palpate.specification import Specification
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Let the resistance to inelastic flow depend on the depth."""
+    return replace(specification, size_length=values["length"])
+
+
+MECHANISM = Mechanism(
+    "size_effect",
+    "indentation size effect",
+    (Parameter("length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that at large depth"),),
+    {"length": 0.0},
+    "Nix & Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9)",
+    lambda s: {"length": Range(0.0, 600.0)},
+    simulate=simulate,
+)

@@ -1,0 +1,85 @@
+"""The body that is pressed: a half-space of one law, a film on an elastic substrate, and a size effect."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.materials.law import NO_YIELD
+from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """A half-space z <= 0.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (c,)
+        The law of the material that the tip touches, see `palpate.materials.radial`.
+    film_thickness
+        Depth at which the substrate begins [nm]; infinite for a homogeneous body.
+    substrate : ndarray, shape (c,), optional
+        The law of the substrate, with the layout of `coefficients`.
+    size_length
+        Length of the size effect [nm], see `resistance`; zero for none.
+    """
+
+    coefficients: np.ndarray
+    film_thickness: float = math.inf
+    substrate: np.ndarray | None = None
+    size_length: float = 0.0
+
+    def resistance(self, depth: float) -> float:
+        """Return the factor sqrt(1 + length / depth) on the stress that inelastic flow needs at `depth` [nm].
+
+        Source: W.D. Nix and H. Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9), for the hardness.
+        """
+        return math.sqrt(1.0 + self.size_length / max(depth, 1e-3)) if self.size_length else 1.0
+
+
+def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
+    """Return the law of an elastic substrate of Young's modulus `modulus` [GPa] and the film's Poisson's ratio."""
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    youngs = 9 * bulk * shear / (3 * bulk + shear)
+    substrate = coefficients.copy()
+    substrate[[SHEAR, BULK]] *= modulus / youngs
+    return without_flow(substrate)
+
+
+def without_flow(coefficients: np.ndarray) -> np.ndarray:
+    """Return the elastic part of a law, in the same layout."""
+    elastic = coefficients.copy()
+    elastic[STEADY] = 0.0
+    elastic[VOIGT::3] = 0.0
+    elastic[YIELD] = NO_YIELD
+    return elastic
+
+
+def series(film: np.ndarray, substrate: np.ndarray, fraction: float) -> np.ndarray:
+    """Return the law of an element that holds `fraction` of film, the rest elastic substrate, under the same stress.
+
+    The strains add (Reuss): compliances and creep rates are averaged by volume.
+    """
+    if fraction <= 0.0:
+        return substrate.copy()
+    mixed = film.copy()
+    for i in (SHEAR, BULK):
+        mixed[i] = 1.0 / (fraction / film[i] + (1.0 - fraction) / substrate[i])
+    mixed[STEADY] *= fraction
+    mixed[VOIGT::3] *= fraction
+    mixed[HARDENING] /= fraction
+    return mixed
+
+
+def resisted(coefficients: np.ndarray, resistance: float) -> np.ndarray:
+    """Return the laws (..., c) whose inelastic rates at stress s are those of `coefficients` at s / resistance."""
+    if resistance == 1.0:
+        return coefficients
+    laws = coefficients.copy()
+    laws[..., STEADY] *= resistance ** -(2 * laws[..., STEADY_EXPONENT] + 1)
+    laws[..., VOIGT::3] *= resistance ** -(2 * laws[..., VOIGT + 1 :: 3] + 1)
+    laws[..., [YIELD, HARDENING]] *= resistance
+    return laws
