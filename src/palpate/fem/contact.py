@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,14 +70,17 @@ class Contact:
     ----------
     surface : ndarray of int, shape (k,)
         Nodes that may touch.
-    r : ndarray, shape (k,)
-        Their undeformed distances from the axis [um].
+    r, start, drift, opening : ndarray, shape (k,)
+        Their undeformed distances from the axis, those at the start of the step, how far the distances are expected to
+        change in it, and the gaps at its start [um].
     touching : ndarray of bool, shape (n,)
         Nodes that touch.
     anchor : ndarray, shape (k,)
-        Anchors of friction at the start of the step [um]; NaN where a node did not touch.
+        Anchors of friction [um]; NaN where a node did not touch.
     rule : ndarray, shape (n, 5)
         What holds at the nodes that touch: f', f'', m, dm/dR and the gap that the next change of displacements closes.
+    slip : ndarray, shape (k,)
+        Slip since the anchor, in units of the friction's reach.
     joined
         Whether some gap is still to be closed.
     """
@@ -85,6 +89,9 @@ class Contact:
     friction: Friction
     surface: np.ndarray
     r: np.ndarray
+    start: np.ndarray
+    drift: np.ndarray
+    opening: np.ndarray
     touching: np.ndarray
     anchor: np.ndarray
     rule: np.ndarray
@@ -92,50 +99,62 @@ class Contact:
     joined: bool = False
 
     @classmethod
-    def resume(
-        cls, mesh: Mesh, profile: Profile, coefficient: float, touching: np.ndarray, anchor: np.ndarray
-    ) -> Contact:
-        """Begin a step with the nodes that touched and their anchors."""
-        r = mesh.nodes[mesh.surface, 0]
-        rule = np.zeros((len(mesh.nodes), 5))
-        friction = Friction.of(coefficient, r)
-        return cls(profile, friction, mesh.surface, r, touching.copy(), anchor, rule, np.zeros(len(r)))
+    def resume(cls, mesh: Mesh, profile: Profile, coefficient: float, state: Any, guess: Any) -> Contact:
+        """Begin a step at a `palpate.fem.newton.State`, with another that guesses its end."""
+        surface = mesh.surface
+        r = mesh.nodes[surface, 0]
+        u = state.displacement[surface]
+        return cls(
+            profile,
+            Friction.of(coefficient, profile(r)[0]),
+            surface,
+            r,
+            start=r + u[:, 0],
+            drift=guess.displacement[surface, 0] - u[:, 0],
+            opening=profile(r + u[:, 0])[0] - state.depth - u[:, 1],
+            touching=state.contact.copy(),
+            anchor=state.anchor.copy(),
+            rule=np.zeros((len(mesh.nodes), 5)),
+            slip=np.zeros(len(r)),
+        )
 
     def follow(self, displacement: np.ndarray, depth: float) -> bool:
         """Put the nodes that touch onto the indenter, changing `displacement` (n, 2), find new ones, write the rule.
+
+        A new node is anchored where it was when its gap closed, by linear interpolation within the step.
 
         Returns
         -------
         bool
             True where the same nodes touch, and the same of them slip, as in the iteration before.
         """
-        same = self._rub(displacement)
-        distance = self.r + displacement[self.surface, 0]
+        surface, touched = self.surface, self.touching[self.surface]
+        self._turn_back(displacement)
+        distance = self.r + displacement[surface, 0]
         height, slope, curvature = self.profile(distance)
-        gap = height - depth - displacement[self.surface, 1]
-        touched = self.touching[self.surface]
-        displacement[self.surface, 1] += np.where(touched, gap, 0.0)
+        gap = height - depth - displacement[surface, 1]
+        displacement[surface, 1] += np.where(touched, gap, 0.0)
         joining = ~touched & (gap < -PENETRATION * abs(depth))
+        self.touching[surface] |= joining
         self.joined = bool(joining.any())
-        self.touching[self.surface] |= joining
-        self.rule[self.surface, SLOPE] = np.where(self.r > 0.0, slope, 0.0)
-        self.rule[self.surface, CURVATURE] = curvature
-        self.rule[self.surface, GAP] = np.where(joining, gap, 0.0)
-        return same and not self.joined
-
-    def _rub(self, displacement: np.ndarray) -> bool:
-        """Write the friction; a node whose slip reverses within one iteration is put back to where it stuck."""
-        if self.friction.coefficient == 0.0:
-            return True
-        distance = self.r + displacement[self.surface, 0]
+        new = joining & (self.opening > 0.0)
+        closing = self.opening[new] / (self.opening - gap)[new]
+        self.anchor[new] = self.start[new] + closing * self.drift[new]
         slip, last = self.friction.slip(distance, self.anchor), self.slip
-        slides, slid = np.abs(slip) > 1.0, np.abs(last) > 1.0
-        turned = slides & slid & (slip * last < 0.0)
-        displacement[self.surface[turned], 0] = (self.anchor - self.r)[turned]
-        slip[turned] = 0.0
+        self.rule[surface, SLOPE] = np.where(self.r > 0.0, slope, 0.0)
+        self.rule[surface, CURVATURE] = curvature
+        self.rule[surface, RATIO], self.rule[surface, RATIO_SLOPE] = self.friction.ratio(slip)
+        self.rule[surface, GAP] = np.where(joining, gap, 0.0)
         self.slip = slip
-        self.rule[self.surface, RATIO], self.rule[self.surface, RATIO_SLOPE] = self.friction.ratio(slip, self.anchor)
-        return bool(np.array_equal(slides & ~turned, slid))
+        frictionless = self.friction.coefficient == 0.0
+        return not self.joined and (frictionless or np.array_equal(np.abs(slip) > 1.0, np.abs(last) > 1.0))
+
+    def _turn_back(self, displacement: np.ndarray) -> None:
+        """Put nodes whose slip reverses within one iteration back to where they stuck."""
+        slip = self.friction.slip(self.r + displacement[self.surface, 0], self.anchor)
+        turned = (slip * self.slip < 0.0) & (np.abs(slip) > 1.0) & (np.abs(self.slip) > 1.0)
+        if self.friction.coefficient > 0.0:
+            displacement[self.surface[turned], 0] = (self.anchor - self.r)[turned]
 
     def pulled(self, force: np.ndarray, tolerance: float) -> np.ndarray:
         """Return which nodes (n,) the indenter would have to pull: by `force` (n, 2) [mN], more than `tolerance`."""

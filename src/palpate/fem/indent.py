@@ -206,9 +206,9 @@ def march(
             guess = extrapolate(state, before, end)
             after = advance(problem, state, end, load, protocol.max_load, guess, work)
         except ConvergenceError:
-            step, before = 0.5 * step, None
-            if step < shortest:
+            if before is None and 0.5 * step < shortest:
                 raise
+            step, before = max(0.5 * step, shortest), None
             continue
         state, before, taken = after, state, taken + 1
         if end == target:

@@ -130,7 +130,7 @@ def advance(
     scale
         Largest load of the history [mN]; forces converge to 1e-7 of it.
     guess
-        State whose displacement, depth and contact set start the iteration.
+        State whose displacement and depth start the iteration.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def advance(
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     guesses = state.guesses.copy()
-    contact = Contact.resume(mesh, profile, problem.friction, guess.contact, state.anchor)
+    contact = Contact.resume(mesh, profile, problem.friction, state, guess)
     force = np.empty((len(mesh.nodes), 2))
     free = mesh.equations >= 0
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
