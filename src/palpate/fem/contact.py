@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from palpate.fem.friction import Friction
 from palpate.fem.mesh import Mesh
 from palpate.indenters import Indenter
+
+if TYPE_CHECKING:
+    from palpate.fem.newton import State
 
 SLOPE, CURVATURE, RATIO, RATIO_SLOPE, GAP = range(5)
 PENETRATION = 1e-9  # of the depth, below which a node counts as outside
@@ -99,8 +102,8 @@ class Contact:
     joined: bool = False
 
     @classmethod
-    def resume(cls, mesh: Mesh, profile: Profile, coefficient: float, state: Any, guess: Any) -> Contact:
-        """Begin a step at a `palpate.fem.newton.State`, with another that guesses its end."""
+    def resume(cls, mesh: Mesh, profile: Profile, coefficient: float, state: State, guess: State) -> Contact:
+        """Begin a step at a `state`, with another that guesses its end."""
         surface = mesh.surface
         r = mesh.nodes[surface, 0]
         u = state.displacement[surface]
