@@ -118,6 +118,8 @@ def add_curvature(gradients, b, frame, stress, weight, ke):
 def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe, geometric=True):
     """Write stiffness `ke` and internal force `fe` of one element; `local` (4, 4) receives R, `guesses` (4,) q.
 
+    Without `geometric` the stiffness lacks the part that stress gives it, see `palpate.fem.element.assemble`.
+
     Returns
     -------
     bool
