@@ -33,9 +33,11 @@ TINY = {
     "condition_sets": {"fast": ["T030"]},
     "recordings": {"virtual": "results/tiny/recordings/virtual"},
     "calibration": {"population": 20, "generations": 10},
+    "diagnosis": {"mechanisms": ["thermal_drift", "controller_lag", "size_effect"], "snapshots": 12, "bootstrap": 400},
     "laboratory": {
         "virtual": {
             "seed": 1,
+            "mechanisms": {"thermal_drift": {"rate": 0.5}},
             "parameters": {
                 "youngs_modulus": 3.2,
                 "steady_coefficient": 0.08,
@@ -78,7 +80,20 @@ def test_results_are_where_the_contract_says(finished):
     assert len(pd.read_csv(results / "virtual/errors.csv")) == 3
     page = (results / "report.html").read_text()
     assert "synthetic" in page
-    assert page.count("<img") == 5
+    assert page.count("<img") == 6
+
+
+def test_the_concealed_drift_is_found(finished):
+    results = finished / "results/tiny/virtual"
+    diagnosis = json.loads((results / "diagnosis.json").read_text())
+    assert {"verdict", "p_value", "location", "mechanisms", "candidates", "discriminating_test", "fit"} <= set(
+        diagnosis
+    )
+    assert (diagnosis["verdict"], diagnosis["mechanisms"]) == ("identified", ["thermal_drift"])
+    rate = diagnosis["candidates"][0]["parameters"]["thermal_drift.rate"]
+    assert rate["lower"] < 0.5 < rate["upper"]
+    assert diagnosis["fit"]["validate"]["after_rmse_nm"] < 0.5 * diagnosis["fit"]["validate"]["before_rmse_nm"]
+    assert diagnosis["sentence"] in (results / "diagnosis.html").read_text()
 
 
 def test_estimates_hold_the_truth(finished):
@@ -95,7 +110,7 @@ def test_every_surrogate_and_fit_is_a_run_under_one_parent(finished):
     experiment = client.get_experiment_by_name("tiny")
     runs = client.search_runs([experiment.experiment_id])
     kinds = sorted(run.data.tags["kind"] for run in runs)
-    assert kinds == ["calibration", "calibration", "surrogate", "surrogate", "workflow"]
+    assert kinds == ["calibration", "calibration", "diagnosis", "surrogate", "surrogate", "workflow"]
     parent = next(run.info.run_id for run in runs if run.data.tags["kind"] == "workflow")
     assert all(run.data.tags["mlflow.parentRunId"] == parent for run in runs if run.info.run_id != parent)
 

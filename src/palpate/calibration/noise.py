@@ -138,5 +138,13 @@ def model_covariance(measured: Mapping[str, np.ndarray], relative_error: float) 
     `relative_error`; a third of that varies along each curve, correlated over a tenth of its points.
     """
     depth = np.concatenate(list(measured.values()))
-    ripple = block_diag(*(toeplitz(np.exp(-np.arange(len(h)) / (0.1 * len(h)))) for h in measured.values()))
-    return relative_error**2 * np.outer(depth, depth) * (1.0 + ripple / 9.0)
+    return (
+        relative_error**2
+        * np.outer(depth, depth)
+        * (1.0 + block_diag(*(ripple(len(h)) for h in measured.values())) / 9.0)
+    )
+
+
+def ripple(points: int) -> np.ndarray:
+    """Return the correlation (points, points) of a discretisation error: it fades over a tenth of the curve."""
+    return toeplitz(np.exp(-np.arange(points) / (0.1 * points)))

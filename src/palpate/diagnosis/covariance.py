@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.noise import model_covariance
+from palpate.calibration.noise import model_covariance, ripple
 from palpate.diagnosis.noise import NoiseModel, Replicates, contrasts, fit_noise, without_trend
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.segments import segments
@@ -119,8 +119,14 @@ def errors(
     noise, parts = noise_of(problem, varying(explanation), residual, site_scatter)
     measured = {condition.name: problem.observed[condition.name].mean for condition in problem.conditions}
     surrogate = surrogate_error(problem, explanation)
-    model = model_covariance(measured, solver_error) + surrogate
+    model = model_covariance(measured, solver_error) + surrogate + solver_scatter(measured, explanation)
     return Errors(noise, parts, model, surrogate, [len(problem.observed[c.name].depth) for c in problem.conditions])
+
+
+def solver_scatter(measured: Mapping[str, np.ndarray], explanation: Explanation) -> np.ndarray:
+    """Return the covariance of what the mesh adds to the simulated effects, correlated over a tenth of each curve."""
+    variance = sum(MECHANISMS[key].solver_scatter ** 2 for key in explanation)
+    return variance * block_diag(*(np.outer(h, h) * ripple(len(h)) for h in measured.values()))
 
 
 def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:

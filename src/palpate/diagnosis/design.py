@@ -114,7 +114,7 @@ def thinned(protocol: Protocol) -> Protocol:
 def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     """Return the paired simulations of one mechanism under one condition; none where it acts on the depth alone."""
     mechanism, scale = MECHANISMS[key], scale_of(study)
-    if not mechanism.acts_on_body:
+    if not mechanism.needs_learning:
         return []
     free = study.free_parameters
     dimensions = mechanism_dimensions(mechanism, scale)

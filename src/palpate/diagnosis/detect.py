@@ -120,7 +120,7 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
 def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> Examination:
     """Test whether `fit` leaves anything but noise."""
     keys = list(keys)
-    white = fit.whiten(fit.residual)[:, None]
+    white = fit.white[:, None]
     family = filters(fit, keys)
     noise = simulated_noise(fit, draws, rng)
     found = min(float(f.log_p(white)[0]) for f in family)

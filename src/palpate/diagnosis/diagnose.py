@@ -16,7 +16,7 @@ from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.refine import refine
 
 CLOSE = np.log(20.0)
-SCREENED = 12.0
+SCREENED = 40.0
 MOST_REFINED = 5
 MOST_PAIRS = 8
 
@@ -144,11 +144,10 @@ def diagnose(
 def _refine_best(search: Search, fits: list[Fit], report: Callable[[str], None]) -> list[Candidate]:
     """Put the fits near the best on the forward model; return all, best first."""
     fits = sorted(fits, key=lambda fit: -fit.log_evidence)
-    best, done = -np.inf, []
+    done = []
     for k, fit in enumerate(fits):
-        if k < MOST_REFINED and (k < 2 or fit.log_evidence > best - SCREENED):
+        if k < MOST_REFINED and (k == 0 or fit.log_evidence > fits[0].log_evidence - SCREENED):
             candidate = search.refined(fit)
-            best = max(best, candidate.fit.log_evidence)
             report(
                 f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
                 f"{candidate.fit.log_evidence:.1f}, p = {candidate.examination.p_value:.3g}"  # type: ignore[union-attr]

@@ -21,6 +21,34 @@ TRIALS = 32
 
 
 @dataclass(frozen=True, eq=False)
+class Correction:
+    """What the forward model adds to the surrogates' curves near some coordinates: a shift and a slope.
+
+    Parameters
+    ----------
+    at : ndarray, shape (k,)
+        The coordinates.
+    shift : ndarray, shape (n_all,)
+        [nm]
+    slope : ndarray, shape (n_all, k)
+        [nm]
+    """
+
+    at: np.ndarray
+    shift: np.ndarray
+    slope: np.ndarray
+
+    @classmethod
+    def none(cls, points: int, dimensions: int) -> Correction:
+        """Return the correction that trusts the surrogates."""
+        return cls(np.zeros(dimensions), np.zeros(points), np.zeros((points, dimensions)))
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Return the correction at z (n_all,) [nm]."""
+        return self.shift + self.slope @ (z - self.at)
+
+
+@dataclass(frozen=True, eq=False)
 class Fit:
     """The best parameters of one explanation.
 
@@ -32,15 +60,15 @@ class Fit:
         Coordinates, see `palpate.diagnosis.problem`.
     errors
         Errors of the mean curves.
-    shift : ndarray, shape (n_all,)
-        What the forward model adds to the surrogates' curves near z [nm].
+    correction
+        What the forward model adds to the surrogates' curves near z.
     """
 
     problem: Problem
     explanation: Explanation
     z: np.ndarray
     errors: Errors
-    shift: np.ndarray
+    correction: Correction
 
     @cached_property
     def factor(self) -> np.ndarray:
@@ -54,7 +82,7 @@ class Fit:
     @cached_property
     def curve(self) -> np.ndarray:
         """Curves at z [nm]."""
-        return self.problem.curve(self.explanation, self.z) + self.shift
+        return self.problem.curve(self.explanation, self.z) + self.correction(self.z)
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -64,13 +92,22 @@ class Fit:
     @cached_property
     def tangent(self) -> np.ndarray:
         """Slope of the curves (n_all, k) [nm]."""
-        return self.problem.jacobian(self.explanation, self.z)
+        return self.problem.jacobian(self.explanation, self.z) + self.correction.slope
+
+    @cached_property
+    def white(self) -> np.ndarray:
+        """Whitened residual (n_all,)."""
+        return self.whiten(self.residual)
+
+    @property
+    def misfit(self) -> float:
+        """Chi-square of the mean curves."""
+        return float(self.white @ self.white)
 
     @cached_property
     def log_likelihood(self) -> float:
         """Of contrasts and means."""
-        white = self.whiten(self.residual)
-        return self.errors.noise.log_likelihood - 0.5 * float(white @ white) - float(np.log(np.diag(self.factor)).sum())
+        return self.errors.noise.log_likelihood - 0.5 * self.misfit - float(np.log(np.diag(self.factor)).sum())
 
     @cached_property
     def posterior(self) -> np.ndarray:
@@ -91,24 +128,32 @@ def solve(
     explanation: Explanation,
     errors: Errors,
     starts: Iterable[np.ndarray],
-    shift: np.ndarray | None = None,
+    correction: Correction | None = None,
 ) -> Fit:
     """Find the best coordinates from the given starts by bounded least squares."""
-    shift = np.zeros(len(problem.mean)) if shift is None else shift
-    factor = cholesky(errors.covariance, lower=True)
+    correction = correction or Correction.none(len(problem.mean), problem.dimensions(explanation))
+    found = [_minimised(Fit(problem, explanation, z, errors, correction)) for z in starts]
+    return spread_own_values(min(found, key=lambda fit: fit.misfit))
 
-    def residual(z: np.ndarray) -> np.ndarray:
-        return solve_triangular(factor, problem.curve(explanation, z) + shift - problem.mean, lower=True)
 
-    def slope(z: np.ndarray) -> np.ndarray:
-        return solve_triangular(factor, problem.jacobian(explanation, z), lower=True)
+def _minimised(fit: Fit) -> Fit:
+    """Return the fit at the least misfit reached from its coordinates."""
 
-    found = [
-        least_squares(residual, np.clip(z, 1e-4, 1 - 1e-4), slope, bounds=(0.0, 1.0), max_nfev=40, xtol=1e-5, ftol=1e-6)
-        for z in starts
-    ]
-    best = min(found, key=lambda result: result.cost).x
-    return spread_own_values(Fit(problem, explanation, best, errors, shift))
+    def at(z: np.ndarray) -> Fit:
+        moved = replace(fit, z=z)
+        moved.__dict__["factor"] = fit.factor
+        return moved
+
+    found = least_squares(
+        lambda z: -at(z).white,
+        np.clip(fit.z, 1e-4, 1 - 1e-4),
+        lambda z: fit.whiten(at(z).tangent),
+        bounds=(0.0, 1.0),
+        max_nfev=40,
+        xtol=1e-5,
+        ftol=1e-6,
+    )
+    return at(found.x)
 
 
 def spread_own_values(fit: Fit) -> Fit:
@@ -121,23 +166,13 @@ def spread_own_values(fit: Fit) -> Fit:
         for share in OWN_VALUES:
             wider = replace(errors, model=errors.model + (share * plausible.upper) ** 2 * block)
             trial = replace(fit, errors=wider)
-            white, tangent = trial.whiten(fit.residual), trial.whiten(fit.tangent)
-            left = white - tangent @ np.linalg.lstsq(tangent, white, rcond=1e-10)[0]
+            tangent = trial.whiten(fit.tangent)
+            left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
             likelihood = -0.5 * float(left @ left) - float(np.log(np.diag(trial.factor)).sum())
             if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
                 best, chosen = likelihood, wider
         errors = chosen
-    if errors is fit.errors:
-        return fit
-    factor = cholesky(errors.covariance, lower=True)
-    found = least_squares(
-        lambda z: solve_triangular(factor, problem.curve(fit.explanation, z) + fit.shift - problem.mean, lower=True),
-        np.clip(fit.z, 1e-4, 1 - 1e-4),
-        lambda z: solve_triangular(factor, problem.jacobian(fit.explanation, z), lower=True),
-        bounds=(0.0, 1.0),
-        max_nfev=20,
-    )
-    return Fit(problem, fit.explanation, found.x, errors, fit.shift)
+    return fit if errors is fit.errors else _minimised(replace(fit, errors=errors))
 
 
 def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:

@@ -98,6 +98,6 @@ def discriminating_test(study: Study, standing: list[Fit], rng: np.random.Genera
 def _predicted(study: Study, fit: Fit, condition: Condition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
     curve = simulated_at(study, condition, fit, fit.z)
-    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="cholesky").clip(0.0, 1.0)
+    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd").clip(0.0, 1.0)
     curves = np.array([simulated_at(study, condition, fit, z) for z in draws]) - curve
     return curve, curves.T @ curves / DRAWS

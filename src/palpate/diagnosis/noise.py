@@ -28,6 +28,7 @@ LARGEST_MEMORY = 0.99
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
+FURTHEST = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,10 +86,16 @@ class NoiseModel:
         """Return a model drawn from the uncertainty of this one."""
         count = len(self.sigma)
         mean = np.concatenate([np.log(self.sigma), _logit(self.memory), list(self.variances.values())])
-        draw = rng.multivariate_normal(mean, self.covariance, method="cholesky")
+        draw = rng.multivariate_normal(mean, self.covariance, method="svd")
+        draw[: 2 * count] = np.clip(draw[: 2 * count], mean[: 2 * count] - FURTHEST, mean[: 2 * count] + FURTHEST)
         variances = {name: max(v, 0.0) for name, v in zip(self.variances, draw[2 * count :], strict=True)}
         return NoiseModel(
-            np.exp(draw[:count]), _memory(draw[count : 2 * count]), variances, np.nan, self.covariance, self.replicated
+            np.exp(draw[:count]),
+            np.minimum(_memory(draw[count : 2 * count]), LARGEST_MEMORY),
+            variances,
+            np.nan,
+            self.covariance,
+            self.replicated,
         )
 
 
@@ -191,7 +198,7 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
 
 def _matrix(sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]):
     size = len(next(iter(components.values())))
-    matrix = sigma**2 * toeplitz(memory ** np.arange(size))
+    matrix = sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
     for name, component in components.items():
         matrix += variances[name] * component
     return matrix

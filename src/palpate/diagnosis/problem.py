@@ -99,22 +99,29 @@ class Problem:
     def effect(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the effect of one mechanism on all conditions (m, n_all) at material u and coordinates x (m, k)."""
         x = np.atleast_2d(x)
-        material = self.space.physical(u)[0][self.space.free]
+        material = self.space.physical(u)
         curves = []
         for condition in self.conditions:
-            recorded = np.array(
-                [
-                    self.recorded_effect(key, condition, amplitudes(MECHANISMS[key], self.scale, row))
-                    if not MECHANISMS[key].acts_on_body
-                    else np.zeros(len(condition.protocol.sample_time))
-                    for row in x
-                ]
-            )
-            if key in self.effects[condition.name]:
-                points = np.column_stack([np.tile(material, (len(x), 1)), x])
-                recorded = recorded + self.effects[condition.name][key].predict(points)
-            curves.append(recorded)
+            if MECHANISMS[key].needs_learning:
+                points = np.column_stack([np.tile(material[:, self.space.free], (len(x), 1)), x])
+                curves.append(self.effects[condition.name][key].predict(points))
+            else:
+                curves.append(self._derived_effect(key, condition, material, x))
         return np.concatenate(curves, axis=1)
+
+    def _derived_effect(self, key: str, condition: Condition, material: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the effect (m, n_points) that follows from the base model's curve."""
+        mechanism, protocol = MECHANISMS[key], condition.protocol
+        plain = self.base[condition.name].predict(material)[0]
+        return np.array(
+            [
+                mechanism.on_curve(
+                    protocol.sample_time, protocol.sample_load, plain, amplitudes(mechanism, self.scale, row)
+                )
+                - plain
+                for row in x
+            ]
+        )
 
     def curve(self, explanation: Explanation, z: np.ndarray) -> np.ndarray:
         """Return the surrogates' curves of all conditions (n_all,) [nm]."""
@@ -142,8 +149,8 @@ class Problem:
         return np.column_stack(slopes)
 
     def _material_slope(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the slope of a mechanism's effect by the material (n_all, p)."""
-        if not MECHANISMS[key].acts_on_body:
+        """Return the slope (n_all, p) by the material of an effect that was learnt; others hardly have one."""
+        if not MECHANISMS[key].needs_learning:
             return np.zeros((len(self.mean), len(u)))
         point = np.concatenate([self.space.physical(u)[0][self.space.free], x])
         slopes = []

@@ -2,7 +2,7 @@
 
 The difference between simulated and surrogates' curves at the best point is added to the surrogates, and the fit
 repeated, until chi-square settles (output space mapping; Bandler et al., IEEE Trans. Microw. Theory Tech. 52
-(2004) 337-361).
+(2004) 337-361). Each further simulation also corrects the slope, by Broyden's rank-one formula.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.config import Condition, Study
-from palpate.diagnosis.fit import Fit, solve
+from palpate.diagnosis.fit import Correction, Fit, solve
 from palpate.errors import PalpateError
 from palpate.model import simulate
 
-ROUNDS = 3
+ROUNDS = 6
 SETTLED = 1.0
 
 
@@ -38,23 +38,29 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
 
 def refine(study: Study, fit: Fit) -> Fit:
     """Return the fit with the forward model in place of the surrogates; as it was when the forward model fails."""
-    exact = replace(
-        fit.errors, model=fit.errors.model - fit.errors.surrogate, surrogate=np.zeros_like(fit.errors.model)
-    )
-    best, previous = fit, np.inf
+    without = fit.errors.model - fit.errors.surrogate
+    exact = replace(fit.errors, model=without, surrogate=np.zeros_like(without))
+    correction = fit.correction
+    best: Fit | None = None
+    z = fit.z
     for _ in range(ROUNDS):
         try:
-            curves = [simulated_at(study, condition, fit, fit.z) for condition in fit.problem.conditions]
+            curves = [simulated_at(study, condition, fit, z) for condition in fit.problem.conditions]
         except PalpateError:
-            return best
-        shift = np.concatenate(curves) - fit.problem.curve(fit.explanation, fit.z)
-        here = Fit(fit.problem, fit.explanation, fit.z, exact, shift)
-        misfit = float(np.sum(here.whiten(here.residual) ** 2))
-        if misfit < previous:
+            return best or fit
+        rest = np.concatenate(curves) - fit.problem.curve(fit.explanation, z)
+        slope = correction.slope
+        if best is not None:
+            step = z - best.z
+            slope = slope + np.outer(rest - correction(z), step) / max(float(step @ step), 1e-12)
+        correction = Correction(z, rest, slope)
+        here = replace(fit, z=z, errors=exact, correction=correction)
+        if best is None or here.misfit < best.misfit:
             best = here
-        fit = solve(fit.problem, fit.explanation, exact, [fit.z], shift)
-        gain = misfit - float(np.sum(fit.whiten(fit.residual) ** 2))
-        previous = min(misfit, previous)
-        if gain < SETTLED:
-            break
-    return best
+        else:
+            best = replace(best, correction=replace(best.correction, slope=slope))
+        proposed = solve(fit.problem, fit.explanation, exact, [best.z], best.correction)
+        if best.misfit - proposed.misfit < SETTLED:
+            return replace(best, errors=proposed.errors)
+        z, correction = proposed.z, best.correction
+    return best or fit

@@ -25,7 +25,7 @@ NORMAL_95 = 1.96
 def mechanism_parameters(fit: Fit, rng: np.random.Generator) -> dict[str, dict[str, float]]:
     """Return estimate and 95 % interval of each parameter, as ``key.name``; of one that varies, of its mean."""
     problem = fit.problem
-    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="cholesky").clip(0.0, 1.0)
+    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd").clip(0.0, 1.0)
     best = problem.amplitudes(fit.explanation, fit.z)
     drawn = [problem.amplitudes(fit.explanation, z) for z in draws]
     found = {}

@@ -30,7 +30,7 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     columns = min(4, len(names))
     rows = -(-len(names) // columns)
     figure = plt.figure(figsize=(DOUBLE_COLUMN, 2.6 + 1.5 * rows))
-    top, bottom = figure.subfigures(2, 1, height_ratios=[2.3, 1.5 * rows])
+    top, bottom = figure.subfigures(2, 1, height_ratios=[2.3, 1.5 * rows], squeeze=False)[:, 0]
     left, right = top.subplots(1, 2, gridspec_kw={"width_ratios": [1.5, 1]})
     _map(content, left)
     _candidates(content, right)

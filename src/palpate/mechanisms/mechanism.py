@@ -97,6 +97,11 @@ class Mechanism:
     from_search
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
+    solver_scatter
+        Relative scatter of its simulated depths between meshes, at `accuracy: standard`, beyond that of the base model.
+    shortcut
+        What it makes of a known depth curve, with the arguments of `record`; close enough to search with, so that
+        no simulations are needed to learn its effect.
     """
 
     key: str
@@ -109,11 +114,17 @@ class Mechanism:
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
+    solver_scatter: float = 0.0
+    shortcut: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] | None = None
 
     @property
-    def acts_on_body(self) -> bool:
-        """Whether it needs simulations of its own, rather than adding to the depth of the base model's."""
-        return self.simulate is not unchanged_specification
+    def needs_learning(self) -> bool:
+        """Whether its effect must be learnt from simulations, rather than derived from the base model's curve."""
+        return self.simulate is not unchanged_specification and self.shortcut is None
+
+    def on_curve(self, time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
+        """Return what it makes of the base model's curve (n,) [nm], as far as that can be derived."""
+        return self.shortcut(time, load, depth, values) if self.shortcut else self.record(time, load, depth, values)
 
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""
