@@ -106,7 +106,7 @@ def test_newton_converges_quadratically(large):
     mesh = polar_mesh(ring_radii(0.1, 0.8, STANDARD), STANDARD.sectors)
     region = np.zeros(len(mesh.elements), dtype=np.int64)
     problem = Problem(mesh, Profile.of(CONE), Specimen(law()), law()[None], region, large)
-    work, state, before = Workspace.of(mesh), State.initial(problem), None
+    work, state, before = Workspace.of(problem), State.initial(problem), None
     for time in step_times(protocol, 1)[:12]:
         state, before, _ = march(problem, protocol, state, before, time, work)
     advance(problem, state, 1.2 * time, float(protocol.load_at(1.2 * time)), 1.0, state, work)

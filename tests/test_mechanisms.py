@@ -32,6 +32,7 @@ VISIBLE = {
     "second_voigt": {"coefficient": 0.1, "exponent": 0.3, "retardation_time": 10.0},
     "plastic_yield": {"yield_stress": 0.15, "hardening": 0.2},
     "controller_lag": {"lag": 1.0},
+    "friction": {"coefficient": 0.25},
     "film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0},
     "size_effect": {"length": 50.0},
 }

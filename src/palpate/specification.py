@@ -70,10 +70,6 @@ class Specification:
         ):
             if value not in known:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
-        if self.indenter.friction:
-            raise InputError(
-                f"friction = {self.indenter.friction:g} is not available yet", remedy="use 0", place="indenter.friction"
-            )
         object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
         object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
 

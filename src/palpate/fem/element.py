@@ -2,7 +2,13 @@
 
 The volumetric strain of an element is the mean of tr E over it, against locking (B-bar; Simo, Taylor & Pister, Comput.
 Methods Appl. Mech. Engrg. 51 (1985) 177-208). Where a surface node is in contact, its vertical displacement follows the
-indenter, u_z = f(r + u_r) - depth, and is eliminated element by element: the system stays banded and symmetric.
+indenter, u_z = f(R) - depth at R = r + u_r, and is eliminated element by element: the system stays banded. What is left
+of the node's forces (F_r, F_z) is balance along the generator with Coulomb friction, T = -m N,
+
+    (1 + m f') F_r + (f' - m) F_z = 0,
+
+where m, between -mu and mu, follows from how far the node has slipped (`palpate.fem.friction`). The system is symmetric
+without friction only.
 """
 
 from __future__ import annotations
@@ -13,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem import hencky, linear
+from palpate.fem.contact import CURVATURE, GAP, RATIO, RATIO_SLOPE, SLOPE
 from palpate.materials.radial import ALPHA, commit, history, invariant
 
 DEPTH = 8  # the ninth unknown of an element that touches the indenter
@@ -24,7 +31,7 @@ _hencky_element = hencky.element
 @njit(cache=True)
 def assemble(
     displacement, elements, equations, gradients, volumes, deviatoric, dilatation, region, coefficients, weights,
-    past, alpha, guesses, local, large, contact, slope, curvature, band, residual, border, reaction,
+    past, alpha, guesses, local, large, geometric, contact, rule, band, diagonal, residual, border, force,
 ):  # fmt: skip
     """Assemble the constrained system at the given displacements.
 
@@ -43,14 +50,21 @@ def assemble(
         Accumulated plastic strain at the start of the step; last q, updated here.
     large : bool
         Logarithmic instead of linear strains.
+    geometric : bool
+        Keep the stiffness that stress gives to changing strain-displacement relations; without it the matrix is
+        positive definite whatever the stress.
     contact : ndarray of bool, shape (n,)
-        Nodes in contact; `slope` and `curvature` (n,) hold the indenter's profile there.
-    band : ndarray, shape (size, bandwidth + 1)
-        Out: lower band, ``band[j, i - j]`` holds the entry (i, j).
-    residual, border : ndarray, shape (size,)
-        Out: internal forces, and the column that couples the depth.
-    reaction : ndarray, shape (n,)
-        Out: vertical contact force at the nodes in contact.
+        Nodes in contact.
+    rule : ndarray, shape (n, 5)
+        What holds at them, see `palpate.fem.contact.Contact`.
+    band : ndarray, shape (size, columns)
+        Out: ``band[j, diagonal + i - j]`` holds the entry (i, j); the lower half only where `diagonal` is zero.
+    residual : ndarray, shape (size,)
+        Out: internal forces.
+    border : ndarray, shape (size, 2)
+        Out: derivative of the residual by the depth, and of the load by the displacements.
+    force : ndarray, shape (n, 2)
+        Out: force of the indenter on the nodes in contact, along r and z.
 
     Returns
     -------
@@ -60,7 +74,7 @@ def assemble(
     band[:] = 0.0
     residual[:] = 0.0
     border[:] = 0.0
-    reaction[:] = 0.0
+    force[:] = 0.0
     corner = 0.0
     ke = np.zeros((9, 9))
     fe = np.zeros(9)
@@ -73,7 +87,7 @@ def assemble(
         row, step = coefficients[region[e]], weights[region[e]]
         if large:
             if not _hencky_element(
-                gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], step, row, local[e], ke, fe
+                gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], step, row, local[e], ke, fe, geometric
             ):
                 return math.nan
         else:
@@ -81,6 +95,11 @@ def assemble(
                 gradients[e], volumes[e], deviatoric[e], dilatation[e], u, past[e], alpha[e], guesses[e], step, row,
                 local[e], ke, fe,
             )  # fmt: skip
+        for a in range(4):
+            node = elements[e, a]
+            if contact[node] and rule[node, GAP] != 0.0:
+                for i in range(8):
+                    fe[i] += ke[i, 2 * a + 1] * rule[node, GAP]
         touching = False
         for a in range(4):
             node = elements[e, a]
@@ -90,8 +109,9 @@ def assemble(
                     ke[DEPTH] = 0.0
                     ke[:, DEPTH] = 0.0
                     fe[DEPTH] = 0.0
-                reaction[node] -= fe[2 * a + 1]
-                _follow_indenter(ke, fe, 2 * a, slope[node], curvature[node])
+                force[node, 0] += fe[2 * a]
+                force[node, 1] += fe[2 * a + 1]
+                _follow_indenter(ke, fe, 2 * a, rule[node])
         if touching:
             corner += ke[DEPTH, DEPTH]
         for a in range(8):
@@ -100,33 +120,39 @@ def assemble(
                 continue
             residual[i] += fe[a]
             if touching:
-                border[i] += ke[a, DEPTH]
+                border[i, 0] += ke[a, DEPTH]
+                border[i, 1] += ke[DEPTH, a]
             for c in range(8):
                 j = equation[c]
-                if 0 <= j <= i:
-                    band[j, i - j] += ke[a, c]
+                if 0 <= j <= i or (diagonal > 0 and j >= 0):
+                    band[j, diagonal + i - j] += ke[a, c]
     return corner
 
 
 @njit(cache=True)
-def _follow_indenter(ke, fe, r, slope, curvature):
-    """Put u_z = f(r + u_r) - depth in place of one node's u_z; the element's ninth unknown is the depth."""
+def _follow_indenter(ke, fe, r, rule):
+    """Put u_z = f(R) - depth in place of one node's u_z, and balance along the generator in place of its forces.
+
+    The element's ninth unknown is the depth, its ninth force the load.
+    """
     z = r + 1
-    vertical = fe[z]
-    diagonal = ke[z, z]
+    slope, ratio = rule[SLOPE], rule[RATIO]
+    radial, vertical = fe[r], fe[z]
+    along, across = 1.0 + ratio * slope, slope - ratio
+    stiffness = ke[z, z]
     for i in range(9):
-        ke[r, i] += slope * ke[z, i]
+        ke[r, i] = along * ke[r, i] + across * ke[z, i]
         ke[DEPTH, i] -= ke[z, i]
     for i in range(9):
         ke[i, r] += slope * ke[i, z]
         ke[i, DEPTH] -= ke[i, z]
-    ke[r, r] += curvature * vertical
-    fe[r] += slope * vertical
+    ke[r, r] += rule[CURVATURE] * (vertical + ratio * radial) + rule[RATIO_SLOPE] * (slope * radial - vertical)
+    fe[r] = along * radial + across * vertical
     fe[DEPTH] -= vertical
     for i in range(9):
         ke[z, i] = 0.0
         ke[i, z] = 0.0
-    ke[z, z] = diagonal
+    ke[z, z] = stiffness
     fe[z] = 0.0
 
 

@@ -115,8 +115,10 @@ def add_curvature(gradients, b, frame, stress, weight, ke):
 
 
 @njit(cache=True)
-def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
+def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe, geometric=True):
     """Write stiffness `ke` and internal force `fe` of one element; `local` (4, 4) receives R, `guesses` (4,) q.
+
+    Without `geometric` the stiffness lacks the part that stress gives it, see `palpate.fem.element.assemble`.
 
     Returns
     -------
@@ -173,5 +175,6 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
                 ke[i, j] += b0 * bg[0, j] + b1 * bg[1, j] + b2 * bg[2, j] + b3 * bg[3, j] + vi * v[j]
         stress[0], stress[1], stress[2] = ratio * r0 + pressure, ratio * r1 + pressure, ratio * r2 + pressure
         stress[3] = ratio * r3
-        add_curvature(gradients[g], bg, frame[g], stress, volumes[g], ke)
+        if geometric:
+            add_curvature(gradients[g], bg, frame[g], stress, volumes[g], ke)
     return True

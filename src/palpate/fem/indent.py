@@ -172,8 +172,8 @@ def indent(
     smallest, largest = contact_range(specimen, indenter, protocol)
     check_size(specimen, indenter, resolution, largest)
     mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
-    problem = Problem(mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large)
-    work = Workspace.of(mesh)
+    problem = Problem(mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large, indenter.friction)
+    work = Workspace.of(problem)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
     reason, steps = "", 0
@@ -206,9 +206,9 @@ def march(
             guess = extrapolate(state, before, end)
             after = advance(problem, state, end, load, protocol.max_load, guess, work)
         except ConvergenceError:
-            step, before = 0.5 * step, None
-            if step < shortest:
+            if before is None and 0.5 * step < shortest:
                 raise
+            step, before = max(0.5 * step, shortest), None
             continue
         state, before, taken = after, state, taken + 1
         if end == target:

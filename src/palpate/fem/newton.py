@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import lapack
 
 from palpate.errors import ConvergenceError
-from palpate.fem.contact import Profile
+from palpate.fem import banded
+from palpate.fem.contact import CURVATURE, Contact, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -34,6 +34,8 @@ class Problem:
         Region of each element.
     large : bool
         Logarithmic instead of linear strains.
+    friction : float
+        Coulomb coefficient between indenter and body.
     """
 
     mesh: Mesh
@@ -42,6 +44,7 @@ class Problem:
     coefficients: np.ndarray
     region: np.ndarray
     large: bool
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +61,10 @@ class State:
     contact : ndarray of bool, shape (n,)
     guesses : ndarray, shape (m, 4)
         Last q at each Gauss point, where the next search begins.
-    reaction : ndarray, shape (n,)
-        Vertical contact force at the nodes [mN].
+    force : ndarray, shape (n, 2)
+        Force of the indenter on the nodes, along r and z [mN].
+    anchor : ndarray, shape (k,)
+        Distance from the axis at which each surface node sticks [um]; NaN where it does not touch.
     """
 
     time: float
@@ -68,7 +73,8 @@ class State:
     material: np.ndarray
     contact: np.ndarray
     guesses: np.ndarray
-    reaction: np.ndarray
+    force: np.ndarray
+    anchor: np.ndarray
 
     @classmethod
     def initial(cls, problem: Problem) -> State:
@@ -77,7 +83,8 @@ class State:
         contact = np.zeros(n, dtype=bool)
         contact[0] = True
         material = np.zeros((m, 4, state_size(problem.coefficients[0])))
-        return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros(n))
+        anchor = np.full(len(problem.mesh.surface), np.nan)
+        return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros((n, 2)), anchor)
 
 
 @dataclass
@@ -96,13 +103,14 @@ class Workspace:
     norms: list[float] = field(default_factory=list)
 
     @classmethod
-    def of(cls, mesh: Mesh) -> Workspace:
-        """Allocate for `mesh`."""
+    def of(cls, problem: Problem) -> Workspace:
+        """Allocate for `problem`; friction makes its matrix unsymmetric."""
+        mesh = problem.mesh
         m = len(mesh.elements)
         return cls(
-            np.empty((mesh.size, mesh.bandwidth + 1)),
+            banded.allocate(mesh.size, mesh.bandwidth, symmetric=problem.friction == 0.0),
             np.empty(mesh.size),
-            np.empty(mesh.size),
+            np.empty((mesh.size, 2)),
             np.empty((m, 4, 4)),
             np.empty((m, 4)),
             np.empty((m, 4, 4)),
@@ -122,7 +130,7 @@ def advance(
     scale
         Largest load of the history [mN]; forces converge to 1e-7 of it.
     guess
-        State whose displacement, depth and contact set start the iteration.
+        State whose displacement and depth start the iteration.
 
     Raises
     ------
@@ -136,23 +144,21 @@ def advance(
     weights = np.stack([step_weights(row, step) for row in coefficients])
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
-    contact, guesses = guess.contact.copy(), state.guesses.copy()
-    reaction = np.empty(len(mesh.nodes))
-    surface = mesh.surface
+    guesses = state.guesses.copy()
+    contact = Contact.resume(mesh, profile, problem.friction, state, guess)
+    force = np.empty((len(mesh.nodes), 2))
     free = mesh.equations >= 0
-    slope, curvature = np.zeros(len(mesh.nodes)), np.zeros(len(mesh.nodes))
+    diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
-    search = None
+    search, geometric = None, True
     for iteration in range(ITERATIONS):
-        height, slope[surface], curvature[surface] = profile(mesh.nodes[surface, 0] + displacement[surface, 0])
-        gap = height - depth - displacement[surface, 1]
-        contact[surface] |= gap < 0.0
-        displacement[surface, 1] += np.where(contact[surface], gap, 0.0)
+        same = contact.follow(displacement, depth)
+        contact.rule[:, CURVATURE] *= geometric
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.gradients, mesh.weights, work.deviatoric, work.dilatation,
-            problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large,
-            contact, slope, curvature, work.band, work.residual, work.border, reaction,
+            problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
+            contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
         work.iterations += 1
         if not np.isfinite(corner):
@@ -162,34 +168,51 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        pulled = contact & (reaction < -TOLERANCE * scale)
-        if iteration > 0 and pulled.any() and contact.sum() > 1:
-            contact &= ~pulled
-            if not contact.any():
-                contact[np.argmin(np.where(pulled, reaction, np.inf))] = True
+        pulled = contact.pulled(force, TOLERANCE * scale)
+        if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
+            contact.release(pulled, force)
             search = None
             continue
-        forces[:-1], forces[-1] = work.residual, reaction.sum() - load
+        forces[:-1], forces[-1] = work.residual, -force[:, 1].sum() - load
         norm = np.abs(forces).max() / scale
         work.norms.append(norm)
-        if norm < TOLERANCE and not pulled.any():
+        if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
             end_step(work.local, guesses, problem.region, coefficients, weights, material)
-            return State(time, depth, displacement, material, contact, guesses, reaction)
-        if search is not None and (shorter := search.shorten(forces)) != 0.0:
+            anchor = contact.anchors(displacement)
+            return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
+        if search is not None and same and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
-        if failed:
-            raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
-        solution, _ = lapack.dpbtrs(factor, np.column_stack([work.residual, work.border]), lower=1, overwrite_b=1)
-        forward, sideways = solution.T
-        change = (work.border @ forward - forces[-1]) / (corner - work.border @ sideways)
-        search = Search.along(np.append(-forward - change * sideways, change), forces)
-        displacement[free] += search.direction[:-1]
-        depth += change
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and problem.large)
+        if direction is None:
+            if not geometric:
+                raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
+            geometric, search = False, None
+            continue
+        geometric = True
+        search = Search.along(direction, forces)
+        displacement[free] += direction[:-1]
+        depth += direction[-1]
     raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+
+
+def newton_direction(
+    work: Workspace, bandwidth: int, forces: np.ndarray, corner: float, definite: bool
+) -> np.ndarray | None:
+    """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
+
+    None where the matrix cannot be factored, or ought to be positive definite (`definite`) and is not.
+    """
+    right = np.column_stack([work.residual, work.border[:, 0]])
+    solution = banded.solve(work.band, bandwidth, right, definite)
+    if solution is None:
+        return None
+    forward, sideways = solution.T
+    row = work.border[:, 1]
+    change = (row @ forward - forces[-1]) / (corner - row @ sideways)
+    return np.append(-forward - change * sideways, change)
 
 
 @dataclass

@@ -1,0 +1,38 @@
+"""Banded systems with LAPACK: Cholesky where the matrix is symmetric, pivoted LU where friction spoils that."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import lapack
+
+
+def allocate(size: int, bandwidth: int, symmetric: bool) -> np.ndarray:
+    """Return storage for a matrix: entry (i, j) belongs in ``band[j, diagonal(band, bandwidth) + i - j]``.
+
+    A symmetric matrix is stored as its lower half. A general one takes `bandwidth` columns more, which pivoting fills.
+    """
+    return np.empty((size, bandwidth + 1 if symmetric else 3 * bandwidth + 1))
+
+
+def diagonal(band: np.ndarray, bandwidth: int) -> int:
+    """Return the column of `band` that holds the diagonal."""
+    return band.shape[1] - 1 - bandwidth
+
+
+def solve(band: np.ndarray, bandwidth: int, right: np.ndarray, definite: bool) -> np.ndarray | None:
+    """Solve for the columns of `right` (size, k), overwriting `band`.
+
+    Returns
+    -------
+    ndarray, shape (size, k), or None
+        None where a symmetric matrix is not positive definite, a general one is singular, or its lower half is not that
+        of a positive definite matrix although it should be `definite`.
+    """
+    middle = diagonal(band, bandwidth)
+    if middle == 0:
+        factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
+        return None if failed else lapack.dpbtrs(factor, right, lower=1)[0]
+    if definite and lapack.dpbtrf(band[:, middle:].T, lower=1)[1]:
+        return None
+    factor, pivots, failed = lapack.dgbtrf(band.T, bandwidth, bandwidth, overwrite_ab=1)
+    return None if failed else lapack.dgbtrs(factor, bandwidth, bandwidth, right, pivots)[0]

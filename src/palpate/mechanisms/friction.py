@@ -1,0 +1,29 @@
+"""Friction: between indenter and surface it differs from what the base model assumes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
+from palpate.parameters import Parameter
+from palpate.specification import Specification
+
+COEFFICIENT = Parameter(
+    "coefficient", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient in place of the assumed one"
+)
+
+
+def simulate(specification: Specification, values: Values) -> Specification:
+    """Put the true coefficient in place of the assumed one."""
+    return replace(specification, indenter=replace(specification.indenter, friction=values["coefficient"]))
+
+
+MECHANISM = Mechanism(
+    "friction",
+    "friction",
+    (COEFFICIENT,),
+    {"coefficient": 0.0},
+    "Bucaille et al., Acta Mater. 51 (2003) 1663-1678",
+    lambda s: {"coefficient": Range(0.0, 0.5)},
+    simulate=simulate,
+)
