@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.challenge.cases import Case
-from palpate.challenge.unknown import UNKNOWN, TestCurve
+from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
@@ -34,7 +34,7 @@ def record(study: Study, case: Case, condition: Condition, rng: np.random.Genera
     time, load = protocol.sample_time, protocol.sample_load
     depth = body_depth(study, case, condition)
     if case.unknown:
-        test = TestCurve(time, load, depth, protocol)
+        test = Curve(time, load, depth, protocol)
         depth = UNKNOWN[case.unknown["key"]](test, case.unknown["strength"], rng)
     recordings = []
     for replicate in range(1, REPLICATES + 1):
