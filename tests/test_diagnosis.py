@@ -27,6 +27,9 @@ CONDITIONS = tuple(
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=100, loading_time=10, half_angle=70.3, pressure=0.2)
 
 
+ONES = {c.name: np.ones(60) for c in CONDITIONS}
+
+
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
     """Linear viscoelastic cone: h^2 = c J*P with a modulus and a viscosity, exact for loading, good enough here."""
@@ -67,7 +70,7 @@ def recordings(rng, effect=lambda c, r: 0.0, replicates=3, sigma=1.0, memory=0.8
 def problem(observed):
     base = {c.name: ClosedForm(c) for c in CONDITIONS}
     space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
-    return Problem(CONDITIONS, observed, space, base, {c.name: {} for c in CONDITIONS}, SCALE)
+    return Problem(CONDITIONS, observed, space, base, {c.name: {} for c in CONDITIONS}, ONES, SCALE)
 
 
 def fitted(task, explanation=(), start=None):
