@@ -19,6 +19,9 @@ from palpate.errors import PalpateError
 from palpate.surrogate import PODRBF
 
 
+SHALLOW = 0.02
+
+
 @dataclass(frozen=True, eq=False)
 class Effects:
     """What a diagnosis knows about one condition beyond the base model's surrogate.
@@ -94,7 +97,10 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
         surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
         fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, int((~good).sum()))
     usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))
-    return Effects(fitted, fine / usual)
+    if not np.isfinite([usual, fine]).all():
+        raise PalpateError(f"the middle material could not be simulated under {condition.name}")
+    deep = usual > SHALLOW * usual.max()
+    return Effects(fitted, np.where(deep, fine, 1.0) / np.where(deep, usual, 1.0))
 
 
 def summary(effects: Effects) -> dict[str, dict[str, float]]:
