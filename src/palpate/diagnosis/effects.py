@@ -18,7 +18,6 @@ from palpate.diagnosis.design import candidates, pairs, refinement, thinned
 from palpate.errors import PalpateError
 from palpate.surrogate import PODRBF
 
-
 SHALLOW = 0.02
 
 
