@@ -1,8 +1,8 @@
 """The exact law of a sharp tip as a detector that needs no model at all.
 
 A sharp cone on a homogeneous body has no length, so two tests whose load histories are proportional, P_2(t) = k P_1(t),
-have h_2(t) = sqrt(k) h_1(t), whatever the material's law. Where the recordings break this, a length (rounding, film, size
-effect, zero point) or the instrument (frame, drift) is missing, not a better law of the material.
+have h_2(t) = sqrt(k) h_1(t), whatever the material's law. Where the recordings break this, a length (rounding, film,
+size effect, zero point) or the instrument (frame, drift) is missing, not a better law of the material.
 """
 
 from __future__ import annotations
