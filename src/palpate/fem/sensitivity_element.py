@@ -128,19 +128,20 @@ def freeze(state, change, row, d_row, weights, d_weights, powers):
 
 @njit(cache=True)
 def flow_of(q, alpha, row):
-    """Return the plastic increment of alpha, zero where the step does not yield, and the hardening that holds."""
-    excess = ROOT3 * q - row[YIELD] - row[HARDENING] * alpha
+    """Return whether the step yields, the plastic increment of alpha, and the hardening that holds."""
     hardening = max(row[HARDENING], 1e-9 * row[SHEAR])
-    return max(excess, 0.0) / hardening, hardening
+    threshold = row[YIELD] + row[HARDENING] * alpha
+    yields = ROOT3 * q > threshold
+    return yields, (ROOT3 * q - threshold) / hardening if yields else 0.0, hardening
 
 
 @njit(cache=True)
-def radial_slope(increment, hardening, row, weights, powers):
+def radial_slope(yields, hardening, row, weights, powers):
     """Return dq/drho."""
     slope = 0.5 / row[SHEAR] + (2.0 * row[STEADY_EXPONENT] + 1.0) * weights[0] * powers[0]
     for k in range(powers.shape[0] - 1):
         slope += (2.0 * weights[4 + 4 * k] + 1.0) * weights[3 + 4 * k] * powers[1 + k]
-    return 1.0 / (slope + 1.5 / hardening) if increment > 0.0 else 1.0 / slope
+    return 1.0 / (slope + 1.5 / hardening) if yields else 1.0 / slope
 
 
 @njit(cache=True, inline="always")
@@ -152,7 +153,7 @@ def increment_change(j, alpha, d_alpha, increment, hardening, row, d_row):
 
 
 @njit(cache=True)
-def stress_change(change, q, log_q, r, rho, alpha, slope, increment, hardening, row, d_row, weights, d_weights, powers,
+def stress_change(change, q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, weights, d_weights, powers,
                   d_local, d_q, d_stress):  # fmt: skip
     """Write dq (p,) and ds (4, p) for the changes `d_local` (4, p) of R; `change` is the derivative of the state."""
     ratio = q / rho if rho > 0.0 else slope
@@ -166,7 +167,7 @@ def stress_change(change, q, log_q, r, rho, alpha, slope, increment, hardening, 
             c, m = 3 + 4 * k, 4 + 4 * k
             fixed += rate_change(powers[1 + k], weights[c], d_weights[c, j], weights[m], d_weights[m, j], log_q, 0.0)
         fixed *= q
-        if increment > 0.0:
+        if yields:
             fixed += 0.5 * ROOT3 * increment_change(j, alpha, change[ALPHA, j], increment, hardening, row, d_row)
         d0, d1, d2, d3 = d_local[0, j], d_local[1, j], d_local[2, j], d_local[3, j]
         d_rho = 0.5 * inverse * (r[0] * d0 + r[1] * d1 + r[2] * d2 + 2.0 * r[3] * d3)
@@ -233,10 +234,10 @@ def carry(
             r, q, alpha = local[e, g], solution[e, g], state[e, g, ALPHA]
             rho = invariant(r[0], r[1], r[2], r[3])
             log_q = powers_of(q, row, step, powers)
-            increment, hardening = flow_of(q, alpha, row)
-            slope = radial_slope(increment, hardening, row, step, powers)
+            yields, increment, hardening = flow_of(q, alpha, row)
+            slope = radial_slope(yields, hardening, row, step, powers)
             stress_change(
-                change[e, g], q, log_q, r, rho, alpha, slope, increment, hardening, row, d_row, step, d_step, powers,
+                change[e, g], q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, step, d_step, powers,
                 d_local, d_q, d_stress,
             )  # fmt: skip
             volume = volumes[e, g]
@@ -288,21 +289,21 @@ def settle(
             r, q, alpha = local[e, g], solution[e, g], alphas[e, g]
             rho = invariant(r[0], r[1], r[2], r[3])
             log_q = powers_of(q, row, step, powers)
-            increment, hardening = flow_of(q, alpha, row)
-            slope = radial_slope(increment, hardening, row, step, powers)
+            yields, increment, hardening = flow_of(q, alpha, row)
+            slope = radial_slope(yields, hardening, row, step, powers)
             stress_change(
-                change[e, g], q, log_q, r, rho, alpha, slope, increment, hardening, row, d_row, step, d_step, powers,
+                change[e, g], q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, step, d_step, powers,
                 d_local, d_q, d_stress,
             )  # fmt: skip
             ratio = q / rho if rho > 0.0 else 0.0
             _finish(
-                change[e, g], r, ratio, q, log_q, alpha, increment, hardening, row, d_row, step, d_step, powers,
+                change[e, g], r, ratio, q, log_q, alpha, yields, increment, hardening, row, d_row, step, d_step, powers,
                 d_q, d_stress,
             )  # fmt: skip
 
 
 @njit(cache=True)
-def _finish(change, r, ratio, q, log_q, alpha, increment, hardening, row, d_row, weights, d_weights, powers, d_q,
+def _finish(change, r, ratio, q, log_q, alpha, yields, increment, hardening, row, d_row, weights, d_weights, powers, d_q,
             d_stress):  # fmt: skip
     """Add what the step itself contributes to the derivative of a point's state, in place."""
     inverse = 1.0 / q if q > 0.0 else 0.0
@@ -312,7 +313,7 @@ def _finish(change, r, ratio, q, log_q, alpha, increment, hardening, row, d_row,
         rate = rate_change(
             powers[0], weights[0], d_weights[0, j], row[STEADY_EXPONENT], d_row[STEADY_EXPONENT, j], log_q, relative
         )
-        if increment > 0.0:
+        if yields:
             d_increment = increment_change(j, alpha, change[ALPHA, j], increment, hardening, row, d_row)
             d_increment += ROOT3 * d_q[j] / hardening
             rate += 0.5 * ROOT3 * inverse * (d_increment - increment * relative)
