@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.fem.clock import Shift
 from palpate.fem.directions import Directions
 from palpate.fem.indent import laws_of
 from palpate.materials import LAWS
@@ -113,7 +114,8 @@ def directions(variations: Mapping[str, Variation]) -> Directions:
     InputError
         For the thickness of a film, on which a mesh depends by jumps.
     """
-    columns = []
+    columns: list[list[np.ndarray]] = []
+    shifts = []
     for name, variation in variations.items():
         low, high = acting(variation.low), acting(variation.high)
         if low.film_thickness != high.film_thickness:
@@ -132,6 +134,8 @@ def directions(variations: Mapping[str, Variation]) -> Directions:
                 (low.size_length, high.size_length),
             )
         ]
+        if low.protocol is not high.protocol:
+            shifts.append(Shift(len(columns), low.protocol, high.protocol, variation.width))
         columns.append(change)
     laws, slope, radius, friction, size_length = (np.stack(column, axis=-1) for column in zip(*columns, strict=True))
-    return Directions(laws, slope, radius, friction, size_length, {})
+    return Directions(laws, slope, radius, friction, size_length, tuple(shifts))

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.fem.clock import Shift
 from palpate.fem.contact import Profile
 from palpate.materials.radial import HARDENING, STEADY, STEADY_EXPONENT, VOIGT, YIELD
-from palpate.protocol import Protocol
 from palpate.specimen import Specimen
 
 SPHERE_EDGE = 0.99  # of its radius, beyond which a sphere continues flat, see `palpate.fem.contact.Profile`
@@ -27,9 +27,8 @@ class Directions:
     friction : ndarray, shape (p,)
     size_length : ndarray, shape (p,)
         [nm]
-    protocols : dict
-        For each parameter that moves the load history: its index, the histories a little below and above, and the
-        distance between the two values of the parameter.
+    shifts : tuple of Shift
+        Of the load history, one for each parameter that moves it.
     """
 
     coefficients: np.ndarray
@@ -37,7 +36,7 @@ class Directions:
     radius: np.ndarray
     friction: np.ndarray
     size_length: np.ndarray
-    protocols: dict[int, tuple[Protocol, Protocol, float]]
+    shifts: tuple[Shift, ...]
 
     @property
     def count(self) -> int:

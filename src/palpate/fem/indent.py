@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import ConvergenceError, InputError
+from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
 from palpate.fem.directions import Directions
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
@@ -187,7 +188,7 @@ def indent(
     Raises
     ------
     InputError
-        When the mesh cannot hold the specimen or the tip, see `check_size`.
+        When the mesh cannot hold the specimen or the tip, see `check_size`, or the depth has no derivative.
     """
     began = clock.perf_counter()
     check_size(specimen, indenter, resolution, contact_range(specimen, indenter, protocol)[1])
@@ -196,13 +197,18 @@ def indent(
     law, region = laws_of(specimen), regions(specimen, mesh)
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction)
     work = Workspace.of(problem)
-    sensitivity = Sensitivity(problem, directions) if directions else None
+    ends = step_times(protocol, resolution.refine)
+    sensitivity = None
+    if directions:
+        pairs = ((shift.low, shift.high) for shift in directions.shifts)
+        moved = tuple((step_times(a, resolution.refine), step_times(b, resolution.refine)) for a, b in pairs)
+        sensitivity = Sensitivity(problem, directions, Clock(ends, moved, directions.shifts, directions.count))
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
     derivatives = np.full((len(depth), directions.count if directions else 0), np.nan)
     reason, steps = "", 0
     corners = set(protocol.knot_time)
-    for target in step_times(protocol, resolution.refine):
+    for target in ends:
         try:
             state, before, taken = march(problem, protocol, state, before, target, work, sensitivity)
         except ConvergenceError as error:
