@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -114,7 +115,7 @@ def directions(variations: Mapping[str, Variation]) -> Directions:
     InputError
         For the thickness of a film, on which a mesh depends by jumps.
     """
-    columns: list[list[np.ndarray]] = []
+    columns: list[list[Any]] = []
     shifts = []
     for name, variation in variations.items():
         low, high = acting(variation.low), acting(variation.high)

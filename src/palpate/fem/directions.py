@@ -60,11 +60,9 @@ def profile_change(profile: Profile, directions: Directions, r: np.ndarray) -> t
     if not np.isfinite(slope):
         slope = SPHERE_EDGE / np.sqrt(1.0 - SPHERE_EDGE**2)
     on_cap = r < edge
-    height = np.where(
-        on_cap,
-        (1.0 - radius / root) * directions.radius,
-        (1.0 - np.hypot(1.0, slope)) * directions.radius + (r - radius * slope / np.hypot(1.0, slope)) * directions.slope,
-    )
+    stretch = np.hypot(1.0, slope)
+    flank = (1.0 - stretch) * directions.radius + (r - radius * slope / stretch) * directions.slope
+    height = np.where(on_cap, (1.0 - radius / root) * directions.radius, flank)
     inclination = np.where(on_cap, -radius * r / root**3 * directions.radius, directions.slope)
     return height, inclination
 
@@ -72,7 +70,7 @@ def profile_change(profile: Profile, directions: Directions, r: np.ndarray) -> t
 def resisted_change(
     laws: np.ndarray, specimen: Specimen, directions: Directions, depth: float, d_depth: np.ndarray
 ) -> np.ndarray:
-    """Return the changes (regions, c, p) of `palpate.specimen.resisted` laws, with the depth [nm] and its change (p,)."""
+    """Return the changes (regions, c, p) of `palpate.specimen.resisted` laws at a `depth` [nm] that changes too."""
     d_laws = directions.coefficients
     length, floor = specimen.size_length, max(depth, 1e-3)
     d_depth = d_depth if depth > floor * (1 - 1e-12) else np.zeros_like(d_depth)
@@ -92,7 +90,7 @@ def resisted_change(
 
 
 def weights_change(coefficients: np.ndarray, d_coefficients: np.ndarray, dt: float, d_dt: np.ndarray) -> np.ndarray:
-    """Return the changes (regions, w, p) of `palpate.materials.radial.step_weights` for a step `dt` that changes too."""
+    """Return the changes (regions, w, p) of `palpate.materials.radial.step_weights`; the step `dt` changes too."""
     steady = 0.5 * (dt * d_coefficients[:, STEADY] + coefficients[:, STEADY, None] * d_dt)
     changes = [steady]
     for k in range(VOIGT, coefficients.shape[1], 3):

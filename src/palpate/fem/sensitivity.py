@@ -19,7 +19,7 @@ from palpate.fem.contact import RATIO, SLOPE
 from palpate.fem.directions import Directions, profile_change, resisted_change, weights_change
 from palpate.fem.newton import Equilibrium, Problem, State, Workspace
 from palpate.fem.sensitivity_contact import AnchorChange
-from palpate.fem.sensitivity_element import carry, push, settle
+from palpate.fem.sensitivity_element import carry, powers_size, push, settle
 
 
 class Sensitivity:
@@ -49,6 +49,7 @@ class Sensitivity:
         self.displacement = np.zeros((*initial.displacement.shape, count))
         self.material = np.zeros((*initial.material.shape, count))
         self.anchor = AnchorChange(problem, directions)
+        self._powers = np.zeros((*initial.guesses.shape, powers_size(problem.coefficients[0])))
         self._depth_before, self._displacement_before = self.depth, self.displacement
 
     def follow(self, state: State, guess: State, after: State, before: State | None, work: Workspace) -> None:
@@ -75,7 +76,8 @@ class Sensitivity:
         step = (mesh.elements, mesh.gradients, mesh.weights, problem.large, after.displacement, problem.region)
         changes = (laws, d_laws, balance.weights, d_weights)
         d_force = np.zeros_like(self.displacement)
-        carry(*step, *changes, state.material, work.local, after.guesses, self.material, d_force)
+        points = (work.alpha, work.local, after.guesses, self._powers)
+        carry(*step, *changes, state.material, *points, self.material, d_force)
 
         surface = mesh.surface
         touching = after.contact[surface]
@@ -96,7 +98,7 @@ class Sensitivity:
         followed = balance.contact.rule[surface, SLOPE, None] * self.displacement[surface, 0] + lift - self.depth
         self.displacement[surface, 1] = np.where(touching[:, None], followed, self.displacement[surface, 1])
         self.anchor.drag(balance.contact, r, self.displacement[surface, 0])
-        settle(*step, *changes, work.alpha, work.local, after.guesses, self.displacement, self.material)
+        settle(*step, *changes, *points, self.displacement, self.material)
 
     def _guess(self, state: State, before: State | None, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the derivatives of `palpate.fem.newton.extrapolate`: of the depth, and of the displacements."""

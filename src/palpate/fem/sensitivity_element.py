@@ -28,37 +28,36 @@ from palpate.materials.radial import (
     PERMANENT,
     SHEAR,
     STEADY_EXPONENT,
-    STRESS,
     TRANSIENT,
+    VOIGT,
     YIELD,
     invariant,
 )
 
 ROOT3 = math.sqrt(3.0)
+LOG, POWER = range(2)
 _linear_element = linear.element
 _hencky_element = hencky.element
 _strain_at = hencky.strain_at
 
 
-@njit(cache=True)
-def strain_matrices(gradients, volumes, u, large, b, mean):
-    """Write dE/du at the Gauss points in the fixed axes, `b` (4, 4, 8), and of the mean tr E, `mean` (8,).
+def powers_size(coefficients: np.ndarray) -> int:
+    """Return how many numbers `powers_of` writes for one point."""
+    return POWER + 1 + (len(coefficients) - VOIGT) // 3
 
-    Returns
-    -------
-    float
-        Mean tr E of the element.
+
+@njit(cache=True, error_model="numpy")
+def strain_matrices(e, gradients, u, large, b, trace):
+    """Write dE/du at the Gauss points of an element in the fixed axes to `b` (4, 4, 8), and tr E to `trace` (4,).
+
+    At small strains the zeros of `b` stay as they are.
     """
-    volume = volumes[0] + volumes[1] + volumes[2] + volumes[3]
-    mean[:] = 0.0
-    theta = 0.0
     if large:
         strain, frame = np.empty(3), np.empty(7)
     for g in range(4):
-        share = volumes[g] / volume
         if large:
-            _strain_at(gradients[g], u, strain, b[g], frame)
-            theta += share * (strain[0] + strain[1] + strain[2])
+            _strain_at(gradients[e, g], u, strain, b[g], frame)
+            trace[g] = strain[0] + strain[1] + strain[2]
             c, s = frame[COS], frame[SIN]
             for i in range(8):
                 b0, b1, b3 = b[g, 0, i], b[g, 1, i], b[g, 3, i]
@@ -66,67 +65,71 @@ def strain_matrices(gradients, volumes, u, large, b, mean):
                 b[g, 1, i] = b0 * s * s + b1 * c * c + 2.0 * b3 * s * c
                 b[g, 3, i] = (b0 - b1) * s * c + b3 * (c * c - s * s)
         else:
-            b[g] = 0.0
+            trace[g] = 0.0
             for a in range(4):
-                nr, nz, nt = gradients[g, 0, a], gradients[g, 1, a], gradients[g, 2, a]
+                nr, nz, nt = gradients[e, g, 0, a], gradients[e, g, 1, a], gradients[e, g, 2, a]
                 b[g, 0, 2 * a], b[g, 1, 2 * a + 1], b[g, 2, 2 * a] = nr, nz, nt
                 b[g, 3, 2 * a], b[g, 3, 2 * a + 1] = 0.5 * nz, 0.5 * nr
-        for i in range(8):
-            mean[i] += share * (b[g, 0, i] + b[g, 1, i] + b[g, 2, i])
-    if not large:
-        for i in range(8):
-            theta += mean[i] * u[i]
-    return theta
+                trace[g] += (nr + nt) * u[2 * a] + nz * u[2 * a + 1]
 
 
-@njit(cache=True)
-def powers_of(q, row, weights, powers):
-    """Write q^(2 m) of the steady creep and of each Voigt element to `powers`; return log q."""
+@njit(cache=True, error_model="numpy")
+def powers_of(e, g, q, row, weights, powers):
+    """Write log q and q^(2 m) of the steady creep and of each Voigt element to `powers` (m, 4, elements + 2)."""
     log_q = math.log(q) if q > 0.0 else -700.0
-    powers[0] = math.exp(2.0 * row[STEADY_EXPONENT] * log_q)
-    for k in range(powers.shape[0] - 1):
-        powers[1 + k] = math.exp(2.0 * weights[4 + 4 * k] * log_q)
-    return log_q
+    powers[e, g, LOG] = log_q
+    powers[e, g, POWER] = math.exp(2.0 * row[STEADY_EXPONENT] * log_q)
+    for k in range(powers.shape[2] - POWER - 1):
+        powers[e, g, POWER + 1 + k] = math.exp(2.0 * weights[4 + 4 * k] * log_q)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def rate_change(power, coefficient, d_coefficient, exponent, d_exponent, log_q, relative):
     """Return d(C q^(2 m)) for changes of C and m, and the `relative` change dq/q."""
     return power * (d_coefficient + 2.0 * coefficient * (log_q * d_exponent + exponent * relative))
 
 
-@njit(cache=True)
-def freeze(state, change, row, d_row, weights, d_weights, powers):
+@njit(cache=True, error_model="numpy")
+def freeze(e, g, state, change, row, d_row, weights, d_weights, powers):
     """Turn the derivative (s, p) of a point's state into that of what its history fixes in the next step, in place.
 
     Afterwards its permanent and transient strains sum to the derivative of `palpate.materials.radial.history`.
     """
-    q = invariant(state[0], state[1], state[2], state[3])
-    log_q = powers_of(q, row, weights, powers)
+    s0, s1, s2, s3 = state[e, g, 0], state[e, g, 1], state[e, g, 2], state[e, g, 3]
+    q = invariant(s0, s1, s2, s3)
+    log_q = powers[e, g, LOG]
     scale = 0.5 / (q * q) if q > 0.0 else 0.0
-    steady = weights[0] * powers[0]
-    for j in range(change.shape[1]):
-        c0, c1, c2, c3 = change[0, j], change[1, j], change[2, j], change[3, j]
-        relative = scale * (state[0] * c0 + state[1] * c1 + state[2] * c2 + 2.0 * state[3] * c3)
+    steady = weights[0] * powers[e, g, POWER]
+    exponent = row[STEADY_EXPONENT]
+    for j in range(change.shape[3]):
+        c0, c1, c2, c3 = change[e, g, 0, j], change[e, g, 1, j], change[e, g, 2, j], change[e, g, 3, j]
+        relative = scale * (s0 * c0 + s1 * c1 + s2 * c2 + 2.0 * s3 * c3)
         rate = rate_change(
-            powers[0], weights[0], d_weights[0, j], row[STEADY_EXPONENT], d_row[STEADY_EXPONENT, j], log_q, relative
+            powers[e, g, POWER], weights[0], d_weights[0, j], exponent, d_row[STEADY_EXPONENT, j], log_q, relative
         )
-        change[PERMANENT, j] += rate * state[0] + steady * c0
-        change[PERMANENT + 1, j] += rate * state[1] + steady * c1
-        change[PERMANENT + 2, j] += rate * state[2] + steady * c2
-        change[PERMANENT + 3, j] += rate * state[3] + steady * c3
-        for k in range(powers.shape[0] - 1):
+        change[e, g, PERMANENT, j] += rate * s0 + steady * c0
+        change[e, g, PERMANENT + 1, j] += rate * s1 + steady * c1
+        change[e, g, PERMANENT + 2, j] += rate * s2 + steady * c2
+        change[e, g, PERMANENT + 3, j] += rate * s3 + steady * c3
+        for k in range(powers.shape[2] - POWER - 1):
             a, b, m, t = 1 + 4 * k, 2 + 4 * k, 4 + 4 * k, TRANSIENT + 4 * k
             rate = rate_change(
-                powers[1 + k], weights[b], d_weights[b, j], weights[m], d_weights[m, j], log_q, relative
+                powers[e, g, POWER + 1 + k], weights[b], d_weights[b, j], weights[m], d_weights[m, j], log_q, relative
             )
-            driven = weights[b] * powers[1 + k]
-            for i in range(4):
-                kept = d_weights[a, j] * state[t + i] + weights[a] * change[t + i, j]
-                change[t + i, j] = kept + rate * state[i] + driven * change[i, j]
+            driven, kept, d_kept = weights[b] * powers[e, g, POWER + 1 + k], weights[a], d_weights[a, j]
+            change[e, g, t, j] = d_kept * state[e, g, t] + kept * change[e, g, t, j] + rate * s0 + driven * c0
+            change[e, g, t + 1, j] = (
+                d_kept * state[e, g, t + 1] + kept * change[e, g, t + 1, j] + rate * s1 + driven * c1
+            )
+            change[e, g, t + 2, j] = (
+                d_kept * state[e, g, t + 2] + kept * change[e, g, t + 2, j] + rate * s2 + driven * c2
+            )
+            change[e, g, t + 3, j] = (
+                d_kept * state[e, g, t + 3] + kept * change[e, g, t + 3, j] + rate * s3 + driven * c3
+            )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def flow_of(q, alpha, row):
     """Return whether the step yields, the plastic increment of alpha, and the hardening that holds."""
     hardening = max(row[HARDENING], 1e-9 * row[SHEAR])
@@ -135,16 +138,16 @@ def flow_of(q, alpha, row):
     return yields, (ROOT3 * q - threshold) / hardening if yields else 0.0, hardening
 
 
-@njit(cache=True)
-def radial_slope(yields, hardening, row, weights, powers):
+@njit(cache=True, error_model="numpy")
+def radial_slope(e, g, yields, hardening, row, weights, powers):
     """Return dq/drho."""
-    slope = 0.5 / row[SHEAR] + (2.0 * row[STEADY_EXPONENT] + 1.0) * weights[0] * powers[0]
-    for k in range(powers.shape[0] - 1):
-        slope += (2.0 * weights[4 + 4 * k] + 1.0) * weights[3 + 4 * k] * powers[1 + k]
+    slope = 0.5 / row[SHEAR] + (2.0 * row[STEADY_EXPONENT] + 1.0) * weights[0] * powers[e, g, POWER]
+    for k in range(powers.shape[2] - POWER - 1):
+        slope += (2.0 * weights[4 + 4 * k] + 1.0) * weights[3 + 4 * k] * powers[e, g, POWER + 1 + k]
     return 1.0 / (slope + 1.5 / hardening) if yields else 1.0 / slope
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def increment_change(j, alpha, d_alpha, increment, hardening, row, d_row):
     """Return the change of the plastic increment of alpha at fixed q."""
     floor = d_row[HARDENING, j] if hardening == row[HARDENING] else 1e-9 * d_row[SHEAR, j]
@@ -152,48 +155,110 @@ def increment_change(j, alpha, d_alpha, increment, hardening, row, d_row):
     return -moved / hardening
 
 
-@njit(cache=True)
-def stress_change(change, q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, weights, d_weights, powers,
-                  d_local, d_q, d_stress):  # fmt: skip
-    """Write dq (p,) and ds (4, p) for the changes `d_local` (4, p) of R; `change` is the derivative of the state."""
+@njit(cache=True, error_model="numpy")
+def hold(e, g, change, local, solution, alphas, row, d_row, weights, d_weights, powers):
+    """Write to the stress in `change`, after `freeze`, its derivative at fixed strain."""
+    q, alpha, log_q = solution[e, g], alphas[e, g], powers[e, g, LOG]
+    r0, r1, r2, r3 = local[e, g, 0], local[e, g, 1], local[e, g, 2], local[e, g, 3]
+    yields, increment, hardening = flow_of(q, alpha, row)
+    slope = radial_slope(e, g, yields, hardening, row, weights, powers)
+    rho = invariant(r0, r1, r2, r3)
     ratio = q / rho if rho > 0.0 else slope
     inverse = 1.0 / rho if rho > 0.0 else 0.0
-    for j in range(d_q.shape[0]):
-        fixed = -0.5 * d_row[SHEAR, j] / (row[SHEAR] * row[SHEAR])
-        fixed += rate_change(
-            powers[0], weights[0], d_weights[0, j], row[STEADY_EXPONENT], d_row[STEADY_EXPONENT, j], log_q, 0.0
+    softer = 0.5 / (row[SHEAR] * row[SHEAR])
+    for j in range(change.shape[3]):
+        fixed = -softer * d_row[SHEAR, j] + rate_change(
+            powers[e, g, POWER],
+            weights[0],
+            d_weights[0, j],
+            row[STEADY_EXPONENT],
+            d_row[STEADY_EXPONENT, j],
+            log_q,
+            0.0,
         )
-        for k in range(powers.shape[0] - 1):
-            c, m = 3 + 4 * k, 4 + 4 * k
-            fixed += rate_change(powers[1 + k], weights[c], d_weights[c, j], weights[m], d_weights[m, j], log_q, 0.0)
+        d0, d1 = -change[e, g, PERMANENT, j], -change[e, g, PERMANENT + 1, j]
+        d2, d3 = -change[e, g, PERMANENT + 2, j], -change[e, g, PERMANENT + 3, j]
+        for k in range(powers.shape[2] - POWER - 1):
+            c, m, t = 3 + 4 * k, 4 + 4 * k, TRANSIENT + 4 * k
+            fixed += rate_change(
+                powers[e, g, POWER + 1 + k], weights[c], d_weights[c, j], weights[m], d_weights[m, j], log_q, 0.0
+            )
+            d0, d1, d2, d3 = (
+                d0 - change[e, g, t, j],
+                d1 - change[e, g, t + 1, j],
+                d2 - change[e, g, t + 2, j],
+                d3 - change[e, g, t + 3, j],
+            )
         fixed *= q
         if yields:
-            fixed += 0.5 * ROOT3 * increment_change(j, alpha, change[ALPHA, j], increment, hardening, row, d_row)
-        d0, d1, d2, d3 = d_local[0, j], d_local[1, j], d_local[2, j], d_local[3, j]
-        d_rho = 0.5 * inverse * (r[0] * d0 + r[1] * d1 + r[2] * d2 + 2.0 * r[3] * d3)
-        d_q[j] = slope * (d_rho - fixed)
-        turn = (d_q[j] - ratio * d_rho) * inverse
-        d_stress[0, j] = ratio * d0 + turn * r[0]
-        d_stress[1, j] = ratio * d1 + turn * r[1]
-        d_stress[2, j] = ratio * d2 + turn * r[2]
-        d_stress[3, j] = ratio * d3 + turn * r[3]
+            fixed += 0.5 * ROOT3 * increment_change(j, alpha, change[e, g, ALPHA, j], increment, hardening, row, d_row)
+        d_rho = 0.5 * inverse * (r0 * d0 + r1 * d1 + r2 * d2 + 2.0 * r3 * d3)
+        turn = (slope * (d_rho - fixed) - ratio * d_rho) * inverse
+        change[e, g, 0, j] = ratio * d0 + turn * r0
+        change[e, g, 1, j] = ratio * d1 + turn * r1
+        change[e, g, 2, j] = ratio * d2 + turn * r2
+        change[e, g, 3, j] = ratio * d3 + turn * r3
 
 
-@njit(cache=True)
-def frozen_strain(change, d_local):
-    """Write minus the derivative of what the history fixes, after `freeze`, to `d_local` (4, p)."""
-    for i in range(4):
-        for j in range(change.shape[1]):
-            d_local[i, j] = -change[PERMANENT + i, j]
-        for t in range(TRANSIENT + i, change.shape[0], 4):
-            for j in range(change.shape[1]):
-                d_local[i, j] -= change[t, j]
+@njit(cache=True, error_model="numpy")
+def move(e, g, change, d_strain, local, solution, alphas, row, d_row, weights, d_weights, powers):
+    """Turn `change`, after `hold`, into the derivative of the state that follows from those of strain (4, p) too."""
+    q, alpha, log_q = solution[e, g], alphas[e, g], powers[e, g, LOG]
+    r0, r1, r2, r3 = local[e, g, 0], local[e, g, 1], local[e, g, 2], local[e, g, 3]
+    yields, increment, hardening = flow_of(q, alpha, row)
+    slope = radial_slope(e, g, yields, hardening, row, weights, powers)
+    rho = invariant(r0, r1, r2, r3)
+    ratio = q / rho if rho > 0.0 else slope
+    rank_one = 0.5 * (slope - ratio) / (rho * rho) if rho > 0.0 else 0.0
+    s0, s1, s2, s3 = ratio * r0, ratio * r1, ratio * r2, ratio * r3
+    inverse = 1.0 / q if q > 0.0 else 0.0
+    scale = 0.5 * inverse * inverse
+    permanent = weights[0] * powers[e, g, POWER] + 0.5 * ROOT3 * increment * inverse
+    for j in range(change.shape[3]):
+        d0, d1, d2, d3 = d_strain[0, j], d_strain[1, j], d_strain[2, j], d_strain[3, j]
+        mean = (d0 + d1 + d2) / 3.0
+        d0, d1, d2 = d0 - mean, d1 - mean, d2 - mean
+        turn = rank_one * (r0 * d0 + r1 * d1 + r2 * d2 + 2.0 * r3 * d3)
+        c0 = change[e, g, 0, j] + ratio * d0 + turn * r0
+        c1 = change[e, g, 1, j] + ratio * d1 + turn * r1
+        c2 = change[e, g, 2, j] + ratio * d2 + turn * r2
+        c3 = change[e, g, 3, j] + ratio * d3 + turn * r3
+        change[e, g, 0, j], change[e, g, 1, j], change[e, g, 2, j], change[e, g, 3, j] = c0, c1, c2, c3
+        relative = scale * (s0 * c0 + s1 * c1 + s2 * c2 + 2.0 * s3 * c3)
+        rate = rate_change(
+            powers[e, g, POWER],
+            weights[0],
+            d_weights[0, j],
+            row[STEADY_EXPONENT],
+            d_row[STEADY_EXPONENT, j],
+            log_q,
+            relative,
+        )
+        if yields:
+            d_increment = increment_change(j, alpha, change[e, g, ALPHA, j], increment, hardening, row, d_row)
+            d_increment += ROOT3 * q * relative / hardening
+            rate += 0.5 * ROOT3 * inverse * (d_increment - increment * relative)
+            change[e, g, ALPHA, j] += d_increment
+        change[e, g, PERMANENT, j] += rate * s0 + permanent * c0
+        change[e, g, PERMANENT + 1, j] += rate * s1 + permanent * c1
+        change[e, g, PERMANENT + 2, j] += rate * s2 + permanent * c2
+        change[e, g, PERMANENT + 3, j] += rate * s3 + permanent * c3
+        for k in range(powers.shape[2] - POWER - 1):
+            c, m, t = 3 + 4 * k, 4 + 4 * k, TRANSIENT + 4 * k
+            rate = rate_change(
+                powers[e, g, POWER + 1 + k], weights[c], d_weights[c, j], weights[m], d_weights[m, j], log_q, relative
+            )
+            driven = weights[c] * powers[e, g, POWER + 1 + k]
+            change[e, g, t, j] += rate * s0 + driven * c0
+            change[e, g, t + 1, j] += rate * s1 + driven * c1
+            change[e, g, t + 2, j] += rate * s2 + driven * c2
+            change[e, g, t + 3, j] += rate * s3 + driven * c3
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def carry(
     elements, gradients, volumes, large, displacement, region, coefficients, d_coefficients, weights, d_weights,
-    state, local, solution, change, d_force,
+    state, alphas, local, solution, powers, change, d_force,
 ):  # fmt: skip
     """Carry the derivative of the history into the step and add that of the nodal forces at fixed displacements.
 
@@ -207,132 +272,84 @@ def carry(
     region, coefficients, weights
         Laws and what the step makes of them, see `palpate.fem.element.assemble`.
     d_coefficients, d_weights : ndarray, shapes (regions, c, p) and (regions, w, p)
-    state, local, solution : ndarray, shapes (m, 4, s), (m, 4, 4) and (m, 4)
-        State at the start of the step; R and q at its end.
+    state, alphas, local, solution : ndarray, shapes (m, 4, s), (m, 4), (m, 4, 4) and (m, 4)
+        State and its accumulated plastic strain at the start of the step; R and q at its end.
+    powers : ndarray, shape (m, 4, elements + 2)
+        log q and all q^(2 m) at the start of the step; afterwards, at its end.
     change : ndarray, shape (m, 4, s, p)
         Derivative of `state`; afterwards, of what it fixes in the step.
     d_force : ndarray, shape (n, 2, p)
         Receives the derivative of the internal forces.
     """
     count = change.shape[3]
-    b, mean, u = np.empty((4, 4, 8)), np.empty(8), np.empty(8)
-    d_local, d_q, d_stress, fe = np.empty((4, count)), np.empty(count), np.empty((4, count)), np.empty((8, count))
-    powers = np.empty(1 + (weights.shape[1] - 1) // 4)
+    b, trace, u, fe = np.zeros((4, 4, 8)), np.empty(4), np.empty(8), np.empty((8, count))
     for e in range(elements.shape[0]):
         for a in range(8):
             u[a] = displacement[elements[e, a // 2], a % 2]
-        theta = strain_matrices(gradients[e], volumes[e], u, large, b, mean)
+        strain_matrices(e, gradients, u, large, b, trace)
+        volume, dilatation = 0.0, 0.0
+        for g in range(4):
+            volume += volumes[e, g]
+            dilatation += volumes[e, g] * trace[g]
         k = region[e]
         row, d_row, step, d_step = coefficients[k], d_coefficients[k], weights[k], d_weights[k]
-        pressed = volumes[e].sum() * theta
         for a in range(8):
+            swelling = 0.0
+            for g in range(4):
+                swelling += volumes[e, g] * (b[g, 0, a] + b[g, 1, a] + b[g, 2, a])
             for j in range(count):
-                fe[a, j] = pressed * mean[a] * d_row[BULK, j]
+                fe[a, j] = dilatation / volume * swelling * d_row[BULK, j]
         for g in range(4):
-            freeze(state[e, g], change[e, g], row, d_row, step, d_step, powers)
-            frozen_strain(change[e, g], d_local)
-            r, q, alpha = local[e, g], solution[e, g], state[e, g, ALPHA]
-            rho = invariant(r[0], r[1], r[2], r[3])
-            log_q = powers_of(q, row, step, powers)
-            yields, increment, hardening = flow_of(q, alpha, row)
-            slope = radial_slope(yields, hardening, row, step, powers)
-            stress_change(
-                change[e, g], q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, step, d_step, powers,
-                d_local, d_q, d_stress,
-            )  # fmt: skip
-            volume = volumes[e, g]
-            for a in range(8):
-                b0, b1, b2, b3 = b[g, 0, a], b[g, 1, a], b[g, 2, a], 2.0 * b[g, 3, a]
-                for j in range(count):
-                    work = b0 * d_stress[0, j] + b1 * d_stress[1, j] + b2 * d_stress[2, j] + b3 * d_stress[3, j]
-                    fe[a, j] += volume * work
+            freeze(e, g, state, change, row, d_row, step, d_step, powers)
+            powers_of(e, g, solution[e, g], row, step, powers)
+            hold(e, g, change, local, solution, alphas, row, d_row, step, d_step, powers)
+            for j in range(count):
+                weight = volumes[e, g]
+                s0, s1 = weight * change[e, g, 0, j], weight * change[e, g, 1, j]
+                s2, s3 = weight * change[e, g, 2, j], 2.0 * weight * change[e, g, 3, j]
+                for a in range(8):
+                    fe[a, j] += b[g, 0, a] * s0 + b[g, 1, a] * s1 + b[g, 2, a] * s2 + b[g, 3, a] * s3
         for a in range(8):
             for j in range(count):
                 d_force[elements[e, a // 2], a % 2, j] += fe[a, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def settle(
     elements, gradients, volumes, large, displacement, region, coefficients, d_coefficients, weights, d_weights,
-    alphas, local, solution, d_displacement, change,
+    alphas, local, solution, powers, d_displacement, change,
 ):  # fmt: skip
     """Turn `change`, as `carry` left it, into the derivative of the state at the end of the step.
 
     Parameters
     ----------
-    alphas : ndarray, shape (m, 4)
-        Accumulated plastic strain at the start of the step.
     d_displacement : ndarray, shape (n, 2, p)
         Derivative of the displacements at the end of the step.
     """
     count = change.shape[3]
-    b, mean, u = np.empty((4, 4, 8)), np.empty(8), np.empty(8)
-    d_local, d_q, d_stress, d_u = np.empty((4, count)), np.empty(count), np.empty((4, count)), np.empty((8, count))
-    powers = np.empty(1 + (weights.shape[1] - 1) // 4)
+    b, trace, u = np.zeros((4, 4, 8)), np.empty(4), np.empty(8)
+    d_u, d_strain = np.empty((8, count)), np.empty((4, count))
     for e in range(elements.shape[0]):
         for a in range(8):
             u[a] = displacement[elements[e, a // 2], a % 2]
-            d_u[a] = d_displacement[elements[e, a // 2], a % 2]
-        strain_matrices(gradients[e], volumes[e], u, large, b, mean)
+            for j in range(count):
+                d_u[a, j] = d_displacement[elements[e, a // 2], a % 2, j]
+        strain_matrices(e, gradients, u, large, b, trace)
         k = region[e]
         row, d_row, step, d_step = coefficients[k], d_coefficients[k], weights[k], d_weights[k]
         for g in range(4):
-            frozen_strain(change[e, g], d_local)
-            for a in range(8):
-                b0, b1, b2, b3 = b[g, 0, a], b[g, 1, a], b[g, 2, a], b[g, 3, a]
-                third = (b0 + b1 + b2) / 3.0
-                for j in range(count):
-                    d_local[0, j] += (b0 - third) * d_u[a, j]
-                    d_local[1, j] += (b1 - third) * d_u[a, j]
-                    d_local[2, j] += (b2 - third) * d_u[a, j]
-                    d_local[3, j] += b3 * d_u[a, j]
-            r, q, alpha = local[e, g], solution[e, g], alphas[e, g]
-            rho = invariant(r[0], r[1], r[2], r[3])
-            log_q = powers_of(q, row, step, powers)
-            yields, increment, hardening = flow_of(q, alpha, row)
-            slope = radial_slope(yields, hardening, row, step, powers)
-            stress_change(
-                change[e, g], q, log_q, r, rho, alpha, slope, yields, increment, hardening, row, d_row, step, d_step, powers,
-                d_local, d_q, d_stress,
-            )  # fmt: skip
-            ratio = q / rho if rho > 0.0 else 0.0
-            _finish(
-                change[e, g], r, ratio, q, log_q, alpha, yields, increment, hardening, row, d_row, step, d_step, powers,
-                d_q, d_stress,
-            )  # fmt: skip
+            for j in range(count):
+                d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0
+                for a in range(8):
+                    d0 += b[g, 0, a] * d_u[a, j]
+                    d1 += b[g, 1, a] * d_u[a, j]
+                    d2 += b[g, 2, a] * d_u[a, j]
+                    d3 += b[g, 3, a] * d_u[a, j]
+                d_strain[0, j], d_strain[1, j], d_strain[2, j], d_strain[3, j] = d0, d1, d2, d3
+            move(e, g, change, d_strain, local, solution, alphas, row, d_row, step, d_step, powers)
 
 
-@njit(cache=True)
-def _finish(change, r, ratio, q, log_q, alpha, yields, increment, hardening, row, d_row, weights, d_weights, powers, d_q,
-            d_stress):  # fmt: skip
-    """Add what the step itself contributes to the derivative of a point's state, in place."""
-    inverse = 1.0 / q if q > 0.0 else 0.0
-    permanent = weights[0] * powers[0] + 0.5 * ROOT3 * increment * inverse
-    for j in range(d_q.shape[0]):
-        relative = d_q[j] * inverse
-        rate = rate_change(
-            powers[0], weights[0], d_weights[0, j], row[STEADY_EXPONENT], d_row[STEADY_EXPONENT, j], log_q, relative
-        )
-        if yields:
-            d_increment = increment_change(j, alpha, change[ALPHA, j], increment, hardening, row, d_row)
-            d_increment += ROOT3 * d_q[j] / hardening
-            rate += 0.5 * ROOT3 * inverse * (d_increment - increment * relative)
-            change[ALPHA, j] += d_increment
-        for i in range(4):
-            stress = ratio * r[i]
-            change[PERMANENT + i, j] += rate * stress + permanent * d_stress[i, j]
-            change[STRESS + i, j] = d_stress[i, j]
-        for k in range(powers.shape[0] - 1):
-            c, m, t = 3 + 4 * k, 4 + 4 * k, TRANSIENT + 4 * k
-            rate = rate_change(
-                powers[1 + k], weights[c], d_weights[c, j], weights[m], d_weights[m, j], log_q, relative
-            )
-            driven = weights[c] * powers[1 + k]
-            for i in range(4):
-                change[t + i, j] += rate * ratio * r[i] + driven * d_stress[i, j]
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def push(
     elements, gradients, volumes, large, displacement, region, coefficients, weights, past, alpha, deviatoric,
     dilatation, guesses, pushed, lift, d_force,
