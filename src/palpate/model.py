@@ -138,12 +138,16 @@ def sensitivities(
 ) -> tuple[Simulation, np.ndarray]:
     """Simulate one indentation together with the derivatives of its depth curve.
 
+    They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
+    two nodes they scatter about those of a smooth contact, by 4 % (root mean square) at ``accuracy: standard`` and 2 %
+    at ``fine``. The mean over simulations with `radii` that lie a third of a ring apart scatters by 1 %.
+
     Parameters
     ----------
     parameters
         Parameters of the material by name, of a mechanism of the specification as ``key.name``.
     radii : ndarray, optional
-        As for `simulate`. The derivatives hold for a mesh that stays, and wherever no node joins or leaves the contact.
+        As for `simulate`.
 
     Returns
     -------
