@@ -139,8 +139,9 @@ def sensitivities(
     """Simulate one indentation together with the derivatives of its depth curve.
 
     They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
-    two nodes they scatter about those of a smooth contact, by 4 % (root mean square) at ``accuracy: standard`` and 2 %
-    at ``fine``. The mean over simulations with `radii` that lie a third of a ring apart scatters by 1 %.
+    two nodes they scatter about those of a smooth contact, by 1 to 5 % of their largest value (root mean square) at
+    ``accuracy: standard`` and about half as much at ``fine``. The mean over three simulations with `radii` a third of
+    a ring apart scatters by about 1 %.
 
     Parameters
     ----------

@@ -19,7 +19,8 @@ from palpate.fem.contact import RATIO, SLOPE
 from palpate.fem.directions import Directions, profile_change, resisted_change, weights_change
 from palpate.fem.newton import Equilibrium, Problem, State, Workspace
 from palpate.fem.sensitivity_contact import AnchorChange
-from palpate.fem.sensitivity_element import carry, powers_size, push, settle
+from palpate.fem.sensitivity_element import carry, push, settle
+from palpate.fem.sensitivity_point import powers_size
 
 
 class Sensitivity:
