@@ -13,12 +13,13 @@ import numpy as np
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Correction, Fit, solve
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
 from palpate.model import sensitivities, simulate
 
 ROUNDS = 6
 SETTLED = 1.0
 STEP = 1e-4
+DIFFERENCE = 0.02
 MARGIN = 1e-3
 
 
@@ -52,12 +53,28 @@ def slope_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) -> tup
     values = problem.amplitudes(explanation, z)
     names = [*material, *(f"{key}.{name}" for key, given in values.items() for name in given)]
     specification = study.specification(space.named(problem.parts(explanation, z)[0]), condition)
-    outcome, derivatives = sensitivities(replace(specification, mechanisms=values), names)
+    specification = replace(specification, mechanisms=values)
+    try:
+        outcome, derivatives = sensitivities(specification, names)
+        by_amplitude = derivatives[:, len(material) :] @ _amplitude_slope(fit, z)
+    except InputError:
+        outcome, derivatives = sensitivities(specification, material)
+        by_amplitude = _differences(study, condition, fit, z, outcome.depth)
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    by_material = derivatives[:, : len(material)] * space.extent[space.free]
-    slope = np.column_stack([by_material, derivatives[:, len(material) :] @ _amplitude_slope(fit, z)])
+    slope = np.column_stack([derivatives[:, : len(material)] * space.extent[space.free], by_amplitude])
     return problem.to_fine_mesh(condition, outcome.depth), problem.to_fine_mesh(condition, slope.T).T
+
+
+def _differences(study: Study, condition: Condition, fit: Fit, z: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return the slope (n_points, k) of `depth` by the mechanisms' coordinates, where the solver has no exact one."""
+    here = fit.problem.to_fine_mesh(condition, depth)
+    columns = []
+    for i in range(fit.problem.space.dimensions, len(z)):
+        step = np.zeros(len(z))
+        step[i] = DIFFERENCE if z[i] < 0.5 else -DIFFERENCE
+        columns.append((simulated_at(study, condition, fit, z + step) - here) / step[i])
+    return np.array(columns).T
 
 
 def _amplitude_slope(fit: Fit, z: np.ndarray) -> np.ndarray:
