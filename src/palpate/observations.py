@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.alignment import aligned
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
@@ -169,10 +170,15 @@ def elastic_depths(indenter: Indenter, load: float, modulus: float) -> list[floa
 
 
 def observations(study: Study, name: str) -> dict[str, Observation]:
-    """Return all conditions of set `name`, resampled to the sampling times of their protocols."""
+    """Return all conditions of set `name`, resampled to the sampling times of their protocols.
+
+    Recordings of a condition that follows a recorded load are brought in step with it first.
+    """
     found = {}
     for key, recordings in check(study, name).items():
         condition = study.condition(key)
+        if condition.follows:
+            recordings = [aligned(recording, condition.protocol) for recording in recordings]
         found[key] = Observation.from_recordings(condition.protocol.sample_time, recordings, condition.role)
     return found
 
