@@ -29,7 +29,7 @@ ORDER = [
     {"figures", "report"},
     {"diagnosis"},
     {"steps", "reading", "verification"},
-    {"thesis"},
+    {"thesis", "real"},
     {"tracking"},
     {"commands"},
     {"cli"},

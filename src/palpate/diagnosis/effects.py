@@ -57,7 +57,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> dict[
     Raises
     ------
     PalpateError
-        When most simulations of a mechanism failed.
+        When most simulations of a mechanism failed, or there are fewer than three for each parameter.
     """
     times = thinned(condition.protocol).sample_time
     spread = interpolation(times, condition.protocol.sample_time)
@@ -74,7 +74,10 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> dict[
         difference = np.array([curve(pair.acting) - curve(pair.plain) for pair in found])
         good = np.isfinite(difference).all(axis=1)
         if good.sum() < max(3 * points.shape[1], len(good) // 2):
-            raise PalpateError(f"{key} under {condition.name}: {len(good) - good.sum()} of {len(good)} runs failed")
+            raise PalpateError(
+                f"{key} under {condition.name}: {good.sum()} of {len(good)} pairs succeeded, too few for "
+                f"{points.shape[1]} parameters"
+            )
         surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
         fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, int((~good).sum()))
     return fitted
