@@ -46,6 +46,6 @@ def test_half_of_the_samples_follow_the_load():
 
 
 def test_times_that_differ_by_rounding_alone_are_repeated(tmp_path):
-    time = np.array([0.0, 0.2, 0.4, 0.4 + 1e-13, 0.6] + list(np.arange(0.8, 10, 0.2)))
+    time = np.array([0.0, 0.2, 0.4, 0.4 + 1e-13, *np.arange(0.6, 10, 0.2)])
     recording = recording_from(Source(tmp_path / "x", b""), "", "a", time, time, time)
     assert len(recording) == len(time) - 1

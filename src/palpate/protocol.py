@@ -104,9 +104,9 @@ def trapezoid(
 
 
 def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:
-    """Load history taken from a recording, sampled at `points` times: half spread over its duration, half over its load.
+    """Load history taken from a recording, sampled at `points` times.
 
-    Evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a hold of many
+    They are spread evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a hold of many
     minutes nor a load that grows exponentially is left without points. The first sample is where the load reaches a
     hundredth of its maximum: below, contact lies on too few elements to count.
 

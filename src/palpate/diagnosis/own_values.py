@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from scipy.linalg import toeplitz
 
 from palpate.calibration import Observation
@@ -14,33 +13,28 @@ from palpate.calibration.noise import model_covariance
 from palpate.config import Study
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.refine import simulated_at
 from palpate.mechanisms import MECHANISMS
 
 NORMAL_95 = 1.96
 
 
-def own_values(
-    study: Study, observed: Mapping[str, Observation], fit: Fit, table: pd.DataFrame
-) -> dict[str, list[dict[str, Any]]]:
+def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit) -> dict[str, list[dict[str, Any]]]:
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
     By generalised least squares of what a recording departs from the forward model's curve, given the common material
     and the common mean; its point noise, site scatter and the model's error are weighed, the uncertainty of the mean
     is added. Where several mechanisms vary they are found together.
-
-    Parameters
-    ----------
-    table
-        Holds the forward model's curve of every condition, with the mean value, as ``model_nm``.
     """
     keys = varying(fit.explanation)
     if not keys:
         return {}
     noise, best = fit.errors.noise, fit.problem.amplitudes(fit.explanation, fit.z)
+    known = fit.problem.split(fit.curve)
     found: dict[str, list[dict[str, Any]]] = {}
     for condition in study.conditions:
         item = observed[condition.name]
-        curve = table.loc[table["condition"] == condition.name, "model_nm"].to_numpy()
+        curve = known[condition.name] if condition.name in known else simulated_at(study, condition, fit, fit.z)
         size = len(item.time)
         covariance = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(size))
         covariance += noise.variances["site"] * np.outer(curve, curve)
