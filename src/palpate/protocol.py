@@ -106,9 +106,9 @@ def trapezoid(
 def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:
     """Load history taken from a recording, sampled at `points` times.
 
-    They are spread evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a hold of many
-    minutes nor a load that grows exponentially is left without points. The first sample is where the load reaches a
-    hundredth of its maximum: below, contact lies on too few elements to count.
+    They are spread evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a
+    hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the load
+    reaches a hundredth of its maximum: below, contact lies on too few elements to count.
 
     The history is thinned to the corners that keep it within `tolerance` of the largest load everywhere (Douglas and
     Peucker's rule, with the distance measured along the load), so that a long recording costs no more steps than its

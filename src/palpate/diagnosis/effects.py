@@ -76,7 +76,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     ------
     PalpateError
         When most simulations of a mechanism failed, there are fewer than three for each parameter, or that of the
-    middle material failed.
+        middle material failed.
     """
     times = thinned(condition.protocol).sample_time
     spread = interpolation(times, condition.protocol.sample_time)
