@@ -165,6 +165,8 @@ def to_mapping(
                 "mechanisms": sorted(candidate.fit.explanation),
                 "log_evidence": candidate.fit.log_evidence,
                 "p_value": candidate.examination.p_value if candidate.examination else None,
+                "parameters": mechanism_parameters(candidate.fit, rng),
+                "material": material_parameters(candidate.fit),
             }
             for candidate in diagnosis.tried
         ],
