@@ -10,11 +10,12 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition
 from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.design import longest_rise
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.problem import Problem
 from palpate.mechanisms import Scale
-from palpate.protocol import trapezoid
+from palpate.protocol import Protocol, trapezoid
 
 CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=60))
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=50, loading_time=20, half_angle=70.3, pressure=0.2)
@@ -56,3 +57,10 @@ def test_every_recording_has_its_own_zero():
 
 def test_what_belongs_to_the_instrument_has_no_value_of_a_recording():
     assert recording_values(STUDY, *solved(("frame_compliance",))) == {}
+
+
+def test_loading_in_many_corners_lasts_as_long_as_loading_in_one():
+    time = np.array([0.0, 10.0, 15.0, 18.0, 20.0, 30.0, 40.0, 44.0])
+    load = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 4.0, 1.0, 2.0])
+    assert longest_rise(Protocol(time, load, time[1:])) == 20.0
+    assert longest_rise(CONDITION.protocol) == 20.0
