@@ -38,11 +38,14 @@ class Condition:
         ``calibrate``, or ``validate``: takes no part in a calibration and judges it.
     protocol
         Load history and sampling times.
+    follows
+        Whether the load history was taken from a recording.
     """
 
     name: str
     role: str
     protocol: Protocol
+    follows: bool = False
 
 
 @dataclass(frozen=True)
@@ -295,7 +298,7 @@ def _condition(
         protocol = trapezoid(
             entry["max_load"], entry["loading_time"], entry.get("hold_time", 0.0), entry["unloading_time"], points
         )
-    return Condition(entry["name"], entry.get("role", "calibrate"), protocol)
+    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, "load_history" in entry)
 
 
 def _load_history(

@@ -1,4 +1,4 @@
-"""Rigid axisymmetric indenters: a straight cone, a sphere, and a cone whose tip is a spherical cap."""
+"""Axisymmetric indenters: a straight cone, a sphere, and a cone whose tip is a spherical cap; rigid or elastic."""
 
 from __future__ import annotations
 
@@ -12,16 +12,19 @@ from palpate.parameters import Parameter, check_values
 HALF_ANGLE = Parameter("half_angle", r"\alpha", "deg", 20.0, 89.0, "half-angle of the cone, from its axis")
 RADIUS = Parameter("radius", "R", "nm", 1e-3, 1e9, "radius of the sphere or of the spherical cap")
 FRICTION = Parameter("friction", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient", default=0.0)
+MODULUS = Parameter("modulus", "E_i", "GPa", 1.0, 5000.0, "Young's modulus of the indenter", default=math.inf)
+POISSON_RATIO = Parameter("poisson_ratio", r"\nu_i", "-", 0.0, 0.4999, "its Poisson's ratio", default=0.0)
+SURFACE = (FRICTION, MODULUS, POISSON_RATIO)
 SHAPES = {
-    "cone": (HALF_ANGLE, FRICTION),
-    "sphere": (RADIUS, FRICTION),
-    "sphero_cone": (HALF_ANGLE, RADIUS, FRICTION),
+    "cone": (HALF_ANGLE, *SURFACE),
+    "sphere": (RADIUS, *SURFACE),
+    "sphero_cone": (HALF_ANGLE, RADIUS, *SURFACE),
 }
 
 
 @dataclass(frozen=True)
 class Indenter:
-    """A rigid indenter.
+    """An indenter.
 
     Parameters
     ----------
@@ -33,12 +36,16 @@ class Indenter:
         Radius of the sphere or cap [nm]; 0 for a sharp cone. The cap runs tangentially into the cone.
     friction
         Coulomb coefficient.
+    modulus, poisson_ratio
+        Of the indenter itself [GPa], [-]; infinite for a rigid one. See `palpate.specimen.under_tip`.
     """
 
     shape: str
     half_angle: float = 0.0
     radius: float = 0.0
     friction: float = 0.0
+    modulus: float = math.inf
+    poisson_ratio: float = 0.0
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Indenter:
@@ -55,3 +62,8 @@ class Indenter:
     def slope(self) -> float:
         """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere."""
         return 1.0 / math.tan(math.radians(self.half_angle)) if self.half_angle else math.inf
+
+    @property
+    def compliance(self) -> float:
+        """Inverse plane-strain modulus (1 - nu_i^2) / E_i of the indenter [1/GPa]; zero for a rigid one."""
+        return (1.0 - self.poisson_ratio**2) / self.modulus

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.alignment import aligned
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.errors import InputError
@@ -60,7 +61,7 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
         checked[condition] = []
         for file in files:
             try:
-                recording = read_recording(file).from_contact()
+                recording = _in_step(study.condition(condition), read_recording(file).from_contact())
                 _check_one(study, study.condition(condition), recording)
             except InputError as error:
                 raise error.located(file=file) from None
@@ -76,7 +77,8 @@ def check_given(study: Study) -> None:
     for condition, tests in (read_source(study.source) if study.source else {}).items():
         for test in tests:
             try:
-                _check_one(study, study.condition(condition), test.recording.from_contact())
+                followed = study.condition(condition)
+                _check_one(study, followed, _in_step(followed, test.recording.from_contact()))
             except InputError as error:
                 where = ", ".join(filter(None, (test.name, error.place)))
                 raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
@@ -92,6 +94,11 @@ def files_of(study: Study, name: str) -> list[Path]:
     if written_by_workflow(study, name):
         return [study.recordings[name]]
     return [file for files in find(study, name).values() for file in files]
+
+
+def _in_step(condition: Condition, recording: Recording) -> Recording:
+    """Return the recording on the clock of its condition, where that follows a recorded load."""
+    return aligned(recording, condition.protocol) if condition.follows else recording
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:

@@ -10,6 +10,7 @@ from palpate.errors import InputError
 
 MOST_KNOTS = 500
 MOST_NOISE = 0.02
+ONSET = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,11 @@ def trapezoid(
 
 
 def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:
-    """Load history taken from a recording, sampled at `points` times spread evenly over its duration.
+    """Load history taken from a recording, sampled at `points` times.
+
+    They are spread evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a
+    hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the load
+    reaches a hundredth of its maximum: below, contact lies on too few elements to count.
 
     The history is thinned to the corners that keep it within `tolerance` of the largest load everywhere (Douglas and
     Peucker's rule, with the distance measured along the load), so that a long recording costs no more steps than its
@@ -137,7 +142,12 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
             remedy="smooth the recorded load",
             place="load_mN",
         )
-    return Protocol(time[keep], load[keep], np.linspace(0.0, time[-1], points + 1)[1:])
+    time, load = time[keep], load[keep]
+    way = np.append(0.0, np.cumsum(np.abs(np.diff(load))))
+    progress = 0.5 * (time / time[-1] + way / way[-1])
+    rising = int(np.argmax(load >= ONSET * load.max()))
+    onset = np.interp(ONSET * load.max(), load[: rising + 1], progress[: rising + 1])
+    return Protocol(time, load, np.interp(np.linspace(onset, 1.0, points), progress, time))
 
 
 def corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol
-from palpate.specimen import Specimen, elastic_substrate
+from palpate.specimen import Specimen, elastic_substrate, under_tip
 
 ACCURACIES = ("standard", "medium", "fine")
 KINEMATICS = ("small", "large")
@@ -75,7 +75,9 @@ class Specification:
 
     @property
     def specimen(self) -> Specimen:
-        """The body that is pressed."""
-        film, thickness = self.coefficients, self.film_thickness
-        substrate = elastic_substrate(film, self.substrate_modulus) if math.isfinite(thickness) else None
-        return Specimen(film, thickness, substrate, self.size_length)
+        """The body that a rigid indenter presses in place of the real one; the indenter's own compliance is in it."""
+        film, thickness, tip = self.coefficients, self.film_thickness, self.indenter.compliance
+        substrate = None
+        if math.isfinite(thickness):
+            substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
+        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length)

@@ -49,6 +49,26 @@ def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
     return without_flow(substrate)
 
 
+def under_tip(coefficients: np.ndarray, compliance: float) -> np.ndarray:
+    """Return the law that under a rigid indenter does what `coefficients` do under one of `compliance` [1/GPa].
+
+    The elastic moduli are lowered until the plane-strain modulus equals the reduced one, Poisson's ratio kept:
+
+        1/E_r = (1 - nu^2)/E + (1 - nu_i^2)/E_i
+
+    Exact where both bodies are elastic half-spaces (Hertz, Sneddon), since both deform under the same pressures; with
+    plastic flow or creep it is the usual approximation, which rests on the curve's depending on E_r alone.
+
+    Source: K.L. Johnson, Contact Mechanics (1985), equation (4.6), for elastic bodies; M. Dao et al., Acta Mater. 49
+    (2001) 3899-3918, section 2, for elastic-plastic ones.
+    """
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    plane_strain = 4.0 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
+    lowered = coefficients.copy()
+    lowered[[SHEAR, BULK]] /= 1.0 + plane_strain * compliance
+    return lowered
+
+
 def without_flow(coefficients: np.ndarray) -> np.ndarray:
     """Return the elastic part of a law, in the same layout."""
     elastic = coefficients.copy()

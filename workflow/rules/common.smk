@@ -45,9 +45,16 @@ DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")
 CALIBRATION_CODE = fingerprint(
-    *PHYSICS, "calibration", "observations.py", "recording.py", "steps.py"
+    *PHYSICS,
+    "alignment.py",
+    "calibration",
+    "observations.py",
+    "recording.py",
+    "steps.py",
 )
-DIAGNOSIS_CODE = fingerprint(*PHYSICS, "calibration", "diagnosis", "observations.py")
+DIAGNOSIS_CODE = fingerprint(
+    *PHYSICS, "alignment.py", "calibration", "diagnosis", "observations.py"
+)
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 FINDERS = (
     "contact_point.py",

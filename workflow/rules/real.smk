@@ -1,4 +1,4 @@
-# Real recordings as they were read: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
+# Real recordings, read and diagnosed: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
 REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
 
 
@@ -19,6 +19,28 @@ rule reading:
         "../../scripts/reading.py"
 
 
+rule real_study:
+    input:
+        study=f"{workflow.basedir}/config/real/{{real}}.yaml",
+    output:
+        result="results/{real}/diagnosis/diagnosis.json",
+        curves="results/{real}/diagnosis/diagnosis.curves.csv",
+        figure="results/{real}/diagnosis/diagnosis.png",
+        page="results/{real}/diagnosis/diagnosis.html",
+    log:
+        "results/{real}/logs/real_study.log",
+    wildcard_constraints:
+        real="|".join(REAL),
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        data=config.get("data"),
+        code=READER_CODE + SURROGATE_CODE + DIAGNOSIS_CODE + FIGURE_CODE,
+    script:
+        "../../scripts/real_study.py"
+
+
 rule real:
     input:
         expand("results/{real}/reading/reading.html", real=REAL),
+        expand("results/{real}/diagnosis/diagnosis.html", real=REAL),

@@ -53,16 +53,24 @@ def scale_of(study: Study) -> Scale:
     specification = study.specification(cell, largest)
     radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
     slope = study.indenter.slope if study.indenter.half_angle else radius / (1e-3 * study.indenter.radius)
-    rises = [float(np.diff(c.protocol.knot_time)[np.argmax(np.diff(c.protocol.knot_load))]) for c in conditions]
     return Scale(
         depth=1.2e3 * radius * slope,
         load=largest.protocol.max_load,
         modulus=specification.parameters["youngs_modulus"],
         duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
-        loading_time=min(rises),
+        loading_time=min(longest_rise(c.protocol) for c in conditions),
         half_angle=study.indenter.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
     )
+
+
+def longest_rise(protocol: Protocol) -> float:
+    """Return the duration [s] of the uninterrupted rise that gains the most load, however many corners it has."""
+    steps = np.diff(protocol.knot_load)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], steps > 0, [False]]).astype(int)))
+    runs = ends.reshape(-1, 2)
+    first, last = max(runs, key=lambda run: protocol.knot_load[run[1]] - protocol.knot_load[run[0]])
+    return float(protocol.knot_time[last] - protocol.knot_time[first])
 
 
 def candidates(study: Study) -> dict[str, Mechanism]:

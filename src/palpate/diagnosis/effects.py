@@ -75,7 +75,8 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     Raises
     ------
     PalpateError
-        When most simulations of a mechanism failed, or that of the middle material.
+        When most simulations of a mechanism failed, there are fewer than three for each parameter, or that of the
+        middle material failed.
     """
     times = thinned(condition.protocol).sample_time
     spread = interpolation(times, condition.protocol.sample_time)
@@ -92,7 +93,10 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
         difference = np.array([curve(pair.acting) - curve(pair.plain) for pair in found])
         good = np.isfinite(difference).all(axis=1)
         if good.sum() < max(3 * points.shape[1], len(good) // 2):
-            raise PalpateError(f"{key} under {condition.name}: {len(good) - good.sum()} of {len(good)} runs failed")
+            raise PalpateError(
+                f"{key} under {condition.name}: {good.sum()} of {len(good)} pairs succeeded, too few for "
+                f"{points.shape[1]} parameters"
+            )
         surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
         fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, int((~good).sum()))
     usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))

@@ -15,6 +15,7 @@ from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
+from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.refine import simulated_at
 from palpate.diagnosis.similarity import similarity
 from palpate.mechanisms import MECHANISMS
@@ -146,6 +147,7 @@ def to_mapping(
             "log_evidence": candidate.fit.log_evidence,
             "parameters": mechanism_parameters(candidate.fit, rng),
             "p_value": candidate.examination.p_value,  # type: ignore[union-attr]
+            "recordings": recording_values(study, observed, candidate.fit),
         }
         for candidate, probability in zip(diagnosis.standing, diagnosis.probabilities, strict=True)
     ]
@@ -165,6 +167,8 @@ def to_mapping(
                 "mechanisms": sorted(candidate.fit.explanation),
                 "log_evidence": candidate.fit.log_evidence,
                 "p_value": candidate.examination.p_value if candidate.examination else None,
+                "parameters": mechanism_parameters(candidate.fit, rng),
+                "material": material_parameters(candidate.fit),
             }
             for candidate in diagnosis.tried
         ],

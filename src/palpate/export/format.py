@@ -30,6 +30,8 @@ class Format:
 
 
 def refuse_mechanisms(specification: Specification) -> None:
-    """Raise `InputError` when a specification has mechanisms: no deck holds them."""
+    """Raise `InputError` when a specification has mechanisms or an elastic indenter: no deck holds them."""
     if specification.mechanisms:
         raise InputError("mechanisms cannot be exported", remedy="remove them", place="mechanisms")
+    if specification.indenter.compliance:
+        raise InputError("an elastic indenter cannot be exported", remedy="remove modulus", place="indenter.modulus")

@@ -117,7 +117,8 @@ def recording_from(
         ends = np.flatnonzero(valid)[[0, -1]]
         time, load, depth, valid = (values[ends[0] : ends[1] + 1] for values in (time, load, depth, valid))
     time, load, depth = time[valid], load[valid], depth[valid]
-    later = np.append(True, np.diff(np.maximum.accumulate(time)) > 0) if len(time) else valid[:0]
+    least = 1e-9 * np.ptp(time) if len(time) else 0.0
+    later = np.append(True, np.diff(np.maximum.accumulate(time)) > least) if len(time) else valid[:0]
     if len(time) < 2 or later.sum() < 0.95 * len(valid):
         raise InputError(
             f"{len(valid) - int(later.sum())} of {len(valid)} points are invalid or go back in time",

@@ -1,0 +1,66 @@
+"""Values of single recordings, on closed forms: each recording's own zero is found, its neighbours' are not."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from palpate.calibration import Observation
+from palpate.calibration.space import Space
+from palpate.config import Condition
+from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.design import longest_rise
+from palpate.diagnosis.fit import solve
+from palpate.diagnosis.own_values import recording_values
+from palpate.diagnosis.problem import Problem
+from palpate.mechanisms import Scale
+from palpate.protocol import Protocol, trapezoid
+
+CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=60))
+SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=50, loading_time=20, half_angle=70.3, pressure=0.2)
+OFFSETS = np.array([48.0, 52.0, 55.0, 161.0])
+STUDY = SimpleNamespace(conditions=(CONDITION,), calibration={"solver_error": 0.001})
+
+
+@dataclass(frozen=True, eq=False)
+class Cone:
+    """h = c sqrt(P) / modulus."""
+
+    loo_error_ = np.zeros((1, 60))
+
+    def predict(self, x):
+        return 500.0 * np.sqrt(CONDITION.protocol.sample_load + 0.01)[None] / np.atleast_2d(x)[:, :1]
+
+    def jacobian(self, x):
+        return -self.predict(x).T / x[0]
+
+
+def solved(explanation):
+    rng = np.random.default_rng(7)
+    noise = rng.standard_normal((len(OFFSETS), 60))
+    depth = Cone().predict([1.0]) + OFFSETS[:, None] + noise
+    observed = {"a": Observation(CONDITION.protocol.sample_time, depth)}
+    space = Space({"modulus": (0.7, 1.4)})
+    problem = Problem((CONDITION,), observed, space, {"a": Cone()}, {"a": {}}, {"a": np.ones(60)}, SCALE)
+    found = errors(problem, explanation, np.zeros(60), 0.01, 0.001)
+    return observed, solve(problem, explanation, found, [np.full(problem.dimensions(explanation), 0.5)])
+
+
+def test_every_recording_has_its_own_zero():
+    observed, fit = solved(("zero_offset",))
+    rows = recording_values(STUDY, observed, fit)["zero_offset.offset"]
+    assert [row["number"] for row in rows] == [1, 2, 3, 4]
+    assert [row["estimate"] for row in rows] == pytest.approx(OFFSETS, abs=1.5)
+    assert all(row["lower"] < offset < row["upper"] for row, offset in zip(rows, OFFSETS, strict=True))
+
+
+def test_what_belongs_to_the_instrument_has_no_value_of_a_recording():
+    assert recording_values(STUDY, *solved(("frame_compliance",))) == {}
+
+
+def test_loading_in_many_corners_lasts_as_long_as_loading_in_one():
+    time = np.array([0.0, 10.0, 15.0, 18.0, 20.0, 30.0, 40.0, 44.0])
+    load = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 4.0, 1.0, 2.0])
+    assert longest_rise(Protocol(time, load, time[1:])) == 20.0
+    assert longest_rise(CONDITION.protocol) == 20.0
