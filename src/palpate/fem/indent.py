@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import ConvergenceError, InputError
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.contact import Profile
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
 from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
 from palpate.indenters import Indenter
-from palpate.materials.radial import HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen, series
 
@@ -149,6 +150,15 @@ def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, l
         )
 
 
+def attraction(specimen: Specimen, resolution: Resolution, largest: float, mesh: Mesh) -> Adhesion | None:
+    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um]."""
+    if specimen.adhesion == 0.0:
+        return None
+    shear, bulk = specimen.coefficients[SHEAR], specimen.coefficients[BULK]
+    modulus = 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
+    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, mesh)
+
+
 def indent(
     specimen: Specimen,
     indenter: Indenter,
@@ -172,7 +182,10 @@ def indent(
     smallest, largest = contact_range(specimen, indenter, protocol)
     check_size(specimen, indenter, resolution, largest)
     mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
-    problem = Problem(mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large, indenter.friction)
+    adhesion = attraction(specimen, resolution, largest, mesh)
+    problem = Problem(
+        mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large, indenter.friction, adhesion
+    )
     work = Workspace.of(problem)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)

@@ -8,6 +8,7 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.contact import CURVATURE, Contact, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
@@ -36,6 +37,8 @@ class Problem:
         Logarithmic instead of linear strains.
     friction : float
         Coulomb coefficient between indenter and body.
+    adhesion
+        Attraction between them.
     """
 
     mesh: Mesh
@@ -45,6 +48,12 @@ class Problem:
     region: np.ndarray
     large: bool
     friction: float = 0.0
+    adhesion: Adhesion | None = None
+
+    @property
+    def hold(self) -> np.ndarray:
+        """Force along z (k,) [mN] by which adhesion holds each surface node."""
+        return np.zeros(len(self.mesh.surface)) if self.adhesion is None else self.adhesion.hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,13 +154,14 @@ def advance(
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     guesses = state.guesses.copy()
-    contact = Contact.resume(mesh, profile, problem.friction, state, guess)
+    contact = Contact.resume(mesh, profile, problem.friction, problem.hold, state, guess)
     force = np.empty((len(mesh.nodes), 2))
     free = mesh.equations >= 0
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
+    delicate = problem.large or problem.adhesion is not None
     for iteration in range(ITERATIONS):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE] *= geometric
@@ -160,6 +170,8 @@ def advance(
             problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
             contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
+        if problem.adhesion is not None:
+            corner += problem.adhesion.add(contact, mesh, displacement, depth, work, diagonal, force, geometric)
         work.iterations += 1
         if not np.isfinite(corner):
             if search is None or search.fraction < 0.01:
@@ -185,7 +197,8 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and problem.large)
+        definite = geometric and delicate
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite)
         if direction is None:
             if not geometric:
                 raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
@@ -211,7 +224,10 @@ def newton_direction(
         return None
     forward, sideways = solution.T
     row = work.border[:, 1]
-    change = (row @ forward - forces[-1]) / (corner - row @ sideways)
+    stiffness = corner - row @ sideways
+    if definite and stiffness <= 0.0:
+        return None
+    change = (row @ forward - forces[-1]) / stiffness
     return np.append(-forward - change * sideways, change)
 
 
