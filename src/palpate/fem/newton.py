@@ -17,6 +17,7 @@ from palpate.materials.radial import state_size, step_weights
 from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 25
+ADHESIVE_ITERATIONS = 100  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7
 
 
@@ -162,7 +163,8 @@ def advance(
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
     delicate = problem.large or problem.adhesion is not None
-    for iteration in range(ITERATIONS):
+    limit = ITERATIONS if problem.adhesion is None else ADHESIVE_ITERATIONS
+    for iteration in range(limit):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE] *= geometric
         corner = assemble(
@@ -208,7 +210,7 @@ def advance(
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
-    raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+    raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)
 
 
 def newton_direction(
