@@ -19,7 +19,7 @@ Interface Sci. 150 (1992) 243-269; for the length of the zone, G. I. Barenblatt,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,6 +71,10 @@ class Adhesion:
     def hold(self) -> np.ndarray:
         """Force along z (k,) [mN] that parts a node from the indenter."""
         return self.strength * self.area
+
+    def weakened(self, part: float) -> Adhesion:
+        """Return the attraction with a `part` of its strength and of its work."""
+        return replace(self, strength=part * self.strength)
 
     def traction(self, gap: np.ndarray) -> np.ndarray:
         """Return sigma (k,) [GPa] across gaps [um]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ RESOLUTIONS = {
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
+EASING = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
@@ -217,7 +218,7 @@ def march(
         load = float(protocol.load_at(np.array(end)))
         try:
             guess = extrapolate(state, before, end)
-            after = advance(problem, state, end, load, protocol.max_load, guess, work)
+            after = advance_or_ease(problem, state, end, load, protocol.max_load, guess, work)
         except ConvergenceError:
             if before is None and 0.5 * step < shortest:
                 raise
@@ -226,3 +227,22 @@ def march(
         state, before, taken = after, state, taken + 1
         if end == target:
             return state, before, taken
+
+
+def advance_or_ease(
+    problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
+) -> State:
+    """Do what `advance` does; where attraction changes the contact too suddenly for it, let attraction grow in parts.
+
+    Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
+    """
+    try:
+        return advance(problem, state, time, load, scale, guess, work)
+    except ConvergenceError:
+        if problem.adhesion is None:
+            raise
+    guess = state
+    for part in EASING:
+        eased = replace(problem, adhesion=problem.adhesion.weakened(part))
+        guess = advance(eased, state, time, load, scale, guess, work)
+    return guess

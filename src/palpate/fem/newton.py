@@ -17,7 +17,7 @@ from palpate.materials.radial import state_size, step_weights
 from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 25
-ADHESIVE_ITERATIONS = 100  # a surface that jumps into contact takes many
+ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7
 
 
