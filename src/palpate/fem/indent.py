@@ -22,7 +22,7 @@ RESOLUTIONS = {
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
-EASING = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
+LEAST_PART = 1 / 128
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
@@ -241,8 +241,14 @@ def advance_or_ease(
     except ConvergenceError:
         if problem.adhesion is None:
             raise
-    guess = state
-    for part in EASING:
+    guess, done, more = state, -0.25, 0.25
+    while done < 1.0:
+        part = min(done + more, 1.0)
         eased = replace(problem, adhesion=problem.adhesion.weakened(part))
-        guess = advance(eased, state, time, load, scale, guess, work)
+        try:
+            guess, done, more = advance(eased, state, time, load, scale, guess, work), part, 1.5 * more
+        except ConvergenceError:
+            more *= 0.5
+            if more < LEAST_PART or done < 0.0:
+                raise
     return guess

@@ -19,6 +19,7 @@ from palpate.specimen import Specimen, resisted
 ITERATIONS = 25
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7
+STRIDE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +164,9 @@ def advance(
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
     delicate = problem.large or problem.adhesion is not None
+    farthest = np.inf
+    if problem.adhesion is not None:
+        farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
     limit = ITERATIONS if problem.adhesion is None else ADHESIVE_ITERATIONS
     for iteration in range(limit):
         same = contact.follow(displacement, depth)
@@ -207,6 +211,7 @@ def advance(
             geometric, search = False, None
             continue
         geometric = True
+        direction *= min(1.0, farthest / np.abs(direction).max())
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
