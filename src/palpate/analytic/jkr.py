@@ -1,7 +1,7 @@
 """Rigid sphere and cone on an elastic half-space, with adhesion of short range.
 
-A contact of radius a carries the pressure of the contact without adhesion, less that of a flat punch whose edge releases
-the work w,
+A contact of radius a carries the pressure of the contact without adhesion, less that of a flat punch whose edge
+releases the work w,
 
     P = P_0(a) - sqrt(8 pi E* w a^3),    h = h_0(a) - sqrt(2 pi w a / E*),    E* = E/(1 - nu^2),
 

@@ -19,7 +19,7 @@ from palpate.specimen import Specimen, resisted
 ITERATIONS = 25
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7
-STRIDE = 4.0
+STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
 
 @dataclass(frozen=True, eq=False)
