@@ -16,7 +16,7 @@ ORDER = [
     {"materials"},
     {"specimen"},
     {"fem", "specification"},
-    {"mechanisms", "analytic", "export"},
+    {"mechanisms", "analytic", "export", "vtu"},
     {"model"},
     {"readers"},
     {"config"},

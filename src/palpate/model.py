@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from palpate.errors import InputError
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.errors import InputError, PalpateError
+from palpate.fem.indent import RESOLUTIONS, History, indent
+from palpate.fem.newton import Problem, State
 from palpate.indenters import Indenter
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter, check_values
@@ -109,21 +110,68 @@ def simulate(specification: Specification) -> Simulation:
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    acting = specification
-    for key, values in specification.mechanisms.items():
-        acting = MECHANISMS[key].simulate(acting, values)
-    history = indent(
-        acting.specimen,
-        acting.indenter,
-        acting.protocol,
-        RESOLUTIONS[acting.accuracy],
-        large=acting.kinematics == "large",
-    )
+    history = _indent(_acting(specification))
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
     depth = history.depth
     for key, values in specification.mechanisms.items():
         depth = MECHANISMS[key].record(time, load, depth, values)
     return Simulation(time, load, depth, "failed" if history.reason else "ok", history.reason, history.seconds)
+
+
+def _acting(specification: Specification) -> Specification:
+    """Return what is simulated, with the mechanisms at work."""
+    for key, values in specification.mechanisms.items():
+        specification = MECHANISMS[key].simulate(specification, values)
+    return specification
+
+
+def _indent(acting: Specification, observe: Callable[[Problem, State], None] | None = None) -> History:
+    return indent(
+        acting.specimen,
+        acting.indenter,
+        acting.protocol,
+        RESOLUTIONS[acting.accuracy],
+        large=acting.kinematics == "large",
+        observe=observe,
+    )
+
+
+def states_at(specification: Specification, times: Iterable[float]) -> tuple[Problem, list[State]]:
+    """Simulate one indentation for the states of the body at some times [s].
+
+    Returns
+    -------
+    problem
+        What does not change, such as the mesh.
+    states
+        One for each of the times, which are sorted.
+
+    Raises
+    ------
+    InputError
+        When a time lies outside the test.
+    PalpateError
+        When the solver fails.
+    """
+    acting = _acting(specification)
+    wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), acting.protocol
+    if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
+        raise InputError(
+            f"a time lies outside the test, which lasts {protocol.knot_time[-1]:g} s",
+            remedy="give times above zero, up to its end",
+            place="time",
+        )
+    found: list[tuple[Problem, State]] = []
+
+    def keep(problem: Problem, state: State) -> None:
+        if np.abs(wanted - state.time).min() <= 1e-9 * protocol.knot_time[-1]:
+            found.append((problem, state))
+
+    samples = np.union1d(protocol.sample_time, wanted)
+    history = _indent(replace(acting, protocol=replace(protocol, sample_time=samples)), keep)
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return found[0][0], [state for _, state in found]
 
 
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -166,8 +167,18 @@ def indent(
     protocol: Protocol,
     resolution: Resolution,
     large: bool = False,
+    observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
     """Simulate an indentation.
+
+    Parameters
+    ----------
+    specimen, indenter, protocol, resolution
+        What is pressed, by what, how, and how finely it is resolved.
+    large
+        Logarithmic instead of linear strains.
+    observe
+        Called with the problem and the state at the end of every time step asked for, sampling times among them.
 
     Returns
     -------
@@ -202,6 +213,8 @@ def indent(
         where = np.searchsorted(protocol.sample_time, target * (1 - 1e-12))
         if where < len(depth) and abs(protocol.sample_time[where] - target) <= 1e-9 * target:
             depth[where] = state.depth * 1e3
+        if observe is not None:
+            observe(problem, state)
         if target in corners:
             before = None
     return History(depth, reason, clock.perf_counter() - began, work.iterations, steps)
