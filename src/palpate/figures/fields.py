@@ -81,4 +81,5 @@ def _triangles(mesh: meshio.Mesh) -> Triangulation:
     quads = mesh.cells[0].data
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     whole = np.array([len(set(corners)) == 3 for corners in triangles.tolist()])
-    return Triangulation(*_deformed(mesh).T, triangles[whole])
+    points = _deformed(mesh)
+    return Triangulation(points[:, 0], points[:, 1], triangles[whole])
