@@ -28,7 +28,7 @@ ORDER = [
     {"observations"},
     {"figures", "report"},
     {"diagnosis"},
-    {"steps", "reading", "verification"},
+    {"steps", "reading", "verification", "challenge"},
     {"thesis"},
     {"tracking"},
     {"commands"},

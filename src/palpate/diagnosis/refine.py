@@ -33,7 +33,7 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
     outcome = simulate(replace(specification, mechanisms=problem.amplitudes(fit.explanation, z)))
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    return outcome.depth
+    return problem.to_fine_mesh(condition, outcome.depth)
 
 
 def refine(study: Study, fit: Fit) -> Fit:

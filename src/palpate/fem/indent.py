@@ -20,6 +20,7 @@ from palpate.specimen import Specimen, series
 
 RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=8),
+    "medium": Resolution(growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
