@@ -10,7 +10,7 @@ ORDER = [
     {"errors", "discovery", "fingerprint", "__init__"},
     {"parameters", "yaml_file"},
     {"protocol", "recording", "indenters", "contact_point", "sharp_origin"},
-    {"segments"},
+    {"segments", "load_history"},
     {"drift_rate"},
     {"survey"},
     {"materials"},

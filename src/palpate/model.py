@@ -12,18 +12,11 @@ from palpate.errors import InputError, PalpateError
 from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.fem.newton import Problem, State
 from palpate.indenters import Indenter
+from palpate.load_history import protocol_from
 from palpate.mechanisms import MECHANISMS
-from palpate.parameters import Parameter, check_values
-from palpate.protocol import Protocol, trapezoid
+from palpate.protocol import Protocol
 from palpate.specification import Specification
 
-PROTOCOL = (
-    Parameter("max_load", "P", "mN", 1e-9, 1e6, "largest load"),
-    Parameter("loading_time", "t_l", "s", 1e-6, 1e9, "duration of loading"),
-    Parameter("hold_time", "t_h", "s", 0.0, 1e9, "duration of the hold at the largest load", default=0.0),
-    Parameter("unloading_time", "t_u", "s", 1e-6, 1e9, "duration of unloading"),
-    Parameter("points", "n", "-", 4, 100000, "number of points on the curve", default=100.0),
-)
 KEYS = ("material", "indenter", "protocol", "kinematics", "mechanisms", "accuracy")
 
 
@@ -48,9 +41,7 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
     if not isinstance(protocol, Protocol):
         if not isinstance(protocol, Mapping):
             raise InputError("protocol is not a table of keys", remedy="give max_load and times", place="protocol")
-        checked = check_values(PROTOCOL, protocol, "protocol")
-        points = int(checked.pop("points"))
-        protocol = trapezoid(**checked, points=points)
+        protocol = protocol_from(protocol)
     return Specification(
         str(model),
         material,
