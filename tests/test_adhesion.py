@@ -17,17 +17,16 @@ from palpate.specimen import Specimen
 
 E, NU = 3.28, 0.34
 ELASTIC = LAWS["elastic"].coefficients({"youngs_modulus": E, "poisson_ratio": NU})
-BURGERS = LAWS["nonlinear_burgers"].coefficients(
-    {
-        "youngs_modulus": E,
-        "poisson_ratio": NU,
-        "steady_coefficient": 0.09,
-        "steady_exponent": 0.20,
-        "transient_coefficient": 0.24,
-        "transient_exponent": 0.47,
-        "retardation_time": 0.25,
-    }
-)
+LAW = {
+    "youngs_modulus": E,
+    "poisson_ratio": NU,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.20,
+    "transient_coefficient": 0.24,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+BURGERS = LAWS["nonlinear_burgers"].coefficients(LAW)
 SPHERE, FLAT_CONE = Indenter("sphere", radius=1e5), Indenter("cone", 85.0)
 TEST = trapezoid(1.0, 1.0, 0.0, 1.0, points=40)
 
@@ -128,6 +127,42 @@ def test_stiffness_is_the_derivative_of_the_force(friction, indenter):
                 stiffness[i, j] = band[i, j - i] if lower else band[j, diagonal + i - j]
     stiffness[:-1, -1], stiffness[-1, :-1], stiffness[-1, -1] = border[:, 0], border[:, 1], corner
     assert numerical == pytest.approx(stiffness, abs=1e-6 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("large", [False, True])
+def test_law_holds_at_every_node(friction, large):
+    """No pull beyond sigma_0, no gap closed through, sigma(g) across those that are open; and balance with the load."""
+    states = []
+    specimen, indenter = Specimen(BURGERS, adhesion=100.0), Indenter("sphere", radius=5e3, friction=friction)
+    protocol = trapezoid(1.0, 10.0, 2.0, 10.0, points=24)
+    indent(specimen, indenter, protocol, RESOLUTIONS["standard"], large, observe=lambda *found: states.append(found))
+    assert states[-1][1].time == 22.0
+    for problem, state in states:
+        surface, attraction = problem.mesh.surface[:-1], problem.adhesion
+        distance = problem.mesh.nodes[surface, 0] + state.displacement[surface, 0]
+        height, slope, _ = problem.profile(distance)
+        gap = height - state.depth - state.displacement[surface, 1]
+        radial, vertical = state.force[surface].T
+        touching = state.contact[surface]
+        pressure = slope * radial - vertical + (1 + slope**2) * attraction.hold[:-1]
+        assert np.all(pressure[1:][touching[1:]] > -2e-7)
+        assert np.all(gap > -1e-8 * state.depth)
+        open_ = ~touching
+        assert vertical[open_] == pytest.approx((attraction.area[:-1] * attraction.traction(gap))[open_], rel=1e-9)
+        assert radial[open_] == pytest.approx(-(slope * vertical)[open_], rel=1e-9)
+        assert -state.force[:, 1].sum() == pytest.approx(float(protocol.load_at(np.array(state.time))), abs=2e-7)
+
+
+@pytest.mark.parametrize("key", ["nonlinear_burgers", "burgers_plasticity"])
+def test_a_surface_that_jumps_into_contact_is_followed(key):
+    """A small tip under a large work: contact spreads at no load, to a radius of many elements at once."""
+    law = LAWS[key].coefficients(
+        LAW | ({"yield_stress": 0.15, "hardening": 0.3} if key == "burgers_plasticity" else {})
+    )
+    tip, protocol = Indenter("sphere", radius=2e4), trapezoid(1.0, 30.0, 10.0, 30.0, points=28)
+    sticky, dry = (depth(work, tip, "standard", law, protocol) for work in (500.0, 0.0))
+    assert np.all(sticky[:12] > dry[:12])
 
 
 def test_areas_add_up_to_the_surface():

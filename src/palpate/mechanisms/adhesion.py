@@ -1,4 +1,9 @@
-"""Adhesion: tip and surface attract each other, so the tip sinks in deeper and clings on unloading."""
+"""Adhesion: tip and surface attract each other, so the tip sinks in deeper and clings on unloading.
+
+At a given load the depth gains in proportion to the work, not to its root: what the wider contact adds to first order,
+the pull at its edge takes away. A curve shows adhesion at small loads, and most of all late in unloading. Depth counts
+from where the undeformed surface would touch, so a surface that jumps into contact is deep at once.
+"""
 
 from __future__ import annotations
 
