@@ -17,6 +17,7 @@ ORDER = [
     {"specimen"},
     {"fem", "specification"},
     {"mechanisms", "analytic", "export", "vtu"},
+    {"variation"},
     {"model"},
     {"readers"},
     {"config"},

@@ -16,6 +16,7 @@ from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.segments import segments
+from palpate.diagnosis.similarity import similarity
 from palpate.mechanisms import Scale
 from palpate.protocol import trapezoid
 
@@ -149,6 +150,31 @@ def test_location_points_at_the_part_that_differs():
     assert (first["condition"], first["segment"]) == ("b", "hold")
     assert first["q_value"] < 0.05
     assert first["residual_nm"] > 0
+
+
+def test_the_sharp_tips_law_notices_an_instrument_but_no_material():
+    """The closed form here obeys the law but for its constant; two tests of one shape, one with a compliant frame."""
+    pair = [
+        Condition(name, "calibrate", trapezoid(load, 20, 10, 20, points=60)) for name, load in (("p", 1.0), ("q", 4.0))
+    ]
+    rng = np.random.default_rng(4)
+    found = []
+    for compliance in (0.0, 8.0):
+        observed = {}
+        for condition in pair:
+            time, load = condition.protocol.sample_time, condition.protocol.sample_load
+            flow = np.cumsum(load * np.diff(time, prepend=0.0))
+            depth = 500 * np.sqrt(load + 0.01 * flow) + compliance * load
+            rows = [depth * (1 + 0.01 * rng.standard_normal()) + rng.standard_normal(60) for _ in range(4)]
+            observed[condition.name] = Observation(time, np.array(rows), "calibrate")
+        base, ones = {c.name: ClosedForm(c) for c in pair}, {c.name: np.ones(60) for c in pair}
+        space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
+        task = Problem(tuple(pair), observed, space, base, {c.name: {} for c in pair}, ones, SCALE)
+        (row,) = similarity(fitted(task))
+        found.append(row)
+    assert found[0]["p_value"] > 0.01
+    assert found[1]["p_value"] < 1e-3
+    assert found[1]["difference_percent"] > 0.5
 
 
 def test_segments_of_a_trapezoid():

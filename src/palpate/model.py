@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError, PalpateError
+from palpate.fem.directions import Directions
 from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.fem.newton import Problem, State
 from palpate.indenters import Indenter
@@ -16,6 +17,7 @@ from palpate.load_history import protocol_from
 from palpate.mechanisms import MECHANISMS
 from palpate.protocol import Protocol
 from palpate.specification import Specification
+from palpate.variation import Variation, acting, directions, recorded
 
 KEYS = ("material", "indenter", "protocol", "kinematics", "mechanisms", "accuracy")
 
@@ -93,38 +95,74 @@ class Simulation:
     solver_seconds: float
 
 
-def simulate(specification: Specification) -> Simulation:
+def simulate(specification: Specification, radii: np.ndarray | None = None) -> Simulation:
     """Simulate one indentation with its mechanisms; a solver failure is reported in the result, never raised.
+
+    Parameters
+    ----------
+    radii : ndarray, optional
+        Rings of the mesh [um], in place of those that suit the specification, see `palpate.fem.indent.mesh_radii`.
 
     Raises
     ------
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    history = _indent(_acting(specification))
+    return _simulation(specification, _indent(acting(specification), radii))
+
+
+def _indent(
+    solid: Specification,
+    radii: np.ndarray | None = None,
+    directions: Directions | None = None,
+    observe: Callable[[Problem, State], None] | None = None,
+) -> History:
+    resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
+    return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
+
+
+def _simulation(specification: Specification, history: History) -> Simulation:
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
-    depth = history.depth
-    for key, values in specification.mechanisms.items():
-        depth = MECHANISMS[key].record(time, load, depth, values)
+    depth = recorded(specification, history.depth)
     return Simulation(time, load, depth, "failed" if history.reason else "ok", history.reason, history.seconds)
 
 
-def _acting(specification: Specification) -> Specification:
-    """Return what is simulated, with the mechanisms at work."""
-    for key, values in specification.mechanisms.items():
-        specification = MECHANISMS[key].simulate(specification, values)
-    return specification
+def sensitivities(
+    specification: Specification, parameters: Iterable[str], radii: np.ndarray | None = None
+) -> tuple[Simulation, np.ndarray]:
+    """Simulate one indentation together with the derivatives of its depth curve.
 
+    They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
+    two nodes they scatter about those of a smooth contact, by 1 to 5 % of their largest value (root mean square) at
+    ``accuracy: standard`` and about half as much at ``fine``. The mean over three simulations with `radii` a third of
+    a ring apart scatters by about 1 %.
 
-def _indent(acting: Specification, observe: Callable[[Problem, State], None] | None = None) -> History:
-    return indent(
-        acting.specimen,
-        acting.indenter,
-        acting.protocol,
-        RESOLUTIONS[acting.accuracy],
-        large=acting.kinematics == "large",
-        observe=observe,
-    )
+    Parameters
+    ----------
+    parameters
+        Parameters of the material by name, of a mechanism of the specification as ``key.name``.
+    radii : ndarray, optional
+        As for `simulate`.
+
+    Returns
+    -------
+    simulation : Simulation
+    derivatives : ndarray, shape (n, p)
+        Of the recorded depth by each parameter [nm per unit of the parameter]; NaN from a failure on.
+
+    Raises
+    ------
+    InputError
+        When there is no such parameter, or the depth has no derivative by it.
+    """
+    variations = {name: Variation.of(specification, name) for name in parameters}
+    history = _indent(acting(specification), radii, directions(variations))
+    columns = []
+    for column, variation in zip(history.derivatives.T, variations.values(), strict=True):
+        half = 0.5 * variation.width * column
+        low = recorded(variation.low, history.depth - half)
+        columns.append((recorded(variation.high, history.depth + half) - low) / variation.width)
+    return _simulation(specification, history), np.stack(columns, axis=1)
 
 
 def states_at(specification: Specification, times: Iterable[float]) -> tuple[Problem, list[State]]:
@@ -144,8 +182,8 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
     PalpateError
         When the solver fails.
     """
-    acting = _acting(specification)
-    wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), acting.protocol
+    solid = acting(specification)
+    wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
     if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
         raise InputError(
             f"a time lies outside the test, which lasts {protocol.knot_time[-1]:g} s",
@@ -159,7 +197,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
             found.append((problem, state))
 
     samples = np.union1d(protocol.sample_time, wanted)
-    history = _indent(replace(acting, protocol=replace(protocol, sample_time=samples)), keep)
+    history = _indent(replace(solid, protocol=replace(protocol, sample_time=samples)), observe=keep)
     if history.reason:
         raise PalpateError(f"the simulation failed: {history.reason}")
     return found[0][0], [state for _, state in found]
