@@ -264,3 +264,26 @@ def test_simulate_writes_a_recording_and_refuses_bad_specifications(tmp_path, ca
         assert str(file) in line
         assert words in line
         assert "\n" not in line
+
+
+def test_a_condition_may_load_at_constant_strain_rate_or_in_cycles(tmp_path):
+    rate = {"name": "R", "max_load": 1.0, "strain_rate": 0.05, "unloading_time": 5}
+    cycles = {"name": "C", "times": [5, 10, 20], "loads": [0.5, 0.1, 1.0], "role": "validate"}
+    study = load(tmp_path, conditions=[rate, cycles])
+    assert study.condition("R").protocol.max_load == 1.0
+    assert study.condition("C").protocol.knot_time.tolist() == [0, 5, 10, 20]
+
+
+@pytest.mark.parametrize(
+    ("condition", "place"),
+    [
+        ({"max_load": 1.0, "unloading_time": 30}, "(P).loading_time"),
+        ({"max_load": 1.0, "strain_rate": 0.1, "loading_time": 5, "unloading_time": 30}, "(P).loading_time"),
+        ({"times": [1, 2], "loads": [1]}, "(P).loads"),
+        ({"times": [1, 2], "loads": [0, 0]}, "(P)"),
+    ],
+)
+def test_a_load_history_that_is_none_is_refused_with_its_place(tmp_path, condition, place):
+    with pytest.raises(InputError) as caught:
+        load(tmp_path, conditions=[{"name": "P", **condition}])
+    assert caught.value.place.endswith(place)

@@ -35,6 +35,7 @@ VISIBLE = {
     "friction": {"coefficient": 0.25},
     "film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0},
     "size_effect": {"length": 50.0},
+    "adhesion": {"work": 100.0},
 }
 
 

@@ -16,8 +16,9 @@ import jsonschema
 
 from palpate.errors import InputError
 from palpate.indenters import Indenter
+from palpate.load_history import KEYS, protocol_from
 from palpate.materials import LAWS
-from palpate.protocol import Protocol, recorded, trapezoid
+from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, read_recording
 from palpate.specification import Specification
@@ -284,20 +285,19 @@ def _condition(
     tests: Callable[[], Mapping[str, list[VendorTest]]],
 ) -> Condition:
     place = f"conditions[{index}] ({entry['name']})"
-    numbers = ("max_load", "loading_time", "unloading_time")
-    given = [key for key in (*numbers, "hold_time") if key in entry]
+    given = {key: entry[key] for key in KEYS if key in entry}
     if "load_history" in entry:
         if given:
-            raise InputError(f"load_history and {given[0]} exclude each other", remedy="keep one", place=place)
+            raise InputError(f"load_history and {next(iter(given))} exclude each other", remedy="keep one", place=place)
         history = _load_history(entry, recordings, source, tests, place).from_contact()
         protocol = recorded(history.time, history.load, points)
     else:
-        missing = [key for key in numbers if key not in entry]
-        if missing:
-            raise InputError(f"{missing[0]} is missing", remedy="give it, or a load_history", place=place)
-        protocol = trapezoid(
-            entry["max_load"], entry["loading_time"], entry.get("hold_time", 0.0), entry["unloading_time"], points
-        )
+        try:
+            protocol = protocol_from({**given, "points": points})
+        except InputError as error:
+            raise InputError(
+                error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
+            ) from None
     return Condition(entry["name"], entry.get("role", "calibrate"), protocol, "load_history" in entry)
 
 

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.fem.directions import Directions
 from palpate.fem.indent import RESOLUTIONS, History, indent
+from palpate.fem.newton import Problem, State
 from palpate.indenters import Indenter
+from palpate.load_history import protocol_from
 from palpate.mechanisms import MECHANISMS
-from palpate.parameters import Parameter, check_values
-from palpate.protocol import Protocol, trapezoid
+from palpate.protocol import Protocol
 from palpate.specification import Specification
 from palpate.variation import Variation, acting, directions, recorded
 
-PROTOCOL = (
-    Parameter("max_load", "P", "mN", 1e-9, 1e6, "largest load"),
-    Parameter("loading_time", "t_l", "s", 1e-6, 1e9, "duration of loading"),
-    Parameter("hold_time", "t_h", "s", 0.0, 1e9, "duration of the hold at the largest load", default=0.0),
-    Parameter("unloading_time", "t_u", "s", 1e-6, 1e9, "duration of unloading"),
-    Parameter("points", "n", "-", 4, 100000, "number of points on the curve", default=100.0),
-)
 KEYS = ("material", "indenter", "protocol", "kinematics", "mechanisms", "accuracy")
 
 
@@ -49,9 +43,7 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
     if not isinstance(protocol, Protocol):
         if not isinstance(protocol, Mapping):
             raise InputError("protocol is not a table of keys", remedy="give max_load and times", place="protocol")
-        checked = check_values(PROTOCOL, protocol, "protocol")
-        points = int(checked.pop("points"))
-        protocol = trapezoid(**checked, points=points)
+        protocol = protocol_from(protocol)
     return Specification(
         str(model),
         material,
@@ -116,15 +108,17 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    return _simulation(specification, _indent(specification, radii))
+    return _simulation(specification, _indent(acting(specification), radii))
 
 
 def _indent(
-    specification: Specification, radii: np.ndarray | None = None, directions: Directions | None = None
+    solid: Specification,
+    radii: np.ndarray | None = None,
+    directions: Directions | None = None,
+    observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
-    solid = acting(specification)
     resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
-    return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions)
+    return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
 
 
 def _simulation(specification: Specification, history: History) -> Simulation:
@@ -162,13 +156,51 @@ def sensitivities(
         When there is no such parameter, or the depth has no derivative by it.
     """
     variations = {name: Variation.of(specification, name) for name in parameters}
-    history = _indent(specification, radii, directions(variations))
+    history = _indent(acting(specification), radii, directions(variations))
     columns = []
     for column, variation in zip(history.derivatives.T, variations.values(), strict=True):
         half = 0.5 * variation.width * column
         low = recorded(variation.low, history.depth - half)
         columns.append((recorded(variation.high, history.depth + half) - low) / variation.width)
     return _simulation(specification, history), np.stack(columns, axis=1)
+
+
+def states_at(specification: Specification, times: Iterable[float]) -> tuple[Problem, list[State]]:
+    """Simulate one indentation for the states of the body at some times [s].
+
+    Returns
+    -------
+    problem
+        What does not change, such as the mesh.
+    states
+        One for each of the times, which are sorted.
+
+    Raises
+    ------
+    InputError
+        When a time lies outside the test.
+    PalpateError
+        When the solver fails.
+    """
+    solid = acting(specification)
+    wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
+    if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
+        raise InputError(
+            f"a time lies outside the test, which lasts {protocol.knot_time[-1]:g} s",
+            remedy="give times above zero, up to its end",
+            place="time",
+        )
+    found: list[tuple[Problem, State]] = []
+
+    def keep(problem: Problem, state: State) -> None:
+        if np.abs(wanted - state.time).min() <= 1e-9 * protocol.knot_time[-1]:
+            found.append((problem, state))
+
+    samples = np.union1d(protocol.sample_time, wanted)
+    history = _indent(replace(solid, protocol=replace(protocol, sample_time=samples)), observe=keep)
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return found[0][0], [state for _, state in found]
 
 
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,16 +92,26 @@ def trapezoid(
             remedy="correct the protocol",
         )
     durations = [d for d in (loading_time, hold_time, unloading_time) if d > 0]
-    if points < 2 * len(durations):
-        raise InputError(f"points = {points} is too few", remedy="use at least two a segment", place="points")
-    total = sum(durations)
     ends = np.cumsum(durations)
-    counts = np.maximum(2, np.round(np.asarray(durations) / total * points)).astype(int)
-    counts[int(np.argmax(counts))] += points - counts.sum()
-    starts = np.concatenate([[0.0], ends[:-1]])
-    sample = np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
     loads = [max_load] * (len(durations) - 1) + [0.0]
-    return Protocol(np.concatenate([[0.0], ends]), np.concatenate([[0.0], loads]), sample)
+    return Protocol(np.concatenate([[0.0], ends]), np.concatenate([[0.0], loads]), sampled(ends, points))
+
+
+def sampled(ends: Sequence[float] | np.ndarray, points: int) -> np.ndarray:
+    """Return sampling times (points,) [s], even within each segment, for segments that end at `ends` [s].
+
+    Raises
+    ------
+    InputError
+        When there are fewer than two points for each segment.
+    """
+    durations = np.diff(ends, prepend=0.0)
+    counts = np.maximum(2, np.round(durations / durations.sum() * points)).astype(int)
+    counts[int(np.argmax(counts))] += points - counts.sum()
+    if counts.min() < 2:
+        raise InputError(f"points = {points} is too few", remedy="use at least two a segment", place="points")
+    starts = np.concatenate([[0.0], ends[:-1]])
+    return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
 
 
 def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:

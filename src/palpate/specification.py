@@ -40,6 +40,8 @@ class Specification:
         The material is a film [nm] on an elastic substrate [GPa], where the thickness is finite.
     size_length
         Length of the size effect [nm], see `palpate.specimen.Specimen.resistance`.
+    adhesion
+        Work that separates surface and tip [mJ/m^2].
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Specification:
     film_thickness: float = math.inf
     substrate_modulus: float = 0.0
     size_length: float = 0.0
+    adhesion: float = 0.0
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -80,4 +83,4 @@ class Specification:
         substrate = None
         if math.isfinite(thickness):
             substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
-        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length)
+        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)

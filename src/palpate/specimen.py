@@ -1,4 +1,4 @@
-"""The body that is pressed: a half-space of one law, a film on an elastic substrate, and a size effect."""
+"""The body that is pressed: a half-space of one law, a film on an elastic substrate, a size effect, adhesion."""
 
 from __future__ import annotations
 
@@ -25,12 +25,15 @@ class Specimen:
         The law of the substrate, with the layout of `coefficients`.
     size_length
         Length of the size effect [nm], see `resistance`; zero for none.
+    adhesion
+        Work that separates its surface from the tip [mJ/m^2]; zero for none.
     """
 
     coefficients: np.ndarray
     film_thickness: float = math.inf
     substrate: np.ndarray | None = None
     size_length: float = 0.0
+    adhesion: float = 0.0
 
     def resistance(self, depth: float) -> float:
         """Return the factor sqrt(1 + length / depth) on the stress that inelastic flow needs at `depth` [nm].

@@ -113,12 +113,18 @@ def directions(variations: Mapping[str, Variation]) -> Directions:
     Raises
     ------
     InputError
-        For the thickness of a film, on which a mesh depends by jumps.
+        With adhesion, and for the thickness of a film, on which a mesh depends by jumps.
     """
     columns: list[list[Any]] = []
     shifts = []
     for name, variation in variations.items():
         low, high = acting(variation.low), acting(variation.high)
+        if high.adhesion > 0.0:
+            raise InputError(
+                f"{name}: derivatives do not know adhesion, whose contact changes by jumps",
+                remedy="leave adhesion out, or take the difference of two simulations",
+                place="parameters",
+            )
         if low.film_thickness != high.film_thickness:
             raise InputError(
                 f"{name}: the depth has no derivative by the thickness of a film, whose elements change by eighths",

@@ -84,6 +84,8 @@ class Contact:
         What holds at the nodes that touch: f', f'', m, dm/dR and the gap that the next change of displacements closes.
     slip : ndarray, shape (k,)
         Slip since the anchor, in units of the friction's reach.
+    hold : ndarray, shape (k,)
+        Force along z by which adhesion holds each node [mN].
     joined
         Whether some gap is still to be closed.
     """
@@ -99,10 +101,13 @@ class Contact:
     anchor: np.ndarray
     rule: np.ndarray
     slip: np.ndarray
+    hold: np.ndarray
     joined: bool = False
 
     @classmethod
-    def resume(cls, mesh: Mesh, profile: Profile, coefficient: float, state: State, guess: State) -> Contact:
+    def resume(
+        cls, mesh: Mesh, profile: Profile, coefficient: float, hold: np.ndarray, state: State, guess: State
+    ) -> Contact:
         """Begin a step at a `state`, with another that guesses its end."""
         surface = mesh.surface
         r = mesh.nodes[surface, 0]
@@ -119,6 +124,7 @@ class Contact:
             anchor=state.anchor.copy(),
             rule=np.zeros((len(mesh.nodes), 5)),
             slip=np.zeros(len(r)),
+            hold=hold,
         )
 
     def follow(self, displacement: np.ndarray, depth: float) -> bool:
@@ -160,8 +166,11 @@ class Contact:
             displacement[self.surface[turned], 0] = (self.anchor - self.r)[turned]
 
     def pulled(self, force: np.ndarray, tolerance: float) -> np.ndarray:
-        """Return which nodes (n,) the indenter would have to pull: by `force` (n, 2) [mN], more than `tolerance`."""
-        return self.touching & (self.rule[:, SLOPE] * force[:, 0] - force[:, 1] < -tolerance)
+        """Return which nodes (n,) the indenter would have to pull by more than they hold: by `force` (n, 2) [mN]."""
+        slope, pulled = self.rule[self.surface, SLOPE], np.zeros(len(self.touching), dtype=bool)
+        pressure = slope * force[self.surface, 0] - force[self.surface, 1] + (1.0 + slope**2) * self.hold
+        pulled[self.surface] = self.touching[self.surface] & (pressure < -tolerance)
+        return pulled
 
     def release(self, pulled: np.ndarray, force: np.ndarray) -> None:
         """Let go the nodes that are `pulled`, but keep one."""

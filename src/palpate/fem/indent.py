@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from palpate.errors import ConvergenceError, InputError
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
 from palpate.fem.directions import Directions
@@ -15,7 +17,7 @@ from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_ab
 from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
-from palpate.materials.radial import HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen, series
 
@@ -25,6 +27,7 @@ RESOLUTIONS = {
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
+LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
@@ -161,6 +164,15 @@ def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, l
         )
 
 
+def attraction(specimen: Specimen, resolution: Resolution, largest: float, mesh: Mesh) -> Adhesion | None:
+    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um]."""
+    if specimen.adhesion == 0.0:
+        return None
+    shear, bulk = specimen.coefficients[SHEAR], specimen.coefficients[BULK]
+    modulus = 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
+    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, mesh)
+
+
 def indent(
     specimen: Specimen,
     indenter: Indenter,
@@ -169,17 +181,22 @@ def indent(
     large: bool = False,
     radii: np.ndarray | None = None,
     directions: Directions | None = None,
+    observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
     """Simulate an indentation.
 
     Parameters
     ----------
+    specimen, indenter, protocol, resolution
+        What is pressed, by what, how, and how finely it is resolved.
     large
         Logarithmic instead of linear strains.
     radii : ndarray, optional
         Rings of the mesh [um], in place of `mesh_radii`; simulations that are compared closely should share theirs.
     directions : Directions, optional
         Derivatives of the inputs by the parameters for which those of the depth are wanted, on a mesh that stays.
+    observe
+        Called with the problem and the state at the end of every time step asked for, sampling times among them.
 
     Returns
     -------
@@ -192,11 +209,13 @@ def indent(
         When the mesh cannot hold the specimen or the tip, see `check_size`, or the depth has no derivative.
     """
     began = clock.perf_counter()
-    check_size(specimen, indenter, resolution, contact_range(specimen, indenter, protocol)[1])
+    largest = contact_range(specimen, indenter, protocol)[1]
+    check_size(specimen, indenter, resolution, largest)
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = polar_mesh(radii, resolution.sectors)
     law, region = laws_of(specimen), regions(specimen, mesh)
-    problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction)
+    adhesion = attraction(specimen, resolution, largest, mesh)
+    problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)
     ends = step_times(protocol, resolution.refine)
     sensitivity = None
@@ -221,6 +240,8 @@ def indent(
             depth[where] = state.depth * 1e3
             if sensitivity:
                 derivatives[where] = sensitivity.depth * 1e3
+        if observe is not None:
+            observe(problem, state)
         if target in corners:
             before = None
     return History(depth, reason, clock.perf_counter() - began, work.iterations, steps, derivatives)
@@ -243,7 +264,7 @@ def march(
         load = float(protocol.load_at(np.array(end)))
         try:
             guess = extrapolate(state, before, end)
-            after = advance(problem, state, end, load, protocol.max_load, guess, work)
+            after = advance_or_ease(problem, state, end, load, protocol.max_load, guess, work)
         except ConvergenceError:
             if before is None and 0.5 * step < shortest:
                 raise
@@ -254,3 +275,28 @@ def march(
         state, before, taken = after, state, taken + 1
         if end == target:
             return state, before, taken
+
+
+def advance_or_ease(
+    problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
+) -> State:
+    """Do what `advance` does; where attraction changes the contact too suddenly for it, let attraction grow in parts.
+
+    Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
+    """
+    try:
+        return advance(problem, state, time, load, scale, guess, work)
+    except ConvergenceError:
+        if problem.adhesion is None:
+            raise
+    guess, done, more = state, -0.25, 0.25
+    while done < 1.0:
+        part = min(done + more, 1.0)
+        eased = replace(problem, adhesion=problem.adhesion.weakened(part))
+        try:
+            guess, done, more = advance(eased, state, time, load, scale, guess, work), part, 1.5 * more
+        except ConvergenceError:
+            more *= 0.5
+            if more < LEAST_PART or done < 0.0:
+                raise
+    return guess

@@ -8,6 +8,7 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.contact import CURVATURE, Contact, Profile
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
@@ -16,7 +17,9 @@ from palpate.materials.radial import state_size, step_weights
 from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 25
+ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7
+STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,8 @@ class Problem:
         Logarithmic instead of linear strains.
     friction : float
         Coulomb coefficient between indenter and body.
+    adhesion
+        Attraction between them.
     """
 
     mesh: Mesh
@@ -45,6 +50,12 @@ class Problem:
     region: np.ndarray
     large: bool
     friction: float = 0.0
+    adhesion: Adhesion | None = None
+
+    @property
+    def hold(self) -> np.ndarray:
+        """Force along z (k,) [mN] by which adhesion holds each surface node."""
+        return np.zeros(len(self.mesh.surface)) if self.adhesion is None else self.adhesion.hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,14 +182,19 @@ def advance(
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     guesses = state.guesses.copy()
-    contact = Contact.resume(mesh, profile, problem.friction, state, guess)
+    contact = Contact.resume(mesh, profile, problem.friction, problem.hold, state, guess)
     force = np.empty((len(mesh.nodes), 2))
     free = mesh.equations >= 0
     diagonal = banded.diagonal(work.band, mesh.bandwidth)
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
-    for iteration in range(ITERATIONS):
+    delicate = problem.large or problem.adhesion is not None
+    farthest = np.inf
+    if problem.adhesion is not None:
+        farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
+    limit = ITERATIONS if problem.adhesion is None else ADHESIVE_ITERATIONS
+    for iteration in range(limit):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE] *= geometric
         corner = assemble(
@@ -186,6 +202,8 @@ def advance(
             problem.region, coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
             contact.touching, contact.rule, work.band, diagonal, work.residual, work.border, force,
         )  # fmt: skip
+        if problem.adhesion is not None:
+            corner += problem.adhesion.add(contact, mesh, displacement, depth, work, diagonal, force, geometric)
         work.iterations += 1
         if not np.isfinite(corner):
             if search is None or search.fraction < 0.01:
@@ -212,17 +230,19 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and problem.large)
+        definite = geometric and delicate
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite)
         if direction is None:
             if not geometric:
                 raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
             geometric, search = False, None
             continue
         geometric = True
+        direction *= min(1.0, farthest / np.abs(direction).max())
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
-    raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+    raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)
 
 
 def newton_direction(
@@ -238,7 +258,10 @@ def newton_direction(
         return None
     forward, sideways = solution.T
     row = work.border[:, 1]
-    change = (row @ forward - forces[-1]) / (corner - row @ sideways)
+    stiffness = corner - row @ sideways
+    if definite and stiffness <= 0.0:
+        return None
+    change = (row @ forward - forces[-1]) / stiffness
     return np.append(-forward - change * sideways, change)
 
 

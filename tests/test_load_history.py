@@ -1,0 +1,92 @@
+"""Constant strain rate and cycles: the laws they are made for, and what they refuse."""
+
+import numpy as np
+import pytest
+
+from palpate.errors import InputError
+from palpate.load_history import constant_strain_rate, cycles, protocol_from
+from palpate.model import simulate, specification_from
+
+CREEP = {
+    "model": "nonlinear_burgers",
+    "youngs_modulus": 3.28,
+    "poisson_ratio": 0.34,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.2,
+    "transient_coefficient": 0.24,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+CONE = {"shape": "cone", "half_angle": 70.3}
+
+
+def simulated(material, protocol):
+    simulation = simulate(specification_from({"material": material, "indenter": CONE, "protocol": protocol}))
+    assert simulation.status == "ok", simulation.reason
+    return simulation
+
+
+def test_load_grows_at_twice_the_strain_rate():
+    protocol = constant_strain_rate(2.0, 0.05, 0.01, 10.0, 5.0, points=80)
+    rise, loaded = 10.0, 10.0 + np.log(100.0) / 0.1
+    time = np.linspace(rise, loaded, 1000)
+    assert protocol.load_at(time) == pytest.approx(0.02 * np.exp(0.1 * (time - rise)), rel=1e-3)
+    assert protocol.load_at(np.array([0.0, 5.0, loaded + 10.0, loaded + 15.0])) == pytest.approx([0, 0.01, 2, 0])
+    assert len(protocol.sample_time) == 80
+    assert np.abs(protocol.sample_time - loaded).min() < 1e-9
+
+
+def test_depth_grows_at_the_strain_rate_whatever_the_law():
+    """A body without a length, loaded by P ~ exp(2 r t) for long, indents as h ~ exp(r t)."""
+    settings = {"max_load": 1.0, "strain_rate": 0.1, "start_fraction": 0.001, "unloading_time": 5, "points": 120}
+    protocol = protocol_from(settings)
+    simulation = simulated(CREEP, settings)
+    loaded = np.argmax(simulation.load)
+    late = slice(loaded // 2, loaded + 1)
+    rate = np.polyfit(protocol.sample_time[late], np.log(simulation.depth[late]), 1)[0]
+    assert rate == pytest.approx(0.1, rel=0.01)
+
+
+def test_an_elastic_body_forgets_its_cycles():
+    loads = [0.4, 0.1, 0.7, 0.1, 1.0, 0.0]
+    times = [5.0, 8.0, 15.0, 20.0, 30.0, 41.0]
+    protocol = {"times": times, "loads": loads, "points": 60}
+    simulation = simulated({"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3}, protocol)
+    at = np.searchsorted(simulation.time, times)
+    assert simulation.time[at].tolist() == times
+    assert simulation.load[at] == pytest.approx(loads)
+    depth = simulation.depth[at]
+    assert depth[:5] / np.sqrt(loads[:5]) == pytest.approx(np.full(5, depth[4]), rel=0.01)
+
+
+def test_cycles_of_a_trapezoid_are_the_trapezoid():
+    words = {"max_load": 1.0, "loading_time": 10.0, "hold_time": 4.0, "unloading_time": 7.0, "points": 30}
+    one, other = protocol_from(words), cycles([10.0, 14.0, 21.0], [1.0, 1.0, 0.0], 30)
+    for name in ("knot_time", "knot_load", "sample_time"):
+        assert getattr(one, name).tolist() == getattr(other, name).tolist()
+
+
+@pytest.mark.parametrize(
+    ("values", "place"),
+    [
+        ({"max_load": 1.0, "strain_rate": 0.0, "unloading_time": 5.0}, "strain_rate"),
+        ({"max_load": 1.0, "strain_rate": 0.1, "loading_time": 5.0, "unloading_time": 5.0}, "loading_time"),
+        ({"max_load": 1.0, "loading_time": 5.0, "start_fraction": 0.1, "unloading_time": 5.0}, "start_fraction"),
+        ({"times": [1.0, 2.0], "loads": [1.0]}, "loads"),
+        ({"times": [2.0, 1.0], "loads": [1.0, 0.0]}, "times"),
+        ({"times": [1.0, float("nan")], "loads": [1.0, 0.0]}, "times"),
+        ({"times": [1.0, "x"], "loads": [1.0, 0.0]}, "times"),
+        ({"loads": [1.0, 0.0]}, "times"),
+        ({"times": [1.0, 2.0], "loads": [1.0, 0.0], "hold_time": 1.0}, "hold_time"),
+        ({"times": [1.0, 2.0, 3.0], "loads": [1.0, 0.5, 0.0], "points": 5}, "points"),
+    ],
+)
+def test_bad_values_are_refused_by_name(values, place):
+    with pytest.raises(InputError) as caught:
+        protocol_from(values)
+    assert caught.value.place == place
+
+
+def test_a_history_that_loads_nothing_is_refused():
+    with pytest.raises(InputError, match="positive maximum"):
+        protocol_from({"times": [1.0, 2.0], "loads": [0.0, 0.0]})
