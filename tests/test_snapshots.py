@@ -30,17 +30,23 @@ def study(folder, **changes):
     return load_study(file)
 
 
-def fake(specification):
+def fake(specifications):
+    return [linear(specification) for specification in specifications]
+
+
+def linear(specification):
     t = specification.protocol.sample_time
     depth = specification.parameters["youngs_modulus"] * t
     return Simulation(t, specification.protocol.sample_load, depth, "ok", "", 0.1)
 
 
-def failing(specification):
-    if specification.parameters["youngs_modulus"] == 2.0:
-        t = specification.protocol.sample_time
-        return Simulation(t, t, np.full(len(t), np.nan), "failed", "no equilibrium", 0.1)
-    return fake(specification)
+def failing(specifications):
+    return [failed(s) if s.parameters["youngs_modulus"] == 2.0 else linear(s) for s in specifications]
+
+
+def failed(specification):
+    t = specification.protocol.sample_time
+    return Simulation(t, t, np.full(len(t), np.nan), "failed", "no equilibrium", 0.1)
 
 
 def run(study, folder, solve=fake):
@@ -90,7 +96,7 @@ def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
 
 
 def test_a_killed_job_leaves_no_half_file(tmp_path):
-    def killed(specification):
+    def killed(specifications):
         raise KeyboardInterrupt
 
     s = study(tmp_path)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.fem.batch import Case, indent_batch
+from palpate.fem.indent import RESOLUTIONS, History
 from palpate.indenters import Indenter
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter, check_values
@@ -109,23 +110,34 @@ def simulate(specification: Specification) -> Simulation:
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    acting = specification
+    return simulate_batch([specification])[0]
+
+
+def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
+    """Simulate several indentations, those that share the shape of mesh and load history together.
+
+    The curves are those of `simulate`, to rounding.
+    """
+    specifications = list(specifications)
+    histories = indent_batch([_case(specification) for specification in specifications])
+    return [_recorded(*pair) for pair in zip(specifications, histories, strict=True)]
+
+
+def _case(specification: Specification) -> Case:
     for key, values in specification.mechanisms.items():
-        acting = MECHANISMS[key].simulate(acting, values)
-    history = indent(
-        acting.specimen,
-        acting.indenter,
-        acting.protocol,
-        RESOLUTIONS[acting.accuracy],
-        large=acting.kinematics == "large",
+        specification = MECHANISMS[key].simulate(specification, values)
+    return Case(
+        specification.specimen,
+        specification.indenter,
+        specification.protocol,
+        RESOLUTIONS[specification.accuracy],
+        large=specification.kinematics == "large",
     )
+
+
+def _recorded(specification: Specification, history: History) -> Simulation:
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
     depth = history.depth
     for key, values in specification.mechanisms.items():
         depth = MECHANISMS[key].record(time, load, depth, values)
     return Simulation(time, load, depth, "failed" if history.reason else "ok", history.reason, history.seconds)
-
-
-def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
-    """Simulate several indentations, one after the other."""
-    return [simulate(specification) for specification in specifications]
