@@ -9,6 +9,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -48,21 +49,20 @@ class Case:
             for field in fields(thing)
             if field.default is not MISSING and field.name != "half_angle"
         )
-        return (
-            usual and not self.large and self.indenter.shape == "cone" and self.specimen.coefficients[YIELD] >= NO_YIELD
-        )
+        flows = self.specimen.coefficients[YIELD] < NO_YIELD
+        return usual and not flows and not self.large and self.indenter.shape == "cone"
 
-    @property
+    @cached_property
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
         return ring_radii(*contact_range(self.specimen, self.indenter, self.protocol), self.resolution)
 
-    @property
+    @cached_property
     def times(self) -> np.ndarray:
         """Ends of the time steps [s]."""
         return step_times(self.protocol, self.resolution.refine)
 
-    @property
+    @cached_property
     def corners(self) -> np.ndarray:
         """Which steps end at a corner of the load history."""
         return np.isin(self.times, self.protocol.knot_time)
@@ -129,8 +129,8 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         before, shallower = displacement, depth
         displacement, depth = displacement + carried * change, depth + carried * deepening
         advance(
-            body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band, mesh.bandwidth, alive,
-            spent,
+            body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band, mesh.bandwidth,
+            alive, spent,
         )  # fmt: skip
         change, deepening = displacement - before, depth - shallower
         depths[:, k] = depth * units * 1e3

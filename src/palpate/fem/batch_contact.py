@@ -143,7 +143,7 @@ def constrain_matrix(body, touch, band, size, bandwidth, border, corner):
             store(band, entry(z, r, bandwidth), shared - held * shared)
         store(border, z, side - held * side)
         for m in range(max(0, z - bandwidth), min(size, z + bandwidth)):
-            if m == z or m == r:
+            if r <= m <= z:
                 continue
             value = load(band, entry(m, z, bandwidth))
             store(band, entry(m, z, bandwidth), value - held * value)

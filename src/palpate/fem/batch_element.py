@@ -83,7 +83,7 @@ class Body(NamedTuple):
 
 @njit(cache=True)
 def internal_forces(body, points, law, weights, displacement, forces):
-    """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (likewise), and the solution at `points`."""
+    """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (same), and the solution at `points`."""
     forces[:] = 0.0
     u, f = np.empty((8, LANES)), np.empty((8, LANES))
     bulk = load(law, VOLUMETRIC)

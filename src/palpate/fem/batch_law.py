@@ -4,8 +4,8 @@ The unknown is y = ln q. On doubly logarithmic axes every power law is straight,
 
     ln(q phi(q)) = ln rho,   q phi(q) = sum_j c_j q^(p_j),
 
-gets there in two or three iterations from anywhere near; ln(V / rho) is taken as 2 (V - rho) / (V + rho), which leaves an
-error of third order. Every power is then exp(p y): no logarithm is ever needed.
+gets there in two or three iterations from anywhere near; ln(V / rho) is taken as 2 (V - rho) / (V + rho), which leaves
+an error of third order. Every power is then exp(p y): no logarithm is ever needed.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ class Points(NamedTuple):
     @classmethod
     def unloaded(cls, count: int, elements: int) -> Points:
         """Return `count` points at rest, of laws with so many Voigt elements."""
-        tensors = [np.zeros(shape) for shape in ((count, 4, LANES), (count, 4, LANES), (count, elements, 4, LANES))]
-        scalars = [np.zeros((count, LANES)) for _ in range(4)]
-        scalars[2][:] = 2 * UNKNOWN
-        return cls(*tensors, np.zeros((count, 4, LANES)), *scalars)
+        past, permanent, direction = (np.zeros((count, 4, LANES)) for _ in range(3))
+        transient = np.zeros((count, elements, 4, LANES))
+        rho, q, slope = (np.zeros((count, LANES)) for _ in range(3))
+        return cls(past, permanent, transient, direction, rho, q, np.full((count, LANES), 2 * UNKNOWN), slope)
 
 
 def law_rows(coefficients: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from numba import njit
 from palpate.fem.batch_banded import solve
 from palpate.fem.batch_contact import close_gaps, constrain_forces, constrain_matrix, follow, pulled, release
 from palpate.fem.batch_element import internal_forces, stiffness
-from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store, where_less
+from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
 from palpate.fem.newton import ITERATIONS, TOLERANCE
 
 TRIES = 5  # of the line search, see `palpate.fem.newton.Search`

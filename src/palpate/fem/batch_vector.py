@@ -8,6 +8,8 @@ whatever the width of the processor's registers. Products and sums may be contra
 from __future__ import annotations
 
 import operator
+from collections.abc import Callable
+from typing import Any
 
 import llvmlite.ir as ir
 from numba import njit, types
@@ -44,6 +46,11 @@ class _VectorModel(PrimitiveModel):
         super().__init__(manager, fe_type, _DOUBLES)
 
 
+def _instruction(generator: Callable[..., Any]) -> Any:
+    """Make an intrinsic of a function that types and generates an instruction."""
+    return intrinsic(generator)
+
+
 def _constant(value: float) -> ir.Constant:
     return ir.Constant(_DOUBLES, [value] * LANES)
 
@@ -59,7 +66,7 @@ def _row(context, builder, array_type, array, index):
     return builder.bitcast(builder.gep(data, [start]), _DOUBLES.as_pointer())
 
 
-@intrinsic
+@_instruction
 def load(typing_context, array, index):
     """Return row `index` (counting rows of `LANES`) of a contiguous array of doubles."""
 
@@ -70,7 +77,7 @@ def load(typing_context, array, index):
     return VECTOR(array, index), generate
 
 
-@intrinsic
+@_instruction
 def store(typing_context, array, index, value):
     """Write `value` to row `index` of a contiguous array of doubles."""
 
@@ -83,7 +90,7 @@ def store(typing_context, array, index, value):
     return types.void(array, index, value), generate
 
 
-@intrinsic
+@_instruction
 def splat(typing_context, scalar):
     """Return a vector whose lanes all hold a double."""
 
@@ -105,7 +112,7 @@ def _binary(name: str):
 
         return VECTOR(VECTOR, VECTOR), generate
 
-    return intrinsic(typed)
+    return _instruction(typed)
 
 
 def _overload(operation, instruction) -> None:
@@ -143,14 +150,14 @@ def _unary(name: str):
 
         return VECTOR(VECTOR), generate
 
-    return intrinsic(typed)
+    return _instruction(typed)
 
 
 root = _unary("sqrt")
 magnitude = _unary("fabs")
 
 
-@intrinsic
+@_instruction
 def greatest(typing_context, value):
     """Return the largest of the lanes, those that are NaN aside."""
 
@@ -163,7 +170,7 @@ def greatest(typing_context, value):
     return types.float64(VECTOR), generate
 
 
-@intrinsic
+@_instruction
 def where_less(typing_context, a, b, then, otherwise):
     """Return `then` in the lanes where a < b, else `otherwise`."""
 
@@ -174,7 +181,7 @@ def where_less(typing_context, a, b, then, otherwise):
     return VECTOR(VECTOR, VECTOR, VECTOR, VECTOR), generate
 
 
-@intrinsic
+@_instruction
 def scale_by_two_to(typing_context, value, shifted):
     """Return value * 2^n, where `shifted` is n added to the constant `_ROUND`."""
 
@@ -186,7 +193,7 @@ def scale_by_two_to(typing_context, value, shifted):
     return VECTOR(VECTOR, VECTOR), generate
 
 
-@intrinsic
+@_instruction
 def rough_log(typing_context, value):
     """Return ln(value) to within 0.06, from the bits of a positive number: the exponent, and the mantissa as it is."""
 
