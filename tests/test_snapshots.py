@@ -105,6 +105,19 @@ def test_a_killed_job_leaves_no_half_file(tmp_path):
     assert not list(tmp_path.rglob("*.npz"))
 
 
+def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
+    def killed_at_the_third(specifications):
+        if specifications[0].parameters["youngs_modulus"] == 3.0:
+            raise KeyboardInterrupt
+        return fake(specifications)
+
+    monkeypatch.setattr(snapshots, "AT_ONCE", 2)
+    s = study(tmp_path, cells_per_job=3)
+    with pytest.raises(KeyboardInterrupt):
+        run(s, tmp_path, killed_at_the_third)
+    assert run(s, tmp_path) == [1]
+
+
 def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():
     import ast
 

@@ -120,7 +120,7 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     touch = Touch.at_apex(np.array([case.indenter.slope for case in lanes]), len(mesh.surface))
     displacement, depth = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
     change, deepening = np.zeros_like(displacement), np.zeros(LANES)
-    band = np.empty((mesh.size * (mesh.bandwidth + 1) + 1, LANES))
+    band = np.empty((body.size * body.width + 1, LANES))
     alive, spent = np.ones(LANES, dtype=bool), np.zeros(LANES, dtype=np.int64)
     depths = np.full((LANES, times.shape[1]), np.nan)
     weights = weight_rows(coefficients, steps[:, 0])
@@ -129,8 +129,8 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         before, shallower = displacement, depth
         displacement, depth = displacement + carried * change, depth + carried * deepening
         advance(
-            body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band, mesh.bandwidth,
-            alive, spent,
+            body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band, alive,
+            spent,
         )  # fmt: skip
         change, deepening = displacement - before, depth - shallower
         depths[:, k] = depth * units * 1e3

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.fem.batch_banded import PANEL
 from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
 from palpate.fem.contact import PENETRATION
 
@@ -65,13 +66,11 @@ def follow(body, touch, displacement, depth, done):
 
 @njit(cache=True)
 def pulled(body, touch, forces, lane, tolerance):
-    """Return how many nodes touch in a lane, and how many of them the cone would have to pull."""
-    touching = pulling = 0
+    """Return whether the cone of a lane would have to pull a node by more than a `tolerance`."""
     for k in range(body.radial.shape[0]):
-        if touch.touching[k, lane] > 0.0:
-            touching += 1
-            pulling += pressing(body, touch, forces, k, lane) < -tolerance
-    return touching, pulling
+        if touch.touching[k, lane] > 0.0 and pressing(body, touch, forces, k, lane) < -tolerance:
+            return True
+    return False
 
 
 @njit(cache=True)
@@ -83,10 +82,11 @@ def pressing(body, touch, forces, k, lane):
 
 @njit(cache=True)
 def release(body, touch, forces, lane, tolerance):
-    """Let go the nodes of a lane that are pulled, but keep one."""
-    kept, last, largest = 0, 0, -np.inf
+    """Let go the nodes of a lane that are pulled, but keep one; return whether any went."""
+    before, kept, last, largest = 0, 0, 0, -np.inf
     for k in range(body.radial.shape[0]):
         if touch.touching[k, lane] > 0.0:
+            before += 1
             if pressing(body, touch, forces, k, lane) < -tolerance:
                 touch.touching[k, lane] = 0.0
                 if forces[body.vertical[k], lane] > largest:
@@ -95,16 +95,17 @@ def release(body, touch, forces, lane, tolerance):
                 kept += 1
     if kept == 0:
         touch.touching[last, lane] = 1.0
+    return before > max(kept, 1)
 
 
 @njit(cache=True)
-def close_gaps(body, touch, band, size, bandwidth, forces):
+def close_gaps(body, touch, band, forces):
     """Add to the `forces` what closing the gaps will add to them by the assembled stiffness."""
     for k in range(body.radial.shape[0]):
         z, gap = body.vertical[k], load(touch.gap, k)
         if greatest(magnitude(gap)) > 0.0:
-            for m in range(max(0, z - bandwidth), min(size, z + bandwidth + 1)):
-                store(forces, m, load(forces, m) + gap * load(band, entry(m, z, bandwidth)))
+            for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
+                store(forces, m, load(forces, m) + gap * load(band, entry(m, z, body.width)))
 
 
 @njit(cache=True)
@@ -123,7 +124,7 @@ def constrain_forces(body, touch, forces, reaction):
 
 
 @njit(cache=True)
-def constrain_matrix(body, touch, band, size, bandwidth, border, corner):
+def constrain_matrix(body, touch, band, border, corner):
     """Eliminate the nodes that touch from `band`; write the column (size, LANES) and diagonal (LANES,) of the depth."""
     border[:] = 0.0
     corner[:] = 0.0
@@ -132,27 +133,27 @@ def constrain_matrix(body, touch, band, size, bandwidth, border, corner):
         if greatest(held) == 0.0:
             continue
         slope = load(touch.slope, 0) * held
-        diagonal = load(band, entry(z, z, bandwidth))
+        diagonal = load(band, entry(z, z, body.width))
         side = load(border, z)
         store(corner, 0, load(corner, 0) + held * (diagonal - 2.0 * side))
         if r >= 0:
-            shared = load(band, entry(z, r, bandwidth))
-            own = load(band, entry(r, r, bandwidth))
-            store(band, entry(r, r, bandwidth), own + slope * (2.0 * shared + slope * diagonal))
+            shared = load(band, entry(z, r, body.width))
+            own = load(band, entry(r, r, body.width))
+            store(band, entry(r, r, body.width), own + slope * (2.0 * shared + slope * diagonal))
             store(border, r, load(border, r) + slope * (side - diagonal) - held * shared)
-            store(band, entry(z, r, bandwidth), shared - held * shared)
+            store(band, entry(z, r, body.width), shared - held * shared)
         store(border, z, side - held * side)
-        for m in range(max(0, z - bandwidth), min(size, z + bandwidth)):
+        for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
             if r <= m <= z:
                 continue
-            value = load(band, entry(m, z, bandwidth))
-            store(band, entry(m, z, bandwidth), value - held * value)
+            value = load(band, entry(m, z, body.width))
+            store(band, entry(m, z, body.width), value - held * value)
             store(border, m, load(border, m) - held * value)
             if r >= 0:
-                store(band, entry(m, r, bandwidth), load(band, entry(m, r, bandwidth)) + slope * value)
+                store(band, entry(m, r, body.width), load(band, entry(m, r, body.width)) + slope * value)
 
 
 @njit(cache=True, inline="always")
-def entry(i, j, bandwidth):
+def entry(i, j, width):
     """Return where the band holds the entry (i, j)."""
-    return min(i, j) * (bandwidth + 1) + abs(i - j)
+    return min(i, j) * width + abs(i - j)

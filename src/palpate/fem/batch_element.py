@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.fem.batch_banded import PANEL
 from palpate.fem.batch_law import NOTHING, VOLUMETRIC, solve_radial
 from palpate.fem.batch_vector import LANES, load, root, splat, store, where_less
 from palpate.fem.linear import fixed_matrices
@@ -34,11 +35,13 @@ class Body(NamedTuple):
         For each pair `LOWER` of an element's unknowns the stiffness at unit q/rho of each Gauss point, and at unit bulk
         modulus.
     entries : ndarray of int, shape (m, 36)
-        Where each pair goes in the band (size, bandwidth + 1), counted through; those that are held go behind it.
+        Row of the band where each pair goes, see `palpate.fem.batch_banded`; those that are held go behind it.
     radial, vertical : ndarray of int, shape (k,)
         Rows of the surface nodes' two components; -1 for the radial one of the apex.
     distance : ndarray, shape (k,)
         Distance of the surface nodes from the axis.
+    size, width
+        Number of unknowns, and of the rows that each takes in the band.
     """
 
     unknowns: np.ndarray
@@ -50,6 +53,8 @@ class Body(NamedTuple):
     radial: np.ndarray
     vertical: np.ndarray
     distance: np.ndarray
+    size: int
+    width: int
 
     @classmethod
     def of(cls, mesh: Mesh) -> Body:
@@ -67,7 +72,7 @@ class Body(NamedTuple):
         i, j = LOWER.T
         volumetric = mesh.weights.sum(axis=1)[:, None] * dilatation[:, i] * dilatation[:, j]
         first, second = np.minimum(equations[:, i], equations[:, j]), np.maximum(equations[:, i], equations[:, j])
-        width = mesh.bandwidth + 1
+        width = int((second - first)[first >= 0].max()) + PANEL
         return cls(
             np.where(equations < 0, mesh.size, equations),
             gradients,
@@ -78,6 +83,8 @@ class Body(NamedTuple):
             mesh.equations[mesh.surface, 0],
             mesh.equations[mesh.surface, 1],
             mesh.nodes[mesh.surface, 0],
+            mesh.size,
+            width,
         )
 
 
@@ -114,17 +121,18 @@ def internal_forces(body, points, law, weights, displacement, forces):
             r3 = 0.5 * erz - load(points.past, 4 * p + 3)
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
-            q, log_q, slope = solve_radial(rho, load(points.log_q, p), law, weights)
+            last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
+            q, log_q, order = solve_radial(rho, last, log_q, order, law, weights)
             inverse = 1.0 / rho
+            store(points.rho, p, rho)
+            store(points.log_q, p, log_q)
+            store(points.secant, p, q * inverse)
+            store(points.order, p, order)
             r0, r1, r2, r3 = r0 * inverse, r1 * inverse, r2 * inverse, r3 * inverse
             store(points.direction, 4 * p, r0)
             store(points.direction, 4 * p + 1, r1)
             store(points.direction, 4 * p + 2, r2)
             store(points.direction, 4 * p + 3, r3)
-            store(points.rho, p, rho)
-            store(points.q, p, q)
-            store(points.log_q, p, log_q)
-            store(points.slope, p, slope)
             q = q * volumes[g]
             r0, r1, r2, r3 = r0 * q, r1 * q, r2 * q, r3 * q
             for a in range(4):
@@ -146,9 +154,9 @@ def stiffness(body, points, law, band):
     for e in range(body.unknowns.shape[0]):
         for g in range(4):
             gradients, p = body.gradients[e, g], 4 * e + g
-            ratio = load(points.q, p) / load(points.rho, p)
+            ratio = load(points.secant, p)
             store(secant, g, ratio)
-            excess = (0.5 * body.volumes[e, g]) * (load(points.slope, p) - ratio)
+            excess = (0.5 * body.volumes[e, g]) * ratio * (load(points.order, p) - 1.0)
             r0, r1 = load(points.direction, 4 * p), load(points.direction, 4 * p + 1)
             r2, r3 = load(points.direction, 4 * p + 2), load(points.direction, 4 * p + 3)
             for a in range(4):

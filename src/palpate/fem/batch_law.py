@@ -2,10 +2,11 @@
 
 The unknown is y = ln q. On doubly logarithmic axes every power law is straight, so that Newton's method for
 
-    ln(q phi(q)) = ln rho,   q phi(q) = sum_j c_j q^(p_j),
+    G(y) = ln(V / rho) = 0,   V = q phi(q) = sum_j c_j q^(p_j),
 
-gets there in two or three iterations from anywhere near; ln(V / rho) is taken as 2 (V - rho) / (V + rho), which leaves
-an error of third order. Every power is then exp(p y): no logarithm is ever needed.
+gets there at once from anywhere near. The term of second order that Halley's method adds leaves an error of third
+order; ln(V / rho) is 2 (z + z^3/3 + ...) with z = (V - rho) / (V + rho), and every power is exp(p y), so that no
+logarithm is ever needed.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from palpate.fem.batch_vector import LANES, exponential, greatest, load, magnitu
 from palpate.materials.radial import BULK, SHEAR, STEADY_EXPONENT, VOIGT, step_weights
 
 ITERATIONS = 60
-TOLERANCE = 1e-7  # of ln q; the change that follows is applied too, so the error left is its square
+TOLERANCE = 1e-5  # of ln q; the change that is smaller is still made, so the error left is of its third power
 NOTHING = 1e-150  # stands for rho = 0, so that the direction R / rho exists
 UNKNOWN = -300.0  # below it ln q is no guess
 
@@ -39,8 +40,8 @@ class Points(NamedTuple):
         Voigt strains, likewise.
     direction : ndarray, shape (p, 4, LANES)
         R / rho.
-    rho, q, log_q, slope : ndarray, shape (p, LANES)
-        Solution of the radial equation; ln q also begins the next search; the slope is dq/drho.
+    rho, log_q, secant, order : ndarray, shape (p, LANES)
+        Solution of the radial equation; q/rho; and d ln q / d ln rho.
     """
 
     past: np.ndarray
@@ -48,17 +49,17 @@ class Points(NamedTuple):
     transient: np.ndarray
     direction: np.ndarray
     rho: np.ndarray
-    q: np.ndarray
     log_q: np.ndarray
-    slope: np.ndarray
+    secant: np.ndarray
+    order: np.ndarray
 
     @classmethod
     def unloaded(cls, count: int, elements: int) -> Points:
         """Return `count` points at rest, of laws with so many Voigt elements."""
         past, permanent, direction = (np.zeros((count, 4, LANES)) for _ in range(3))
         transient = np.zeros((count, elements, 4, LANES))
-        rho, q, slope = (np.zeros((count, LANES)) for _ in range(3))
-        return cls(past, permanent, transient, direction, rho, q, np.full((count, LANES), 2 * UNKNOWN), slope)
+        rho, secant, order = (np.zeros((count, LANES)) for _ in range(3))
+        return cls(past, permanent, transient, direction, rho, np.full((count, LANES), 2 * UNKNOWN), secant, order)
 
 
 def law_rows(coefficients: np.ndarray) -> np.ndarray:
@@ -75,36 +76,43 @@ def weight_rows(coefficients: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def solve_radial(rho, log_q, law, weights):
-    """Solve q phi(q) = rho > 0 from a guess of ln q.
+def solve_radial(rho, last, log_q, order, law, weights):
+    """Solve q phi(q) = rho > 0, from the `last` rho, its ln q and d ln q / d ln rho.
 
     Returns
     -------
-    q, log_q, slope
-        Vectors: the solution, its logarithm and dq/drho.
+    q, log_q, order
+        Vectors: the solution, its logarithm, and d ln q / d ln rho.
     """
     elastic = load(law, ELASTIC)
     steady, power = load(weights, 0), load(law, POWERS)
-    log_q = where_less(log_q, splat(UNKNOWN), rough_log(rho / elastic), log_q)
-    q, moment, change = rho, rho, rho
+    further = log_q + order * 2.0 * (rho - last) / (rho + last)
+    log_q = where_less(log_q, splat(UNKNOWN), rough_log(rho) - rough_log(elastic), further)
+    q, order, change = rho, rho, rho
     for _ in range(ITERATIONS):
         q = exponential(log_q)
         term = steady * exponential(power * log_q)
-        total = elastic + term
-        growth = total + power * term
+        total, growth, bend = elastic + term, elastic + term, elastic + term
+        term = power * term
+        growth, bend = growth + term, bend + (2.0 + power) * term
         for k in range((weights.shape[0] - 1) // 4):
             exponent = load(law, POWERS + 1 + k)
             term = load(weights, 3 + 4 * k) * exponential(exponent * log_q)
-            total = total + term
-            growth = growth + (exponent * term + term)
+            total, growth, bend = total + term, growth + term, bend + term
+            term = exponent * term
+            growth, bend = growth + term, bend + (2.0 + exponent) * term
         value = total * q
-        moment = growth * q
-        change = 2.0 * value * (value - rho) / ((value + rho) * moment)
+        both = value + rho
+        inverse = 1.0 / (both * total * growth)
+        excess = (value - rho) * inverse * total * growth
+        order = both * inverse * total * total
+        change = (2.0 + (2.0 / 3.0) * excess * excess) * excess * order
+        curve = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
+        change = change + where_less(magnitude(curve), splat(0.05), change * curve, splat(0.0))
         log_q = log_q - change
         if greatest(magnitude(change)) < TOLERANCE:
             break
-    q = q * (1.0 - change * (1.0 - 0.5 * change))
-    return q, log_q, q / moment
+    return q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0)))), log_q, order
 
 
 @njit(cache=True)
@@ -115,8 +123,8 @@ def turn(points, law, done, following):
     `history`.
     """
     elements = (done.shape[0] - 1) // 4
-    for p in range(points.q.shape[0]):
-        q, log_q = load(points.q, p), load(points.log_q, p)
+    for p in range(points.rho.shape[0]):
+        q, log_q = load(points.rho, p) * load(points.secant, p), load(points.log_q, p)
         steady = (load(done, 0) + load(following, 0)) * q * exponential(load(law, POWERS) * log_q)
         for i in range(4):
             strain = load(points.permanent, 4 * p + i) + steady * load(points.direction, 4 * p + i)

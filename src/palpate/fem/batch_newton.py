@@ -19,7 +19,7 @@ TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 
 @njit(cache=True)
-def advance(body, points, touch, law, weights, load_now, scale, displacement, depth, band, bandwidth, alive, spent):
+def advance(body, points, touch, law, weights, load_now, scale, displacement, depth, band, alive, spent):
     """Bring all lanes into equilibrium under the loads at the end of a step.
 
     Parameters
@@ -32,20 +32,21 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
         In: a guess; out: the solution.
     depth : ndarray, shape (LANES,)
         Likewise.
-    band : ndarray, shape (size * (bandwidth + 1) + 1, LANES)
+    band : ndarray, shape (size * width + 1, LANES)
         Storage.
     alive : ndarray of bool, shape (LANES,)
         Lanes that take part; one that finds no equilibrium leaves.
     spent : ndarray of int, shape (LANES,)
         Iterations of each lane are added.
     """
-    size = displacement.shape[0] - 1
+    size = body.size
     forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
     corner, reaction, excess = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     norm, work = np.zeros(LANES), np.zeros(LANES)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
+    taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
     done = ~alive
     for iteration in range(ITERATIONS):
         follow(body, touch, displacement, depth, done)
@@ -53,29 +54,30 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
         joined = np.any(touch.joined & ~done)
         if joined:
             stiffness(body, points, law, band)
-            close_gaps(body, touch, band, size, bandwidth, forces)
-        let_go = np.zeros(LANES, dtype=np.bool_)
-        pulling = np.zeros(LANES, dtype=np.int64)
+            close_gaps(body, touch, band, forces)
         for lane in range(LANES):
-            if not done[lane]:
-                spent[lane] += 1
-                touching, pulling[lane] = pulled(body, touch, forces, lane, TOLERANCE * scale[lane])
-                if iteration > 0 and pulling[lane] > 0 and not touch.joined[lane] and touching > 1:
-                    release(body, touch, forces, lane, TOLERANCE * scale[lane])
-                    let_go[lane] = True
-                    searching[lane] = False
+            if done[lane]:
+                continue
+            taken[lane] += 1
+            tolerance = TOLERANCE * scale[lane]
+            held[lane] = pulled(body, touch, forces, lane, tolerance)
+            may_go = iteration > 0 and held[lane] and not touch.joined[lane]
+            if may_go and release(body, touch, forces, lane, tolerance):
+                held[lane] = pulled(body, touch, forces, lane, tolerance)
+                taken[lane] += 1
+                searching[lane] = False
         constrain_forces(body, touch, forces, reaction)
         excess[:] = -reaction - load_now
         measure(forces, direction, size, norm, work)
         work += toward * excess
         for lane in range(LANES):
             solving[lane] = False
-            if done[lane] or let_go[lane]:
+            if done[lane]:
                 continue
             imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
-            if not np.isfinite(norm[lane] + excess[lane]):
+            if not np.isfinite(norm[lane] + excess[lane]) or taken[lane] > ITERATIONS:
                 alive[lane], done[lane] = False, True
-            elif imbalance < TOLERANCE and pulling[lane] == 0 and not touch.joined[lane]:
+            elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
                 done[lane] = True
             elif searching[lane] and not touch.joined[lane] and unbalanced(work[lane], start[lane], tries[lane]):
                 tries[lane] += 1
@@ -85,18 +87,19 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
             else:
                 solving[lane] = True
         if np.all(done):
-            return
+            break
         if not np.any(solving):
             continue
         if not joined:
             stiffness(body, points, law, band)
-        constrain_matrix(body, touch, band, size, bandwidth, border, corner)
-        step(band, bandwidth, forces, border, corner, excess, solving, direction, toward, start)
+        constrain_matrix(body, touch, band, border, corner)
+        step(band, body.width, forces, border, corner, excess, solving, direction, toward, start)
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
                 move(displacement, depth, direction, toward, lane, 1.0)
     alive &= done
+    spent += taken
 
 
 @njit(cache=True)
@@ -126,14 +129,14 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def step(band, bandwidth, forces, border, corner, excess, solving, direction, toward, start):
+def step(band, width, forces, border, corner, excess, solving, direction, toward, start):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`.
     """
     size = forces.shape[0] - 1
     forward, sideways = forces.copy(), border.copy()
-    solve(band, size, bandwidth, forward, sideways)
+    solve(band, size, width, forward, sideways)
     ahead, aside = splat(0.0), splat(0.0)
     for i in range(size):
         ahead = ahead + load(border, i) * load(forward, i)
