@@ -110,6 +110,7 @@ def solve_radial(rho, last, log_q, order, law, weights):
         curve = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
         change = change + where_less(magnitude(curve), splat(0.05), change * curve, splat(0.0))
         log_q = log_q - change
+        order = order + 2.0 * curve * order
         if greatest(magnitude(change)) < TOLERANCE:
             break
     return q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0)))), log_q, order
