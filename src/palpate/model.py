@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.fem.batch import Case, indent_batch
-from palpate.fem.indent import RESOLUTIONS, History
+from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.indenters import Indenter
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter, check_values
@@ -110,32 +110,29 @@ def simulate(specification: Specification) -> Simulation:
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    return simulate_batch([specification])[0]
+    case = _case(specification)
+    history = indent(case.specimen, case.indenter, case.protocol, case.resolution, case.large)
+    return _simulation(specification, history)
 
 
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
-    The curves are those of `simulate`, to rounding.
+    The curves are those of `simulate`, to rounding; the solver's wall time is shared evenly.
     """
     specifications = list(specifications)
     histories = indent_batch([_case(specification) for specification in specifications])
-    return [_recorded(*pair) for pair in zip(specifications, histories, strict=True)]
+    return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
 def _case(specification: Specification) -> Case:
     for key, values in specification.mechanisms.items():
         specification = MECHANISMS[key].simulate(specification, values)
-    return Case(
-        specification.specimen,
-        specification.indenter,
-        specification.protocol,
-        RESOLUTIONS[specification.accuracy],
-        large=specification.kinematics == "large",
-    )
+    resolution, large = RESOLUTIONS[specification.accuracy], specification.kinematics == "large"
+    return Case(specification.specimen, specification.indenter, specification.protocol, resolution, large)
 
 
-def _recorded(specification: Specification, history: History) -> Simulation:
+def _simulation(specification: Specification, history: History) -> Simulation:
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
     depth = history.depth
     for key, values in specification.mechanisms.items():

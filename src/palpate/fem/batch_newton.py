@@ -1,7 +1,8 @@
 """One time step of `LANES` indentations at once: the iteration of `palpate.fem.newton`, each lane on its own path.
 
-All lanes assemble and factor together; a lane that has converged, searches along a line or lets nodes go leaves the
-solution unused. What a lane does thus never depends on its neighbours.
+All lanes assemble and factor together; one that has converged or searches along a line leaves the solution unused. What
+a lane does thus never depends on its neighbours. The matrix is needed only where some lane takes a Newton step, and
+letting nodes go leaves the forces of the stress as they are: neither costs a pass over the elements of its own.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
     body, points, touch, law, weights
         See `palpate.fem.batch_element` and `palpate.fem.batch_law`; `points` and `touch` are advanced.
     load_now, scale : ndarray, shape (LANES,)
-        Load, and the largest one of the history.
+        Load at the end of the step, and the largest one of the history.
     displacement : ndarray, shape (size + 1, LANES)
         In: a guess; out: the solution.
     depth : ndarray, shape (LANES,)
@@ -75,7 +76,7 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
             if done[lane]:
                 continue
             imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
-            if not np.isfinite(norm[lane] + excess[lane]) or taken[lane] > ITERATIONS:
+            if not np.isfinite(norm[lane] + excess[lane] + work[lane]) or taken[lane] > ITERATIONS:
                 alive[lane], done[lane] = False, True
             elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
                 done[lane] = True
@@ -118,7 +119,7 @@ def move(displacement, depth, direction, toward, lane, distance):
 
 @njit(cache=True)
 def measure(forces, direction, size, norm, work):
-    """Write the largest of the `forces` and their work along the `direction`, NaN if one is."""
+    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`."""
     largest, total = splat(0.0), splat(0.0)
     for i in range(size):
         force = load(forces, i)
