@@ -11,6 +11,7 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/thesis.smk"
 include: "workflow/rules/real.smk"
+include: "workflow/rules/challenge.smk"
 
 
 rule all:

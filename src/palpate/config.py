@@ -67,7 +67,7 @@ class Study:
         Names of the conditions that each calibration uses; ``all`` is always there.
     recordings
         Folder of each set of recordings.
-    cells_per_job, seed, surrogate, calibration, diagnosis, laboratory, source
+    cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory, source
         Settings with their defaults filled in.
     """
 
@@ -89,6 +89,7 @@ class Study:
     surrogate: Mapping[str, Any]
     calibration: Mapping[str, Any]
     diagnosis: Mapping[str, Any]
+    challenge: Mapping[str, Any]
     laboratory: Mapping[str, Mapping[str, Any]]
     source: Mapping[str, Any]
 
@@ -194,6 +195,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         surrogate=settings["surrogate"],
         calibration=settings["calibration"],
         diagnosis=settings["diagnosis"],
+        challenge=settings["challenge"],
         laboratory=settings.get("laboratory", {}),
         source=source,
     )

@@ -63,7 +63,7 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     for condition in study.conditions:
         exact = replace(condition, protocol=denser(condition.protocol, DENSER))
         specification = study.specification(settings["parameters"], exact, accuracy="fine")
-        simulation = simulate(replace(specification, mechanisms=settings["mechanisms"]))
+        simulation = simulate(replace(specification, mechanisms=settings.get("mechanisms", {})))
         if simulation.status != "ok":
             raise PalpateError(f"virtual laboratory, {condition.name}: {simulation.reason}")
         for replicate in range(1, settings["replicates"] + 1):

@@ -10,12 +10,14 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.fem.batch import Case, indent_batch
+from palpate.fem.directions import Directions
 from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.indenters import Indenter
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter, check_values
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
+from palpate.variation import Variation, acting, directions, recorded
 
 PROTOCOL = (
     Parameter("max_load", "P", "mN", 1e-9, 1e6, "largest load"),
@@ -102,17 +104,72 @@ class Simulation:
     solver_seconds: float
 
 
-def simulate(specification: Specification) -> Simulation:
+def simulate(specification: Specification, radii: np.ndarray | None = None) -> Simulation:
     """Simulate one indentation with its mechanisms; a solver failure is reported in the result, never raised.
+
+    Parameters
+    ----------
+    radii : ndarray, optional
+        Rings of the mesh [um], in place of those that suit the specification, see `palpate.fem.indent.mesh_radii`.
 
     Raises
     ------
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    case = _case(specification)
-    history = indent(case.specimen, case.indenter, case.protocol, case.resolution, case.large)
-    return _simulation(specification, history)
+    return _simulation(specification, _indent(specification, radii))
+
+
+def _indent(
+    specification: Specification, radii: np.ndarray | None = None, directions: Directions | None = None
+) -> History:
+    solid = acting(specification)
+    resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
+    return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions)
+
+
+def _simulation(specification: Specification, history: History) -> Simulation:
+    time, load = specification.protocol.sample_time, specification.protocol.sample_load
+    depth = recorded(specification, history.depth)
+    return Simulation(time, load, depth, "failed" if history.reason else "ok", history.reason, history.seconds)
+
+
+def sensitivities(
+    specification: Specification, parameters: Iterable[str], radii: np.ndarray | None = None
+) -> tuple[Simulation, np.ndarray]:
+    """Simulate one indentation together with the derivatives of its depth curve.
+
+    They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
+    two nodes they scatter about those of a smooth contact, by 1 to 5 % of their largest value (root mean square) at
+    ``accuracy: standard`` and about half as much at ``fine``. The mean over three simulations with `radii` a third of
+    a ring apart scatters by about 1 %.
+
+    Parameters
+    ----------
+    parameters
+        Parameters of the material by name, of a mechanism of the specification as ``key.name``.
+    radii : ndarray, optional
+        As for `simulate`.
+
+    Returns
+    -------
+    simulation : Simulation
+    derivatives : ndarray, shape (n, p)
+        Of the recorded depth by each parameter [nm per unit of the parameter]; NaN from a failure on.
+
+    Raises
+    ------
+    InputError
+        When there is no such parameter, or the depth has no derivative by it.
+    """
+    variations = {name: Variation.of(specification, name) for name in parameters}
+    history = _indent(specification, radii, directions(variations))
+    columns = []
+    for column, variation in zip(history.derivatives.T, variations.values(), strict=True):
+        half = 0.5 * variation.width * column
+        low = recorded(variation.low, history.depth - half)
+        columns.append((recorded(variation.high, history.depth + half) - low) / variation.width)
+    return _simulation(specification, history), np.stack(columns, axis=1)
 
 
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
@@ -121,20 +178,10 @@ def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     The curves are those of `simulate`, to rounding; the solver's wall time is shared evenly.
     """
     specifications = list(specifications)
-    histories = indent_batch([_case(specification) for specification in specifications])
+    histories = indent_batch([_case(acting(specification)) for specification in specifications])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
-def _case(specification: Specification) -> Case:
-    for key, values in specification.mechanisms.items():
-        specification = MECHANISMS[key].simulate(specification, values)
-    resolution, large = RESOLUTIONS[specification.accuracy], specification.kinematics == "large"
-    return Case(specification.specimen, specification.indenter, specification.protocol, resolution, large)
-
-
-def _simulation(specification: Specification, history: History) -> Simulation:
-    time, load = specification.protocol.sample_time, specification.protocol.sample_load
-    depth = history.depth
-    for key, values in specification.mechanisms.items():
-        depth = MECHANISMS[key].record(time, load, depth, values)
-    return Simulation(time, load, depth, "failed" if history.reason else "ok", history.reason, history.seconds)
+def _case(solid: Specification) -> Case:
+    resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large)

@@ -14,7 +14,7 @@ from palpate.materials import LAWS
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen, elastic_substrate
 
-ACCURACIES = ("standard", "fine")
+ACCURACIES = ("standard", "medium", "fine")
 KINEMATICS = ("small", "large")
 
 
@@ -33,7 +33,7 @@ class Specification:
     kinematics
         ``small`` or ``large`` strains.
     accuracy
-        ``standard`` or ``fine``.
+        ``standard``, ``medium`` or ``fine``.
     mechanisms
         Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
     film_thickness, substrate_modulus

@@ -76,6 +76,7 @@ def curves(values, accuracy):
 
 
 wildcard_constraints:
+    case=r"case_\d+",
     recordings="|".join(map(re.escape, STUDY.recordings)) or "none",
     condition="|".join(map(re.escape, CALIBRATED)),
     condition_set="|".join(map(re.escape, STUDY.condition_sets)),

@@ -1,5 +1,5 @@
 # What every mechanism does to a curve, computed once for a study, and the diagnosis of each set of recordings.
-EFFECT_BATCHES = design.plan(STUDY) if DIAGNOSED else []
+EFFECT_BATCHES = design.plan(STUDY) if STUDY.diagnosis["enabled"] else []
 
 for number, batch in enumerate(EFFECT_BATCHES):
 

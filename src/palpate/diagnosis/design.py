@@ -140,13 +140,23 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     return made
 
 
+def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
+    """Return the study's middle material under one condition, as the snapshots are simulated and at `accuracy: fine`.
+
+    Their ratio is the error of the mesh, which hardly depends on the material.
+    """
+    cell = {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+    usual, fine = (study.specification(cell, condition, accuracy) for accuracy in (study.accuracy, "fine"))
+    return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
+
+
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
     """Divide the simulations that a diagnosis needs into jobs, by condition."""
     batches = []
     for condition in study.conditions:
         if condition.role != "calibrate":
             continue
-        members: dict[str, Snapshot] = {}
+        members = {snapshot.address: snapshot for snapshot in refinement(study, condition)}
         for key in candidates(study):
             for pair in pairs(study, condition, key):
                 members |= {pair.plain.address: pair.plain, pair.acting.address: pair.acting}

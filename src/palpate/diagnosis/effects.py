@@ -14,9 +14,27 @@ import numpy as np
 
 from palpate import snapshots
 from palpate.config import Condition, Study
-from palpate.diagnosis.design import candidates, pairs, thinned
+from palpate.diagnosis.design import candidates, pairs, refinement, thinned
 from palpate.errors import PalpateError
 from palpate.surrogate import PODRBF
+
+SHALLOW = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Effects:
+    """What a diagnosis knows about one condition beyond the base model's surrogate.
+
+    Attributes
+    ----------
+    mechanisms
+        Effects that were learnt, by key.
+    refinement : ndarray, shape (n_points,)
+        Depth on the fine mesh over that on the study's, for the middle material.
+    """
+
+    mechanisms: Mapping[str, Effect]
+    refinement: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +69,13 @@ def interpolation(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
     return np.column_stack([np.interp(fine, knots, row) for row in np.eye(len(knots))[1:]])
 
 
-def fit_effects(study: Study, condition: Condition, folder: str | Path) -> dict[str, Effect]:
+def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effects:
     """Fit the effects of all mechanisms that act on the body, under one condition, to the simulations in `folder`.
 
     Raises
     ------
     PalpateError
-        When most simulations of a mechanism failed.
+        When most simulations of a mechanism failed, or that of the middle material.
     """
     times = thinned(condition.protocol).sample_time
     spread = interpolation(times, condition.protocol.sample_time)
@@ -77,12 +95,16 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> dict[
             raise PalpateError(f"{key} under {condition.name}: {len(good) - good.sum()} of {len(good)} runs failed")
         surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
         fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, int((~good).sum()))
-    return fitted
+    usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))
+    if not np.isfinite([usual, fine]).all():
+        raise PalpateError(f"the middle material could not be simulated under {condition.name}")
+    deep = usual > SHALLOW * usual.max()
+    return Effects(fitted, np.where(deep, fine, 1.0) / np.where(deep, usual, 1.0))
 
 
-def summary(effects: Mapping[str, Effect]) -> dict[str, dict[str, float]]:
+def summary(effects: Effects) -> dict[str, dict[str, float]]:
     """Return the leave-one-out error and the failures of each effect."""
     return {
         key: {"loo_rmse_nm": float(np.sqrt(np.mean(e.error**2))), "pairs": len(e.error), "failures": e.failures}
-        for key, e in effects.items()
+        for key, e in effects.mechanisms.items()
     }

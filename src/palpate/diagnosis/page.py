@@ -43,6 +43,13 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         found.append(("What to measure next", [report.paragraph(words)]))
     if content["limits"]:
         found.append(("What these recordings cannot say", [report.paragraph(words) for words in content["limits"]]))
+    if content["similarity"]:
+        words = (
+            "For a sharp tip on a homogeneous body, depth / sqrt(load) at equal times cannot depend on the largest "
+            "load, whatever the material's law. Where it does, a length or the instrument is missing."
+        )
+        rows = [{**row, "conditions": " and ".join(row["conditions"])} for row in content["similarity"]]
+        found.append(("The law of the sharp tip", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     clearest = pd.DataFrame(content["location"][:12])
     found.append(("Where the base model fails", [report.table(clearest)]))
     return found

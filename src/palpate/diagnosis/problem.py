@@ -15,7 +15,7 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition, Study
 from palpate.diagnosis.design import amplitudes, mechanism_dimensions
-from palpate.diagnosis.effects import Effect
+from palpate.diagnosis.effects import Effect, Effects
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.surrogate import PODRBF
 
@@ -38,6 +38,8 @@ class Problem:
         Surrogate of the base model for each condition.
     effects
         Effects of the mechanisms that act on the body, for each condition.
+    refinement
+        Factor (n_points,) for each condition that takes a simulated depth to the fine mesh.
     scale
         Size of the study.
     """
@@ -47,6 +49,7 @@ class Problem:
     space: Space
     base: Mapping[str, PODRBF]
     effects: Mapping[str, Mapping[str, Effect]]
+    refinement: Mapping[str, np.ndarray]
     scale: Scale
 
     @classmethod
@@ -55,18 +58,25 @@ class Problem:
         study: Study,
         observed: Mapping[str, Observation],
         base: Mapping[str, PODRBF],
-        effects: Mapping[str, Mapping[str, Effect]],
+        effects: Mapping[str, Effects],
         scale: Scale,
     ) -> Problem:
         """Put a study's calibrate conditions together."""
         conditions = tuple(condition for condition in study.conditions if condition.role == "calibrate")
         bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
-        return cls(conditions, observed, Space(bounds), base, effects, scale)
+        learnt = {name: found.mechanisms for name, found in effects.items()}
+        factors = {name: found.refinement for name, found in effects.items()}
+        return cls(conditions, observed, Space(bounds), base, learnt, factors, scale)
 
     @property
     def mean(self) -> np.ndarray:
         """Mean depth of all conditions, one after the other [nm]."""
         return np.concatenate([self.observed[condition.name].mean for condition in self.conditions])
+
+    def to_fine_mesh(self, condition: Condition, depth: np.ndarray) -> np.ndarray:
+        """Return a simulated curve as the fine mesh would give it; by the mean factor where there is none."""
+        known = self.refinement.get(condition.name)
+        return depth * (known if known is not None else float(np.mean([f.mean() for f in self.refinement.values()])))
 
     def split(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """Return the part of `values` (n_all, ...) that belongs to each condition."""
@@ -127,7 +137,7 @@ class Problem:
         """Return the surrogates' curves of all conditions (n_all,) [nm]."""
         u, own = self.parts(explanation, z)
         x = self.space.physical(u)
-        total = np.concatenate([self.base[condition.name].predict(x)[0] for condition in self.conditions])
+        total = np.concatenate([self.base[c.name].predict(x)[0] * self.refinement[c.name] for c in self.conditions])
         for key, coordinates in own.items():
             total = total + self.effect(key, u, coordinates)[0]
         return total
@@ -137,9 +147,10 @@ class Problem:
         u, own = self.parts(explanation, z)
         free, extent = self.space.free, self.space.extent
         physical = self.space.physical(u)[0]
-        slopes = [
-            np.concatenate([self.base[c.name].jacobian(physical)[:, free] for c in self.conditions]) * extent[free]
+        base = [
+            self.base[c.name].jacobian(physical)[:, free] * self.refinement[c.name][:, None] for c in self.conditions
         ]
+        slopes = [np.concatenate(base) * extent[free]]
         for key, x in own.items():
             slopes[0] = slopes[0] + self._material_slope(key, u, x)
             ahead, behind = np.split(

@@ -16,6 +16,7 @@ from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.refine import simulated_at
+from palpate.diagnosis.similarity import similarity
 from palpate.mechanisms import MECHANISMS
 
 DRAWS = 2000
@@ -153,6 +154,7 @@ def to_mapping(
         "verdict": verdict,
         "p_value": base.examination.p_value,  # type: ignore[union-attr]
         "location": location(base.fit),
+        "similarity": similarity(base.fit),
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,
         "discriminating_test": discriminating_test(study, further, rng) if verdict == "ambiguous" else None,

@@ -18,7 +18,8 @@ def sentence(content: Mapping[str, Any]) -> str:
     if verdict == "unexplained":
         return f"{start} No mechanism that palpate knows, and no pair of them, explains it: something else is missing."
     if verdict == "identified":
-        return f"{start} {_claim(content['candidates'][0])}: {_gain(content)}.{_bias(content)}"
+        claim = _claim(content["candidates"][0])
+        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}"
     names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
         return (
@@ -65,9 +66,8 @@ def _gain(content: Mapping[str, Any]) -> str:
     fit = content["fit"]
     role, words = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
     before, after = fit[role]["before_rmse_nm"], fit[role]["after_rmse_nm"]
-    return (
-        f"the {words} error falls from {before:.1f} to {after:.1f} nm, where noise alone makes {fit['noise_nm']:.1f} nm"
-    )
+    fall = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
+    return f"the {words} error {fall}, where noise and scatter alone make {fit['noise_nm']:.1f} nm"
 
 
 def _bias(content: Mapping[str, Any]) -> str:

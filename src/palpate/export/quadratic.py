@@ -59,7 +59,7 @@ class QuadraticMesh:
 
 def quadratic_mesh(specification: Specification, resolution: Resolution) -> QuadraticMesh:
     """Mesh the body and the indenter of a specification; contact radii are estimated as `palpate.fem` does."""
-    smallest, largest = contact_range(specification.coefficients, specification.indenter, specification.protocol)
+    smallest, largest = contact_range(specification.specimen, specification.indenter, specification.protocol)
     radii = ring_radii(smallest, largest, resolution)
     profile = Profile.of(specification.indenter)
     overlap = 0.3 * profile.depth_for(smallest)

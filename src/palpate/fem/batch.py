@@ -18,8 +18,8 @@ from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points, law_rows, turn, weight_rows
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_vector import LANES
-from palpate.fem.indent import History, contact_range, indent, step_times
-from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
+from palpate.fem.indent import History, indent, mesh_radii, step_times
+from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials.law import NO_YIELD
 from palpate.materials.radial import YIELD
@@ -55,7 +55,7 @@ class Case:
     @cached_property
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
-        return ring_radii(*contact_range(self.specimen, self.indenter, self.protocol), self.resolution)
+        return mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -140,10 +140,8 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
             weights = following
     seconds = (clock.perf_counter() - began) / len(cases)
     return [
-        History(sampled(case, times[lane], depths[lane]), "", seconds, int(spent[lane]), times.shape[1])
-        if alive[lane]
-        else None
-        for lane, case in enumerate(cases)
+        History(curve, "", seconds, int(count), times.shape[1], np.empty((len(curve), 0))) if whole else None
+        for curve, whole, count in zip(map(sampled, cases, times, depths), alive, spent, strict=False)
     ]
 
 

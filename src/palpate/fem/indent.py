@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import ConvergenceError, InputError
+from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
+from palpate.fem.directions import Directions
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
 from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
+from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
 from palpate.materials.radial import HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
@@ -18,6 +21,7 @@ from palpate.specimen import Specimen, series
 
 RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=8),
+    "medium": Resolution(growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
 HALVINGS = 6
@@ -38,6 +42,8 @@ class History:
         Wall time spent in the solver.
     iterations, steps
         Newton iterations and time steps done.
+    derivatives : ndarray, shape (n, p)
+        Of the depth, by each parameter asked for [nm per unit of the parameter]; NaN from a failure on.
     """
 
     depth: np.ndarray
@@ -45,6 +51,7 @@ class History:
     seconds: float
     iterations: int
     steps: int
+    derivatives: np.ndarray
 
 
 def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:
@@ -101,6 +108,11 @@ def _contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Proto
     return contact_radius(smallest_load), contact_radius(protocol.max_load)
 
 
+def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
+    """Return the radii [um] of the rings of the mesh that an indentation needs."""
+    return ring_radii(*contact_range(specimen, indenter, protocol), resolution)
+
+
 def step_times(protocol: Protocol, refine: int) -> np.ndarray:
     """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded onset of loading."""
     ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
@@ -112,18 +124,18 @@ def step_times(protocol: Protocol, refine: int) -> np.ndarray:
     return np.union1d(fine, onset + (first - onset) * GRADED_START)
 
 
-def regions(specimen: Specimen, mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Return the laws (regions, c) and the region of each element (m,).
+def laws_of(specimen: Specimen) -> np.ndarray:
+    """Return the laws (regions, c): substrate and film in series, by shares of the film in steps of an eighth."""
+    if specimen.substrate is None:
+        return specimen.coefficients[None, :]
+    return np.stack([series(specimen.coefficients, specimen.substrate, k / 8) for k in range(9)])
 
-    An element that the interface cuts takes film and substrate in series, by the share of its volume above the
-    interface, in steps of an eighth.
-    """
-    substrate = specimen.substrate
-    if substrate is None:
-        return specimen.coefficients[None, :], np.zeros(len(mesh.elements), dtype=np.int64)
-    share = volume_above(mesh, -1e-3 * specimen.film_thickness)
-    laws = np.stack([series(specimen.coefficients, substrate, k / 8) for k in range(9)])
-    return laws, np.rint(8 * share).astype(np.int64)
+
+def regions(specimen: Specimen, mesh: Mesh) -> np.ndarray:
+    """Return the law of each element (m,), by the share of its volume above the interface."""
+    if specimen.substrate is None:
+        return np.zeros(len(mesh.elements), dtype=np.int64)
+    return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness)).astype(np.int64)
 
 
 def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
@@ -155,8 +167,19 @@ def indent(
     protocol: Protocol,
     resolution: Resolution,
     large: bool = False,
+    radii: np.ndarray | None = None,
+    directions: Directions | None = None,
 ) -> History:
     """Simulate an indentation.
+
+    Parameters
+    ----------
+    large
+        Logarithmic instead of linear strains.
+    radii : ndarray, optional
+        Rings of the mesh [um], in place of `mesh_radii`; simulations that are compared closely should share theirs.
+    directions : Directions, optional
+        Derivatives of the inputs by the parameters for which those of the depth are wanted, on a mesh that stays.
 
     Returns
     -------
@@ -166,21 +189,29 @@ def indent(
     Raises
     ------
     InputError
-        When the mesh cannot hold the specimen or the tip, see `check_size`.
+        When the mesh cannot hold the specimen or the tip, see `check_size`, or the depth has no derivative.
     """
     began = clock.perf_counter()
-    smallest, largest = contact_range(specimen, indenter, protocol)
-    check_size(specimen, indenter, resolution, largest)
-    mesh = polar_mesh(ring_radii(smallest, largest, resolution), resolution.sectors)
-    problem = Problem(mesh, Profile.of(indenter), specimen, *regions(specimen, mesh), large, indenter.friction)
+    check_size(specimen, indenter, resolution, contact_range(specimen, indenter, protocol)[1])
+    radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
+    mesh = polar_mesh(radii, resolution.sectors)
+    law, region = laws_of(specimen), regions(specimen, mesh)
+    problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction)
     work = Workspace.of(problem)
+    ends = step_times(protocol, resolution.refine)
+    sensitivity = None
+    if directions:
+        pairs = ((shift.low, shift.high) for shift in directions.shifts)
+        moved = tuple((step_times(a, resolution.refine), step_times(b, resolution.refine)) for a, b in pairs)
+        sensitivity = Sensitivity(problem, directions, Clock(ends, moved, directions.shifts, directions.count))
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
+    derivatives = np.full((len(depth), directions.count if directions else 0), np.nan)
     reason, steps = "", 0
     corners = set(protocol.knot_time)
-    for target in step_times(protocol, resolution.refine):
+    for target in ends:
         try:
-            state, before, taken = march(problem, protocol, state, before, target, work)
+            state, before, taken = march(problem, protocol, state, before, target, work, sensitivity)
         except ConvergenceError as error:
             reason = str(error)
             break
@@ -188,13 +219,21 @@ def indent(
         where = np.searchsorted(protocol.sample_time, target * (1 - 1e-12))
         if where < len(depth) and abs(protocol.sample_time[where] - target) <= 1e-9 * target:
             depth[where] = state.depth * 1e3
+            if sensitivity:
+                derivatives[where] = sensitivity.depth * 1e3
         if target in corners:
             before = None
-    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps)
+    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps, derivatives)
 
 
 def march(
-    problem: Problem, protocol: Protocol, state: State, before: State | None, target: float, work: Workspace
+    problem: Problem,
+    protocol: Protocol,
+    state: State,
+    before: State | None,
+    target: float,
+    work: Workspace,
+    sensitivity: Sensitivity | None = None,
 ) -> tuple[State, State, int]:
     """March to `target`, halving what does not converge; return the state there, the one before, and the steps."""
     shortest = (target - state.time) / 2**HALVINGS
@@ -210,6 +249,8 @@ def march(
                 raise
             step, before = max(0.5 * step, shortest), None
             continue
+        if sensitivity:
+            sensitivity.follow(state, guess, after, before, work)
         state, before, taken = after, state, taken + 1
         if end == target:
             return state, before, taken

@@ -87,9 +87,34 @@ class State:
         return cls(0.0, 0.0, np.zeros((n, 2)), material, contact, np.zeros((m, 4)), np.zeros((n, 2)), anchor)
 
 
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """What a converged step leaves behind for its derivatives, beside the tangent in the `Workspace`.
+
+    Attributes
+    ----------
+    step : float
+        Its duration [s].
+    coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
+        The laws, and what the step makes of them.
+    contact : Contact
+    corner : float
+        Diagonal entry of the depth in the tangent.
+    """
+
+    step: float
+    coefficients: np.ndarray
+    weights: np.ndarray
+    contact: Contact
+    corner: float
+
+
 @dataclass
 class Workspace:
-    """Arrays of the linear system, allocated once a simulation, and a count of the work done."""
+    """Arrays of the linear system, allocated once a simulation, and a count of the work done.
+
+    After a converged step `band` and `border` hold the tangent there, not factored yet.
+    """
 
     band: np.ndarray
     residual: np.ndarray
@@ -99,6 +124,7 @@ class Workspace:
     local: np.ndarray
     deviatoric: np.ndarray
     dilatation: np.ndarray
+    equilibrium: Equilibrium | None = None
     iterations: int = 0
     norms: list[float] = field(default_factory=list)
 
@@ -180,6 +206,7 @@ def advance(
             material = state.material.copy()
             end_step(work.local, guesses, problem.region, coefficients, weights, material)
             anchor = contact.anchors(displacement)
+            work.equilibrium = Equilibrium(step, coefficients, weights, contact, corner)
             return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
         if search is not None and same and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]

@@ -43,8 +43,8 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
             axis.set_ylabel("rec. - sim. [nm]")
         if k >= len(names) - columns:
             axis.set_xlabel("time [s]")
-        if k == 0:
-            axis.legend(fontsize=6, handlelength=1.2, borderaxespad=0.0)
+    handles, labels = axes[0].get_legend_handles_labels()
+    bottom.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
     figure.suptitle(textwrap.fill(f"{title}: {content['verdict']}", 100), fontsize=9)
     mark_synthetic(figure, synthetic)
     save(figure, path)
@@ -53,16 +53,18 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
 def _map(content: Mapping[str, Any], axis) -> None:
     """Colour each part of each test by its mean misfit; a dot marks what is not chance."""
     conditions = sorted({row["condition"] for row in content["location"]})
-    values = np.full((len(conditions), len(PARTS)), np.nan)
+    found = {(row["segment"], row["part"]) for row in content["location"]}
+    parts = [part for part in PARTS if part in found]
+    values = np.full((len(conditions), len(parts)), np.nan)
     for row in content["location"]:
-        if (row["segment"], row["part"]) in PARTS:
-            i, j = conditions.index(row["condition"]), PARTS.index((row["segment"], row["part"]))
+        if (row["segment"], row["part"]) in parts:
+            i, j = conditions.index(row["condition"]), parts.index((row["segment"], row["part"]))
             values[i, j] = row["residual_nm"]
             if row["q_value"] < CERTAIN:
                 axis.plot(j, i, "o", color=RECORDED, ms=3)
     largest = max(float(np.nanmax(np.abs(values))), 1e-9)
     image = axis.imshow(values, cmap="RdBu_r", vmin=-largest, vmax=largest, aspect="auto")
-    axis.set_xticks(range(len(PARTS)), [f"{part}\n{segment}" for segment, part in PARTS], fontsize=6)
+    axis.set_xticks(range(len(parts)), [f"{part}\n{segment}" for segment, part in parts], fontsize=6)
     axis.set_yticks(range(len(conditions)), conditions, fontsize=6.5)
     axis.spines[["left", "bottom"]].set_visible(False)
     axis.tick_params(length=0)
@@ -75,16 +77,17 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
     tried = content["tried"][:9]
     standing = [candidate["mechanisms"] for candidate in content["candidates"]]
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
+    names = []
     for k, entry in enumerate(tried):
-        name = " + ".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model"
+        names.append(" +\n".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model")
         stands = entry["mechanisms"] in standing
         axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
-        axis.text(0.02, k, f" {name}", va="center", fontsize=6.5, transform=axis.get_yaxis_transform())
     axis.set_ylim(len(tried) - 0.4, -0.6)
-    axis.set_yticks([])
+    axis.set_yticks(range(len(tried)), names, fontsize=6.5)
+    axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     axis.set_xlabel("log evidence over the base model")
-    axis.set_title("explanations tried; in red: those that stand" if standing else "explanations tried; none stands")
+    axis.set_title("tried; in red: what stands" if standing else "tried; none stands")
 
 
 def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:

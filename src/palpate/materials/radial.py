@@ -93,7 +93,7 @@ def solve_radial(rho, guess, alpha, weights, coefficients):
     Returns
     -------
     q, slope : float
-        Invariant of the stress [GPa] and dq/drho.
+        Invariant of the stress [GPa] and dq/drho, on the side of the yield stress where q lies.
     """
     elastic = 0.5 / coefficients[SHEAR]
     if rho <= 0.0:
@@ -126,6 +126,8 @@ def solve_radial(rho, guess, alpha, weights, coefficients):
         q -= change
         if abs(change) <= 1e-8 * q:
             break
+    if plastic != (root3 * q > threshold):
+        slope += 1.5 / hardening if not plastic else -1.5 / hardening
     return q, 1.0 / slope
 
 

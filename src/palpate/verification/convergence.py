@@ -17,6 +17,7 @@ from palpate.fem.indent import RESOLUTIONS, indent
 from palpate.fem.mesh import Resolution
 from palpate.materials import LAWS
 from palpate.protocol import trapezoid
+from palpate.specimen import Specimen
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings
 from palpate.verification.materials import BURGERS, CONE
 
@@ -28,7 +29,7 @@ LOADED = PROTOCOL.sample_load >= 0.15
 
 def mean_depth(resolution: Resolution) -> float:
     """Return the mean depth [nm] of the epoxy's curve from 15 % of the load on: one number a resolution."""
-    history = indent(LAWS["nonlinear_burgers"].coefficients(BURGERS), CONE, PROTOCOL, resolution)
+    history = indent(Specimen(LAWS["nonlinear_burgers"].coefficients(BURGERS)), CONE, PROTOCOL, resolution)
     return float(history.depth[LOADED].mean())
 
 

@@ -1,0 +1,17 @@
+"""Draw all cases, seal the truth, and print its checksum before anything is diagnosed."""
+
+from pathlib import Path
+
+from palpate.challenge.cases import draw, seal
+from palpate.config import load_study
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study)
+    checksum = seal(draw(study), Path(snakemake.output.truth))
+    Path(snakemake.output.checksum).write_text(f"{checksum}  sealed.json\n", encoding="utf-8")
+    print(f"the truth is sealed; SHA-256 {checksum}")
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

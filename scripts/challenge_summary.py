@@ -1,0 +1,25 @@
+"""Put the scores of all cases together."""
+
+import json
+
+import pandas as pd
+
+from palpate.challenge import score
+from palpate.figures import trial
+
+
+def main(snakemake):
+    rows = []
+    for file in snakemake.input:
+        with open(file, encoding="utf-8") as stream:
+            rows.append(json.load(stream))
+    table = pd.DataFrame(rows)
+    table.to_csv(snakemake.output.cases, index=False)
+    score.summary(table).to_csv(snakemake.output.summary, index=False)
+    score.reliability(table).to_csv(snakemake.output.reliability)
+    trial.draw(table, score.reliability(table), snakemake.output.figure)
+    print(score.summary(table).to_string(index=False), f"\nBrier score {score.brier(table):.3f}")
+
+
+if "snakemake" in globals():
+    main(snakemake)  # noqa: F821

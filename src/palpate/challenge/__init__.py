@@ -1,0 +1,1 @@
+"""A blind trial of the diagnosis: recordings with concealed effects, and the rule that scores the answers."""

@@ -1,0 +1,81 @@
+"""The trial's virtual laboratory: finer mesh and time steps than the tool's, noise with memory, scatter, slow drift."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.challenge.cases import Case
+from palpate.challenge.unknown import UNKNOWN, Curve
+from palpate.config import Condition, Study
+from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
+from palpate.model import simulate
+from palpate.recording import Recording
+
+REPLICATES = 3
+
+
+def body_depth(study: Study, case: Case, condition: Condition) -> np.ndarray:
+    """Simulate what acts on the body itself, without what varies between recordings [nm]."""
+    acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
+    specification = study.specification(case.parameters, condition, accuracy=study.challenge["accuracy"])
+    outcome = simulate(replace(specification, mechanisms=acting))
+    if outcome.status != "ok":
+        raise PalpateError(f"{case.name}, {condition.name}: {outcome.reason}")
+    return outcome.depth
+
+
+def record(study: Study, case: Case, condition: Condition, rng: np.random.Generator) -> list[Recording]:
+    """Return the recordings of one condition."""
+    protocol, noise = condition.protocol, case.noise
+    time, load = protocol.sample_time, protocol.sample_load
+    depth = body_depth(study, case, condition)
+    if case.unknown:
+        test = Curve(time, load, depth, protocol)
+        depth = UNKNOWN[case.unknown["key"]](test, case.unknown["strength"], rng)
+    recordings = []
+    for replicate in range(1, REPLICATES + 1):
+        h = depth * (1.0 + noise["site_scatter"] * rng.standard_normal())
+        for key, values in case.mechanisms.items():
+            if MECHANISMS[key].varies:
+                own = {name: v * (1.0 + noise["own"] * rng.standard_normal()) for name, v in values.items()}
+                h = MECHANISMS[key].record(time, load, h, own)
+        h = h + noise["sigma_nm"] * first_order(len(time), noise["memory"], rng)
+        h = h + background(time, noise["drift_nm_s"], noise["drift_time_s"], rng)
+        notes = ("SYNTHETIC: written by palpate's blind trial, not measured",)
+        recordings.append(Recording(time, load, h, name=f"{condition.name}_{replicate}", notes=notes))
+    return recordings
+
+
+def write(study: Study, case: Case, folder: Path) -> None:
+    """Write the recordings of one case."""
+    rng = np.random.default_rng(case.seed)
+    folder.mkdir(parents=True, exist_ok=True)
+    for condition in study.conditions:
+        for recording in record(study, case, condition, rng):
+            recording.write(folder / f"{recording.name}.csv")
+
+
+def first_order(points: int, memory: float, rng: np.random.Generator) -> np.ndarray:
+    """Return stationary autoregressive noise of unit variance."""
+    shocks = rng.standard_normal(points)
+    noise = np.empty(points)
+    noise[0] = shocks[0]
+    for i in range(1, points):
+        noise[i] = memory * noise[i - 1] + np.sqrt(1.0 - memory**2) * shocks[i]
+    return noise
+
+
+def background(time: np.ndarray, rate: float, memory: float, rng: np.random.Generator) -> np.ndarray:
+    """Return the depth that a slowly varying drift adds: its rate is stationary with that deviation and memory."""
+    steps = np.diff(time, prepend=0.0)
+    drift, total, depth = rate * rng.standard_normal(), 0.0, []
+    for step in steps:
+        keep = np.exp(-step / memory)
+        drift = keep * drift + rate * np.sqrt(1.0 - keep**2) * rng.standard_normal()
+        total += drift * step
+        depth.append(total)
+    return np.array(depth)

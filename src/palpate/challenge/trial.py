@@ -1,0 +1,91 @@
+"""The steps of the trial: seal the truth, write recordings, diagnose, and only then open the seal and score."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import joblib
+import numpy as np
+import pandas as pd
+from scipy.stats import chi2
+
+from palpate.challenge.cases import Case, draw
+from palpate.challenge.laboratory import body_depth, write
+from palpate.challenge.score import row
+from palpate.config import Study
+from palpate.diagnosis.design import candidates, scale_of
+from palpate.diagnosis.detect import filters
+from palpate.diagnosis.diagnose import Search
+from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.steps import run_diagnosis
+from palpate.mechanisms import MECHANISMS
+from palpate.observations import observations
+
+
+def case_called(study: Study, name: str) -> Case:
+    """Return one case."""
+    return next(case for case in draw(study) if case.name == name)
+
+
+def write_recordings(study: Study, name: str, folder: Path) -> None:
+    """Write the recordings of one case."""
+    write(study, case_called(study, name), folder)
+
+
+def diagnose_case(
+    study: Study,
+    folder: Path,
+    base_files: Mapping[str, str | Path],
+    effect_files: Mapping[str, str | Path],
+    report: Callable[[str], None] = print,
+) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Diagnose the recordings in `folder`; nothing of the truth is read."""
+    return run_diagnosis(replace(study, recordings={"case": folder}), "case", base_files, effect_files, report)
+
+
+def strength(
+    study: Study, case: Case, folder: Path, base_files: Mapping[str, str | Path], effect_files: Mapping[str, str | Path]
+) -> float:
+    """Return the projected signature of a single effect over the detection limit; NaN for other cases.
+
+    The signature is the true effect at the true material, whitened and projected off the base model's tangent space.
+    The limit is the size that the most sensitive filter notices at a family-wise one per cent (Bonferroni).
+    """
+    if case.kind != "one":
+        return float("nan")
+    base = {name: joblib.load(file) for name, file in base_files.items()}
+    effects = {name: joblib.load(file) for name, file in effect_files.items()}
+    observed = observations(replace(study, recordings={"case": folder}), "case")
+    keys = list(candidates(study))
+    problem = Problem.of(study, observed, base, effects, scale_of(study))
+    fit = Search(study, problem, keys, np.random.default_rng(0)).base()
+    bare = replace(case, mechanisms={})
+    parts = []
+    for condition in problem.conditions:
+        ((key, values),) = case.mechanisms.items()
+        if MECHANISMS[key].varies:
+            parts.append(problem.recorded_effect(key, condition, values))
+        else:
+            parts.append(body_depth(study, case, condition) - body_depth(study, bare, condition))
+    white = fit.whiten(np.concatenate(parts))
+    tangent = np.linalg.qr(fit.whiten(fit.tangent))[0]
+    size = float(np.linalg.norm(white - tangent @ (tangent.T @ white)))
+    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))
+    return size / float(limit)
+
+
+def score_case(
+    study: Study,
+    case: Case,
+    diagnosis: Path,
+    folder: Path,
+    base_files: Mapping[str, str | Path],
+    effect_files: Mapping[str, str | Path],
+) -> dict[str, Any]:
+    """Return the row of one case."""
+    content = json.loads(diagnosis.read_text(encoding="utf-8"))
+    return row(vars(case), content, strength(study, case, folder, base_files, effect_files))

@@ -1,0 +1,64 @@
+"""The exact law of a sharp tip as a detector that needs no model at all.
+
+A sharp cone on a homogeneous body has no length, so two tests whose load histories are proportional, P_2(t) = k P_1(t),
+have h_2(t) = sqrt(k) h_1(t), whatever the material's law. Where the recordings break this, a length (rounding, film,
+size effect, zero point) or the instrument (frame, drift) is missing, not a better law of the material.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from palpate.diagnosis.fit import Fit
+from palpate.protocol import Protocol
+
+DEGREE = 2
+SAME = 1e-6
+
+
+def similarity(fit: Fit) -> list[dict[str, Any]]:
+    """Test the law on every pair of conditions that it binds; none for a tip that is not sharp.
+
+    Returns
+    -------
+    list
+        For each pair `conditions`, `difference_percent` (mean of h_2 / sqrt(k) over h_1, less one) and `p_value` of a
+        chi-square test with the difference's mean and slow trends; noise and site scatter count, the model does not.
+    """
+    problem = fit.problem
+    if problem.scale.half_angle == 0.0:
+        return []
+    blocks = fit.errors.blocks(fit.errors.noise)
+    found = []
+    for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):
+        if not proportional(one.protocol, two.protocol):
+            continue
+        k = two.protocol.max_load / one.protocol.max_load
+        first, second = (problem.observed[c.name].mean for c in (one, two))
+        difference = second / np.sqrt(k) - first
+        covariance = blocks[i] + blocks[j] / k
+        trends = np.vander(np.linspace(-1, 1, len(first)), DEGREE + 1) * first[:, None]
+        solved = np.linalg.solve(covariance, np.column_stack([trends, difference]))
+        information, score = trends.T @ solved[:, :-1], trends.T @ solved[:, -1]
+        statistic = float(score @ np.linalg.solve(information, score))
+        deep = first > 0.05 * first.max()
+        found.append(
+            {
+                "conditions": [one.name, two.name],
+                "difference_percent": float(100 * np.mean(difference[deep] / first[deep])),
+                "p_value": float(chi2.sf(statistic, DEGREE + 1)),
+            }
+        )
+    return sorted(found, key=lambda row: row["p_value"])
+
+
+def proportional(one: Protocol, two: Protocol) -> bool:
+    """Return whether two load histories differ by a factor alone, and are sampled at the same times."""
+    if len(one.sample_time) != len(two.sample_time) or not np.allclose(one.sample_time, two.sample_time, rtol=SAME):
+        return False
+    same_shape = np.allclose(one.sample_load / one.max_load, two.sample_load / two.max_load, atol=SAME)
+    return bool(same_shape and one.max_load != two.max_load)

@@ -1,0 +1,193 @@
+"""Diagnosis on recordings whose noise and effects are known exactly; base model and effects are closed forms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.linalg import toeplitz
+
+from palpate.calibration import Observation
+from palpate.calibration.space import Space
+from palpate.config import Condition
+from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.detect import examine
+from palpate.diagnosis.fit import solve, starting_points
+from palpate.diagnosis.locate import location
+from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
+from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.segments import segments
+from palpate.diagnosis.similarity import similarity
+from palpate.mechanisms import Scale
+from palpate.protocol import trapezoid
+
+RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset", "controller_lag"]
+CONDITIONS = tuple(
+    Condition(name, "calibrate", trapezoid(load, rise, hold, rise, points=60))
+    for name, load, rise, hold in [("a", 1.0, 10, 0), ("b", 1.0, 40, 20), ("c", 4.0, 20, 20), ("d", 0.2, 20, 0)]
+)
+SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=100, loading_time=10, half_angle=70.3, pressure=0.2)
+
+
+ONES = {c.name: np.ones(60) for c in CONDITIONS}
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """Linear viscoelastic cone: h^2 = c J*P with a modulus and a viscosity, exact for loading, good enough here."""
+
+    condition: Condition
+
+    def predict(self, x):
+        time, load = self.condition.protocol.sample_time, self.condition.protocol.sample_load
+        flow = np.cumsum(load * np.diff(time, prepend=0.0))
+        x = np.atleast_2d(x)
+        return 500.0 * np.sqrt(load / x[:, :1] + x[:, 1:] * flow + 0.05)
+
+    def jacobian(self, x):
+        steps = 1e-6 * np.eye(2)
+        return np.array([(self.predict(x + s) - self.predict(x - s))[0] / 2e-6 for s in steps]).T
+
+    @property
+    def loo_error_(self):
+        return np.zeros((1, len(self.condition.protocol.sample_time)))
+
+
+def recordings(rng, effect=lambda c, r: 0.0, replicates=3, sigma=1.0, memory=0.8, site=0.01):
+    observed = {}
+    for condition in CONDITIONS:
+        time = condition.protocol.sample_time
+        point = sigma**2 * toeplitz(memory ** np.arange(len(time)))
+        depth = ClosedForm(condition).predict([1.0, 0.01])[0]
+        rows = [
+            depth * (1 + site * rng.standard_normal())
+            + effect(condition, r)
+            + rng.multivariate_normal(np.zeros(len(time)), point, method="cholesky")
+            for r in range(replicates)
+        ]
+        observed[condition.name] = Observation(time, np.array(rows), "calibrate")
+    return observed
+
+
+def problem(observed):
+    base = {c.name: ClosedForm(c) for c in CONDITIONS}
+    space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
+    return Problem(CONDITIONS, observed, space, base, {c.name: {} for c in CONDITIONS}, ONES, SCALE)
+
+
+def fitted(task, explanation=(), start=None):
+    start = np.full(task.dimensions(explanation), 0.5) if start is None else start
+    found = errors(task, explanation, np.zeros(len(task.mean)), 0.01, 0.003)
+    return solve(task, explanation, found, [start])
+
+
+def p_value(task, rng):
+    return examine(fitted(task), RECORD_ONLY, rng, 400, 0.01).p_value
+
+
+def test_noise_is_recovered_from_replicates():
+    rng = np.random.default_rng(3)
+    time = np.linspace(1, 100, 80)
+    sets = []
+    for height in (300.0, 500.0, 800.0, 1200.0):
+        depth = height * np.sqrt(time / 100)
+        covariance = 1.5**2 * toeplitz(0.7 ** np.arange(80)) + 0.02**2 * np.outer(depth, depth)
+        rows = rng.multivariate_normal(depth, covariance, size=6, method="cholesky")
+        parts = {"site": np.outer(depth, depth), "wander": np.minimum.outer(time, time)}
+        sets.append(Replicates(contrasts(rows), np.eye(80), parts, height))
+    found = fit_noise(sets, {"site": 1e-4, "wander": 1e-4}, True, {})
+    assert found.sigma == pytest.approx(1.5, rel=0.15)
+    assert found.memory == pytest.approx(0.7, abs=0.1)
+    assert np.sqrt(found.variances["site"]) == pytest.approx(0.02, rel=0.4)
+    assert np.sqrt(found.variances["wander"]) < 0.1
+
+
+def test_null_recordings_with_correlated_noise_are_left_alone():
+    rng = np.random.default_rng(11)
+    p = [p_value(problem(recordings(rng)), rng) for _ in range(12)]
+    assert np.mean(np.array(p) < 0.05) <= 0.2
+    assert min(p) >= 0.002
+
+
+@pytest.mark.parametrize(
+    ("key", "effect", "truth"),
+    [
+        ("frame_compliance", lambda c, r: 8.0 * c.protocol.sample_load, 8.0),
+        ("thermal_drift", lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time, 0.30),
+        ("zero_offset", lambda c, r: 9.0 + r, 10.0),
+    ],
+)
+def test_a_planted_effect_is_noticed_and_measured(key, effect, truth):
+    rng = np.random.default_rng(5)
+    task = problem(recordings(rng, effect))
+    base = fitted(task)
+    assert examine(base, RECORD_ONLY, rng, 400, 0.01).p_value < 0.01
+    fits = {}
+    for other in RECORD_ONLY:
+        start = starting_points(base, other, 1)[0]
+        fits[other] = fitted(task, (other,), start)
+    assert max(fits, key=lambda name: fits[name].log_evidence) == key
+    best = fits[key]
+    (estimate,) = task.amplitudes((key,), best.z)[key].values()
+    assert estimate == pytest.approx(truth, rel=0.15)
+    assert examine(best, RECORD_ONLY, rng, 400, 0.01).p_value > 0.01
+
+
+def test_an_effect_in_no_library_leaves_something_behind():
+    rng = np.random.default_rng(7)
+    task = problem(recordings(rng, lambda c, r: 12.0 * np.sin(2 * np.pi * c.protocol.sample_time / 9.0)))
+    base = fitted(task)
+    for key in RECORD_ONLY:
+        wider = fitted(task, (key,), starting_points(base, key, 1)[0])
+        assert examine(wider, RECORD_ONLY, rng, 400, 0.01).p_value < 0.01
+
+
+def test_location_points_at_the_part_that_differs():
+    def late_hold(condition, replicate):
+        where = segments(condition.protocol).get("hold", np.zeros(60, dtype=bool))
+        return 10.0 * where * (condition.name == "b")
+
+    first = location(fitted(problem(recordings(np.random.default_rng(2), late_hold))))[0]
+    assert (first["condition"], first["segment"]) == ("b", "hold")
+    assert first["q_value"] < 0.05
+    assert first["residual_nm"] > 0
+
+
+def test_the_sharp_tips_law_notices_an_instrument_but_no_material():
+    """The closed form here obeys the law but for its constant; two tests of one shape, one with a compliant frame."""
+    pair = [
+        Condition(name, "calibrate", trapezoid(load, 20, 10, 20, points=60)) for name, load in (("p", 1.0), ("q", 4.0))
+    ]
+    rng = np.random.default_rng(4)
+    found = []
+    for compliance in (0.0, 8.0):
+        observed = {}
+        for condition in pair:
+            time, load = condition.protocol.sample_time, condition.protocol.sample_load
+            flow = np.cumsum(load * np.diff(time, prepend=0.0))
+            depth = 500 * np.sqrt(load + 0.01 * flow) + compliance * load
+            rows = [depth * (1 + 0.01 * rng.standard_normal()) + rng.standard_normal(60) for _ in range(4)]
+            observed[condition.name] = Observation(time, np.array(rows), "calibrate")
+        base, ones = {c.name: ClosedForm(c) for c in pair}, {c.name: np.ones(60) for c in pair}
+        space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
+        task = Problem(tuple(pair), observed, space, base, {c.name: {} for c in pair}, ones, SCALE)
+        (row,) = similarity(fitted(task))
+        found.append(row)
+    assert found[0]["p_value"] > 0.01
+    assert found[1]["p_value"] < 1e-3
+    assert found[1]["difference_percent"] > 0.5
+
+
+def test_segments_of_a_trapezoid():
+    found = segments(trapezoid(1.0, 10, 20, 10, points=40))
+    assert {name: int(where.sum()) for name, where in found.items()} == {"loading": 10, "hold": 20, "unloading": 10}
+    assert list(segments(trapezoid(1.0, 10, 0, 10, points=40))) == ["loading", "unloading"]
+
+
+def test_without_replicates_the_noise_comes_from_the_residual():
+    rng = np.random.default_rng(13)
+    task = problem(recordings(rng, replicates=1))
+    first = fitted(task)
+    noise = errors(task, (), first.residual, 0.01, 0.003).noise
+    assert not noise.replicated
+    rough = noise.sigma * np.sqrt(2 * (1 - noise.memory))
+    assert np.median(rough) == pytest.approx(np.sqrt(2 * 0.2), rel=0.4)

@@ -1,0 +1,102 @@
+# The blind trial: the truth is sealed first, the diagnosis never reads it, and the score opens it last.
+from palpate.challenge.cases import draw
+
+CASES = [case.name for case in draw(STUDY)] if "challenge" in config else []
+TRIAL = f"{FOLDER}/trial"
+TRIAL_CODE = fingerprint(*PHYSICS, "challenge")
+
+
+rule challenge:
+    input:
+        f"{TRIAL}/summary.csv",
+
+
+rule sealed_truth:
+    output:
+        truth=f"{TRIAL}/sealed.json",
+        checksum=f"{TRIAL}/checksum.txt",
+    log:
+        f"{FOLDER}/logs/sealed_truth.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        study=STUDY_FILE,
+        settings=STUDY.challenge,
+        code=TRIAL_CODE,
+    script:
+        "../../scripts/challenge_seal.py"
+
+
+rule trial_recordings:
+    output:
+        directory(f"{TRIAL}/recordings/{{case}}"),
+    log:
+        f"{FOLDER}/logs/trial/{{case}}_recordings.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        study=STUDY_FILE,
+        settings=STUDY.challenge,
+        code=TRIAL_CODE,
+    script:
+        "../../scripts/challenge_recordings.py"
+
+
+rule trial_diagnosis:
+    input:
+        checksum=f"{TRIAL}/checksum.txt",
+        recordings=f"{TRIAL}/recordings/{{case}}",
+        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
+        effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
+    output:
+        f"{TRIAL}/{{case}}/diagnosis.json",
+    log:
+        f"{FOLDER}/logs/trial/{{case}}_diagnosis.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        study=STUDY_FILE,
+        conditions=CALIBRATED,
+        settings=[STUDY.diagnosis, STUDY.calibration],
+        code=DIAGNOSIS_CODE,
+    script:
+        "../../scripts/challenge_diagnosis.py"
+
+
+rule trial_row:
+    input:
+        truth=f"{TRIAL}/sealed.json",
+        diagnosis=f"{TRIAL}/{{case}}/diagnosis.json",
+        recordings=f"{TRIAL}/recordings/{{case}}",
+        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
+        effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
+    output:
+        f"{TRIAL}/{{case}}/row.json",
+    log:
+        f"{FOLDER}/logs/trial/{{case}}_row.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        study=STUDY_FILE,
+        conditions=CALIBRATED,
+        code=TRIAL_CODE + DIAGNOSIS_CODE,
+    script:
+        "../../scripts/challenge_row.py"
+
+
+rule trial_summary:
+    input:
+        expand(f"{TRIAL}/{{case}}/row.json", case=CASES),
+    output:
+        summary=f"{TRIAL}/summary.csv",
+        cases=f"{TRIAL}/cases.csv",
+        reliability=f"{TRIAL}/reliability.csv",
+        figure=f"{TRIAL}/power.png",
+    log:
+        f"{FOLDER}/logs/trial_summary.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=TRIAL_CODE + FIGURE_CODE,
+    script:
+        "../../scripts/challenge_summary.py"
