@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+from time import process_time
 
 import numpy as np
 import pytest
 
-from palpate.model import simulate, specification_from
+from palpate.config import load_study
+from palpate.model import simulate, simulate_batch, specification_from
 
 BURGERS = {
     "model": "nonlinear_burgers",
@@ -43,6 +45,33 @@ def test_snapshot(benchmark, kinematics, time):
         100 * np.abs(simulation.depth / fine.depth - 1).max()
     )
     benchmark.extra_info["solver_seconds"] = simulation.solver_seconds
+
+
+@pytest.mark.parametrize("condition", ["P1.00_T030", "P1.00_T240"])
+def test_batch(benchmark, condition):
+    """One job of the epoxy study against the single solver on a sample of it, by turns and in CPU time."""
+    study = load_study("config/config.yaml")
+    test = next(c for c in study.conditions if c.name == condition)
+    job = [study.specification(cell, test) for cell in study.cells[: study.cells_per_job]]
+    sample = job[:: len(job) // 6]
+    simulate(job[0]), simulate_batch(job[:2])
+    single, batched = [], []
+
+    def turn():
+        began = process_time()
+        together = simulate_batch(job)
+        between = process_time()
+        alone = [simulate(spec) for spec in sample]
+        batched.append((between - began) / len(job))
+        single.append((process_time() - between) / len(sample))
+        return together[:: len(job) // 6], alone
+
+    curves = benchmark.pedantic(turn, rounds=3)
+    differences = [np.abs(a.depth - b.depth).max() / b.depth.max() for a, b in zip(*curves, strict=True)]
+    benchmark.extra_info["largest_difference_over_peak"] = float(max(differences))
+    benchmark.extra_info["cpu_seconds_single"] = min(single)
+    benchmark.extra_info["cpu_seconds_batched"] = min(batched)
+    benchmark.extra_info["times_faster"] = min(single) / min(batched)
 
 
 def test_memory_of_a_process_that_simulates(benchmark):

@@ -7,7 +7,8 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
-    {"errors", "discovery", "fingerprint", "__init__"},
+    {"errors", "discovery", "fingerprint", "kernel_cache"},
+    {"__init__"},
     {"parameters", "yaml_file"},
     {"protocol", "recording", "indenters", "contact_point", "sharp_origin"},
     {"segments", "alignment", "load_history"},

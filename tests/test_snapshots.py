@@ -30,17 +30,23 @@ def study(folder, **changes):
     return load_study(file)
 
 
-def fake(specification):
+def fake(specifications):
+    return [linear(specification) for specification in specifications]
+
+
+def linear(specification):
     t = specification.protocol.sample_time
     depth = specification.parameters["youngs_modulus"] * t
     return Simulation(t, specification.protocol.sample_load, depth, "ok", "", 0.1)
 
 
-def failing(specification):
-    if specification.parameters["youngs_modulus"] == 2.0:
-        t = specification.protocol.sample_time
-        return Simulation(t, t, np.full(len(t), np.nan), "failed", "no equilibrium", 0.1)
-    return fake(specification)
+def failing(specifications):
+    return [failed(s) if s.parameters["youngs_modulus"] == 2.0 else linear(s) for s in specifications]
+
+
+def failed(specification):
+    t = specification.protocol.sample_time
+    return Simulation(t, t, np.full(len(t), np.nan), "failed", "no equilibrium", 0.1)
 
 
 def run(study, folder, solve=fake):
@@ -90,13 +96,26 @@ def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
 
 
 def test_a_killed_job_leaves_no_half_file(tmp_path):
-    def killed(specification):
+    def killed(specifications):
         raise KeyboardInterrupt
 
     s = study(tmp_path)
     with pytest.raises(KeyboardInterrupt):
         run(s, tmp_path, killed)
     assert not list(tmp_path.rglob("*.npz"))
+
+
+def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
+    def killed_at_the_third(specifications):
+        if specifications[0].parameters["youngs_modulus"] == 3.0:
+            raise KeyboardInterrupt
+        return fake(specifications)
+
+    monkeypatch.setattr(snapshots, "AT_ONCE", 2)
+    s = study(tmp_path, cells_per_job=3)
+    with pytest.raises(KeyboardInterrupt):
+        run(s, tmp_path, killed_at_the_third)
+    assert run(s, tmp_path) == [1]
 
 
 def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():

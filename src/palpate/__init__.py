@@ -1,3 +1,7 @@
 """palpate: the law of a material from instrumented indentation, and the physics that a model left out."""
 
 __version__ = "0.1.0"
+
+from palpate import kernel_cache
+
+kernel_cache.choose()

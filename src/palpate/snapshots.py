@@ -2,7 +2,7 @@
 
 The address of a snapshot is a hash of its specification and of the physics in the source code, docstrings and comments
 aside. One store serves all studies; a study's own folder holds hard links into it. So a new level, condition or study
-never recomputes a snapshot that exists, and a job that was killed loses only the snapshot it was working on.
+never recomputes a snapshot that exists, and a job that was killed loses only those it was working on at once.
 """
 
 from __future__ import annotations
@@ -22,9 +22,12 @@ import pandas as pd
 
 from palpate.config import Study
 from palpate.errors import PalpateError
+from palpate.fem.batch_vector import LANES
 from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.model import Simulation, simulate
+from palpate.model import Simulation, simulate_batch
 from palpate.specification import Specification
+
+AT_ONCE = 2 * LANES
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,25 +119,30 @@ def compute(
     batch: Batch,
     results: Path = Path("results"),
     report: Callable[[str], None] = print,
-    solve: Callable[[Specification], Simulation] = simulate,
+    solve: Callable[[Sequence[Specification]], Sequence[Simulation]] = simulate_batch,
 ) -> int:
     """Bring every snapshot of a batch into the study's folder, computing those that the store lacks.
+
+    They are solved `AT_ONCE` at a time, and written as soon as they are.
 
     Returns
     -------
     int
         Number of snapshots computed.
     """
-    computed = 0
-    for done, (snapshot, file) in enumerate(zip(batch.snapshots, batch.files, strict=True), 1):
-        stored = results / "store" / Path(file).stem[:2] / Path(file).name
-        if not stored.exists():
-            write(stored, solve(snapshot.specification), snapshot.cell, snapshot.condition)
-            computed += 1
-        link(stored, Path(file))
-        if done % 6 == 0 or done == len(batch.files):
-            report(f"{batch.name}: {done} of {len(batch.files)} snapshots, {computed} computed")
-    return computed
+    stored = [results / "store" / Path(file).stem[:2] / Path(file).name for file in batch.files]
+    missing = [number for number, file in enumerate(stored) if not file.exists()]
+    for first in range(0, len(missing), AT_ONCE):
+        chosen = missing[first : first + AT_ONCE]
+        simulations = solve([batch.snapshots[number].specification for number in chosen])
+        for number, simulation in zip(chosen, simulations, strict=True):
+            snapshot = batch.snapshots[number]
+            write(stored[number], simulation, snapshot.cell, snapshot.condition)
+        report(f"{batch.name}: {first + len(chosen)} of {len(missing)} snapshots computed")
+    for file, kept in zip(batch.files, stored, strict=True):
+        link(kept, Path(file))
+    report(f"{batch.name}: {len(batch.files)} snapshots, {len(missing)} computed")
+    return len(missing)
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:

@@ -1,0 +1,153 @@
+"""One time step of `LANES` indentations at once: the iteration of `palpate.fem.newton`, each lane on its own path.
+
+All lanes assemble and factor together; one that has converged or searches along a line leaves the solution unused. What
+a lane does thus never depends on its neighbours. The matrix is needed only where some lane takes a Newton step, and
+letting nodes go leaves the forces of the stress as they are: neither costs a pass over the elements of its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from palpate.fem.batch_banded import solve
+from palpate.fem.batch_contact import close_gaps, constrain_forces, constrain_matrix, follow, pulled, release
+from palpate.fem.batch_element import internal_forces, stiffness
+from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
+from palpate.fem.newton import ITERATIONS, TOLERANCE
+
+TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
+
+
+@njit(cache=True)
+def advance(body, points, touch, law, weights, load_now, scale, displacement, depth, band, alive, spent):
+    """Bring all lanes into equilibrium under the loads at the end of a step.
+
+    Parameters
+    ----------
+    body, points, touch, law, weights
+        See `palpate.fem.batch_element` and `palpate.fem.batch_law`; `points` and `touch` are advanced.
+    load_now, scale : ndarray, shape (LANES,)
+        Load at the end of the step, and the largest one of the history.
+    displacement : ndarray, shape (size + 1, LANES)
+        In: a guess; out: the solution.
+    depth : ndarray, shape (LANES,)
+        Likewise.
+    band : ndarray, shape (size * width + 1, LANES)
+        Storage.
+    alive : ndarray of bool, shape (LANES,)
+        Lanes that take part; one that finds no equilibrium leaves.
+    spent : ndarray of int, shape (LANES,)
+        Iterations of each lane are added.
+    """
+    size = body.size
+    forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
+    direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
+    corner, reaction, excess = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    norm, work = np.zeros(LANES), np.zeros(LANES)
+    start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
+    searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
+    taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
+    done = ~alive
+    for iteration in range(ITERATIONS):
+        follow(body, touch, displacement, depth, done)
+        internal_forces(body, points, law, weights, displacement, forces)
+        joined = np.any(touch.joined & ~done)
+        if joined:
+            stiffness(body, points, law, band)
+            close_gaps(body, touch, band, forces)
+        for lane in range(LANES):
+            if done[lane]:
+                continue
+            taken[lane] += 1
+            tolerance = TOLERANCE * scale[lane]
+            held[lane] = pulled(body, touch, forces, lane, tolerance)
+            may_go = iteration > 0 and held[lane] and not touch.joined[lane]
+            if may_go and release(body, touch, forces, lane, tolerance):
+                held[lane] = pulled(body, touch, forces, lane, tolerance)
+                taken[lane] += 1
+                searching[lane] = False
+        constrain_forces(body, touch, forces, reaction)
+        excess[:] = -reaction - load_now
+        measure(forces, direction, size, norm, work)
+        work += toward * excess
+        for lane in range(LANES):
+            solving[lane] = False
+            if done[lane]:
+                continue
+            imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
+            if not np.isfinite(norm[lane] + excess[lane] + work[lane]) or taken[lane] > ITERATIONS:
+                alive[lane], done[lane] = False, True
+            elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
+                done[lane] = True
+            elif searching[lane] and not touch.joined[lane] and unbalanced(work[lane], start[lane], tries[lane]):
+                tries[lane] += 1
+                shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
+                move(displacement, depth, direction, toward, lane, shorter - fraction[lane])
+                fraction[lane] = shorter
+            else:
+                solving[lane] = True
+        if np.all(done):
+            break
+        if not np.any(solving):
+            continue
+        if not joined:
+            stiffness(body, points, law, band)
+        constrain_matrix(body, touch, band, border, corner)
+        step(band, body.width, forces, border, corner, excess, solving, direction, toward, start)
+        for lane in range(LANES):
+            if solving[lane]:
+                searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
+                move(displacement, depth, direction, toward, lane, 1.0)
+    alive &= done
+    spent += taken
+
+
+@njit(cache=True)
+def unbalanced(work, start, tries):
+    """Return whether the line search goes on, see `palpate.fem.newton.Search.shorten`."""
+    return tries < TRIES and work * start <= 0.0 and abs(work) >= 0.8 * abs(start)
+
+
+@njit(cache=True)
+def move(displacement, depth, direction, toward, lane, distance):
+    """Move one lane along its direction."""
+    for i in range(displacement.shape[0] - 1):
+        displacement[i, lane] += distance * direction[i, lane]
+    depth[lane] += distance * toward[lane]
+
+
+@njit(cache=True)
+def measure(forces, direction, size, norm, work):
+    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`."""
+    largest, total = splat(0.0), splat(0.0)
+    for i in range(size):
+        force = load(forces, i)
+        largest = where_less(largest, magnitude(force), magnitude(force), largest)
+        total = total + force * load(direction, i)
+    store(norm, 0, largest)
+    store(work, 0, total)
+
+
+@njit(cache=True)
+def step(band, width, forces, border, corner, excess, solving, direction, toward, start):
+    """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
+
+    The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`.
+    """
+    size = forces.shape[0] - 1
+    forward, sideways = forces.copy(), border.copy()
+    solve(band, size, width, forward, sideways)
+    ahead, aside = splat(0.0), splat(0.0)
+    for i in range(size):
+        ahead = ahead + load(border, i) * load(forward, i)
+        aside = aside + load(border, i) * load(sideways, i)
+    change = (ahead - load(excess, 0)) / (load(corner, 0) - aside)
+    chosen = np.where(solving, 1.0, 0.0)
+    mask, total = load(chosen, 0), change * load(excess, 0)
+    for i in range(size):
+        value = splat(0.0) - load(forward, i) - change * load(sideways, i)
+        total = total + value * load(forces, i)
+        store(direction, i, where_less(mask, splat(0.5), load(direction, i), value))
+    store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
+    store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))

@@ -1,0 +1,185 @@
+"""Simulations that run through the SIMD lanes together are those of the single solver."""
+
+import numpy as np
+import pytest
+from numba import njit
+from scipy.linalg import solveh_banded
+
+from palpate.fem import batch
+from palpate.fem.batch_banded import PANEL, solve
+from palpate.fem.batch_law import NOTHING, TOLERANCE, law_rows, solve_radial, weight_rows
+from palpate.fem.batch_vector import LANES, exponential, load, splat, store
+from palpate.fem.indent import RESOLUTIONS
+from palpate.indenters import Indenter
+from palpate.materials import LAWS, radial
+from palpate.model import simulate, simulate_batch, specification_from
+from palpate.protocol import trapezoid
+from palpate.specimen import Specimen, elastic_substrate
+
+BURGERS = {
+    "model": "nonlinear_burgers",
+    "youngs_modulus": 3.28,
+    "poisson_ratio": 0.34,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.20,
+    "transient_coefficient": 0.24,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+TEST = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0, "points": 20}
+CONE = {"shape": "cone", "half_angle": 70.3}
+
+
+def specification(material=None, indenter=None, protocol=None, **keys):
+    values = {
+        "material": BURGERS | (material or {}),
+        "indenter": CONE | (indenter or {}),
+        "protocol": TEST | (protocol or {}),
+    }
+    return specification_from(values | keys)
+
+
+def case(**changes):
+    specimen = Specimen(LAWS["nonlinear_burgers"].coefficients({k: v for k, v in BURGERS.items() if k != "model"}))
+    values = {"specimen": specimen, "indenter": Indenter("cone", 70.3), "protocol": trapezoid(1.0, 30.0, 0.0, 30.0, 20)}
+    return batch.Case(**(values | {"resolution": RESOLUTIONS["standard"]} | changes))
+
+
+@njit
+def powers_of_e(x, out):
+    for i in range(len(x)):
+        store(out, i, exponential(load(x, i)))
+
+
+@njit
+def radial_lanes(rho, law, weights, out):
+    rest = splat(NOTHING)
+    for i in range(len(rho)):
+        q, log_q, order = solve_radial(load(rho, i), rest, splat(-1000.0), splat(0.0), law, weights)
+        store(out, 3 * i, q)
+        store(out, 3 * i + 1, exponential(log_q))
+        store(out, 3 * i + 2, order * q / load(rho, i))
+
+
+def test_exponential_is_exact_to_rounding():
+    x = np.linspace(-700.0, 700.0, 1000 * LANES).reshape(-1, LANES)
+    out = np.empty_like(x)
+    powers_of_e(x, out)
+    assert np.abs(out / np.exp(x) - 1.0).max() < 5e-16
+
+
+@pytest.mark.parametrize("elements", [0, 1, 2])
+def test_radial_equation_has_the_solution_of_the_single_solver(elements):
+    rng = np.random.default_rng(elements)
+    flow = [10.0 ** rng.uniform(-4, 1, LANES), rng.uniform(0.0, 3.0, LANES), np.full(LANES, 1e30), np.zeros(LANES)]
+    for _ in range(elements):
+        flow += [10.0 ** rng.uniform(-3, 1, LANES), rng.uniform(0.0, 3.0, LANES), rng.uniform(0.1, 10.0, LANES)]
+    coefficients = np.column_stack([rng.uniform(0.5, 5.0, LANES), rng.uniform(2.0, 9.0, LANES), *flow])
+    weights = weight_rows(coefficients, np.full(LANES, 0.7))
+    rho = 10.0 ** rng.uniform(-9, 1, (50, LANES))
+    out = np.empty((50, 3, LANES))
+    radial_lanes(rho, law_rows(coefficients), weights, out)
+    for i, lane in np.ndindex(rho.shape):
+        q, slope = radial.solve_radial(rho[i, lane], 0.0, 0.0, weights[:, lane].copy(), coefficients[lane])
+        assert out[i, :2, lane] == pytest.approx([q, q], rel=1e-12)
+        assert out[i, 2, lane] == pytest.approx(slope, rel=TOLERANCE)
+
+
+@pytest.mark.parametrize("size", [3, 60, 61, 62, 63])
+def test_banded_solution_is_that_of_lapack(size):
+    rng = np.random.default_rng(size)
+    reach = min(5, size - 1)
+    band, right = np.zeros((size * (reach + PANEL), LANES)), rng.normal(size=(2, size, LANES))
+    lower = rng.normal(size=(reach + 1, size, LANES))
+    lower[0] += 20.0
+    for i in range(reach + 1):
+        lower[i, size - i :] = 0.0
+        band[i :: reach + PANEL] = lower[i]
+    first, second = right.copy()
+    solve(band, size, reach + PANEL, first, second)
+    for lane in range(LANES):
+        expected = solveh_banded(lower[:, :, lane], right[:, :, lane].T, lower=True)
+        np.testing.assert_allclose(np.column_stack([first[:, lane], second[:, lane]]), expected, atol=1e-14)
+
+
+def assert_like_single(specifications):
+    for together, spec in zip(simulate_batch(specifications), specifications, strict=True):
+        alone = simulate(spec)
+        assert (together.status, together.reason) == (alone.status, alone.reason)
+        assert np.abs(together.depth - alone.depth).max() < 1e-8 * alone.depth.max()
+
+
+def test_curves_are_those_of_the_single_solver_across_the_grid():
+    grid = [
+        {"youngs_modulus": E, "steady_coefficient": c_s, "steady_exponent": m_s, "transient_exponent": m_t}
+        for E, c_s, m_s, m_t in [
+            (3.0, 0.02, 0.35, 0.2),
+            (3.5, 0.1, 0.15, 0.8),
+            (3.0, 0.1, 0.35, 0.8),
+            (3.25, 0.0, 0.2, 0.0),
+        ]
+    ]
+    assert_like_single([specification(material) for material in grid])
+
+
+def test_angles_loads_and_durations_may_differ_between_lanes():
+    assert_like_single(
+        [
+            specification(),
+            specification(indenter={"half_angle": 65.0}),
+            specification(protocol={"max_load": 0.5}),
+            specification(protocol={"loading_time": 45.0, "unloading_time": 45.0}),
+        ]
+    )
+
+
+def test_holds_elastic_bodies_and_several_voigt_elements():
+    second = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 8.0}
+    hold = {"protocol": {"hold_time": 10.0}}
+    elastic = {"material": {"model": "elastic", "youngs_modulus": 2.0, "poisson_ratio": 0.45}, "indenter": CONE}
+    assert_like_single([specification(second | {"youngs_modulus": E}, **hold) for E in (3.0, 3.5)])
+    assert_like_single([specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)])
+
+
+def test_mechanisms_act_in_a_batch():
+    mechanisms = {"tip_angle": {"half_angle": 69.0}, "thermal_drift": {"rate": 0.1}, "controller_lag": {"lag": 0.5}}
+    assert_like_single([specification(mechanisms={key: value}) for key, value in mechanisms.items()])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"large": True},
+        {"indenter": Indenter("cone", 70.3, friction=0.1)},
+        {"indenter": Indenter("sphere", radius=1e4)},
+        {"indenter": Indenter("sphero_cone", 70.3, radius=100.0)},
+        {"specimen": Specimen(case().specimen.coefficients, size_length=100.0)},
+        {
+            "specimen": Specimen(
+                case().specimen.coefficients, 1000.0, elastic_substrate(case().specimen.coefficients, 70.0)
+            )
+        },
+        {"specimen": Specimen(np.array([1.0, 2.0, 0.0, 0.0, 0.1, 0.5]))},
+    ],
+    ids=["large", "friction", "sphere", "rounded", "size", "film", "yield"],
+)
+def test_everything_else_goes_to_the_single_solver(changes, monkeypatch):
+    monkeypatch.setattr(batch, "indent", lambda *arguments: arguments)
+    monkeypatch.setattr(batch, "run_lanes", lambda cases: ["lanes"] * len(cases))
+    other = case(**changes)
+    arguments = (other.specimen, other.indenter, other.protocol, other.resolution, other.large)
+    assert batch.indent_batch([case(), other, case(), other]) == ["lanes", arguments, "lanes", arguments]
+
+
+def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
+    def losing_the_second(*arguments):
+        advance(*arguments)
+        arguments[-2][1] = False
+
+    advance = batch.advance
+    monkeypatch.setattr(batch, "advance", losing_the_second)
+    first, second = case(), case(indenter=Indenter("cone", 68.0))
+    histories = batch.indent_batch([first, second])
+    alone = batch.indent(second.specimen, second.indenter, second.protocol, second.resolution)
+    assert histories[0].reason == ""
+    np.testing.assert_array_equal(histories[1].depth, alone.depth)
