@@ -191,3 +191,12 @@ def test_without_replicates_the_noise_comes_from_the_residual():
     assert not noise.replicated
     rough = noise.sigma * np.sqrt(2 * (1 - noise.memory))
     assert np.median(rough) == pytest.approx(np.sqrt(2 * 0.2), rel=0.4)
+
+
+def test_single_recordings_do_not_take_a_strong_effect_for_noise():
+    rng = np.random.default_rng(17)
+    task = problem(recordings(rng, lambda c, r: 60.0 * c.protocol.sample_load, replicates=1))
+    first = fitted(task)
+    found = errors(task, (), first.residual, 0.01, 0.003)
+    again = solve(task, (), found, [first.z])
+    assert examine(again, RECORD_ONLY, rng, 400, 0.01).p_value < 0.01

@@ -12,7 +12,8 @@ point noise AR(1) of its own strength and memory for each condition, and varianc
 
 Orthonormal contrasts of the replicates have this covariance and do not know h, so they fix the noise whatever the model
 lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Without replicates, what remains of the residual after a
-cubic in each segment takes their place, and the variances of the components are assumed.
+cubic in each segment takes their place, and the variances of the components are assumed. The point noise is then taken
+to forget within ten points: slower misfit is no noise, or a missing effect would pass for it.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
 from scipy.optimize import minimize
 
 LARGEST_MEMORY = 0.99
+SINGLE_MEMORY = 0.9
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
@@ -136,7 +138,7 @@ def fit_noise(
     floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
     start = np.concatenate([np.log(start_sigma), np.zeros(count)])
     bounds = [(floor, np.log(r.scale)) for floor, r in zip(floors, replicates, strict=True)]
-    bounds += [(-4.0, _logit(np.array(LARGEST_MEMORY)).item())] * count
+    bounds += [(-4.0, _logit(np.array(LARGEST_MEMORY if replicated else SINGLE_MEMORY)).item())] * count
     if replicated:
         first = [np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names]
         start = np.concatenate([start, first])
