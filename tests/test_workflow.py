@@ -188,7 +188,7 @@ def test_lost_targets_come_back_from_the_store(finished):
     [
         ({"materiall": {}}, ["materiall", "did you mean 'material'"]),
         ({"parameters": TINY["parameters"] | {"youngs_modulus": [-3.0]}}, ["youngs_modulus", "-3"]),
-        ({"recordings": {"virtual": "results/x", "own": "missing"}}, ["missing", "folder"]),
+        ({"recordings": TINY["recordings"] | {"own": "missing"}}, ["missing", "folder"]),
     ],
 )
 def test_bad_input_ends_with_one_line_and_exit_code_two(finished, change, words):
