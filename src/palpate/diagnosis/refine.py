@@ -113,6 +113,6 @@ def refine(study: Study, fit: Fit) -> Fit:
         best = here
         proposed = solve(fit.problem, fit.explanation, errors, [best.z], best.correction)
         if best.misfit - proposed.misfit < SETTLED:
-            return replace(best, errors=proposed.errors)
+            return proposed
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
     return best or fit
