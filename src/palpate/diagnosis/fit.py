@@ -113,8 +113,8 @@ class Fit:
     def posterior(self) -> np.ndarray:
         """Covariance of the coordinates (k, k); within their ranges, each is known beforehand to 1/12.
 
-        The slopes are the surrogates': those of the solver ripple from node to node of the contact by some per cent, which
-        would make coordinates that the data hardly tell apart look independent.
+        The slopes are the surrogates': those of the solver ripple from node to node of the contact by some per cent,
+        which would make coordinates that the data hardly tell apart look independent.
         """
         white = self.whiten(self.problem.jacobian(self.explanation, self.z))
         return np.linalg.inv(white.T @ white + np.eye(len(self.z)) / PRIOR_VARIANCE)
