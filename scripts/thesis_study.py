@@ -3,6 +3,8 @@
 import time
 from pathlib import Path
 
+import joblib
+
 from palpate import steps, thesis
 from palpate.config import load_study
 
@@ -14,8 +16,10 @@ def main(snakemake):
         curves={Path(file).stem: thesis.Curves.load_from(file) for file in snakemake.input.designs},
         outcomes={Path(file).stem: steps.read_json(file) for file in snakemake.input.outcomes},
     )
-    outcome = thesis.STUDIES[snakemake.wildcards.key].run(context).to_mapping()
-    steps.write_json(snakemake.output[0], outcome | {"seconds": time.perf_counter() - began})
+    outcome = thesis.STUDIES[snakemake.wildcards.key].run(context)
+    joblib.dump((Path(snakemake.input.studies[0]), outcome.fitted), snakemake.output.fitted)
+    seconds = {"seconds": time.perf_counter() - began}
+    steps.write_json(snakemake.output.outcome, outcome.to_mapping() | seconds)
 
 
 if "snakemake" in globals():

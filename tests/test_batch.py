@@ -5,11 +5,13 @@ import pytest
 from numba import njit
 from scipy.linalg import solveh_banded
 
-from palpate.fem import batch
+from palpate.fem import batch, batch_hencky, hencky
 from palpate.fem.batch_banded import PANEL, solve
-from palpate.fem.batch_law import NOTHING, TOLERANCE, law_rows, solve_radial, weight_rows
-from palpate.fem.batch_vector import LANES, exponential, load, splat, store
+from palpate.fem.batch_element import Body
+from palpate.fem.batch_law import NOTHING, TOLERANCE, Points, law_rows, solve_radial, weight_rows
+from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, splat, store
 from palpate.fem.indent import RESOLUTIONS
+from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS, radial
 from palpate.model import simulate, simulate_batch, specification_from
@@ -52,6 +54,12 @@ def powers_of_e(x, out):
 
 
 @njit
+def logarithms(x, out):
+    for i in range(len(x)):
+        store(out, i, log_of_one_plus(load(x, i)))
+
+
+@njit
 def radial_lanes(rho, law, weights, out):
     rest = splat(NOTHING)
     for i in range(len(rho)):
@@ -66,6 +74,15 @@ def test_exponential_is_exact_to_rounding():
     out = np.empty_like(x)
     powers_of_e(x, out)
     assert np.abs(out / np.exp(x) - 1.0).max() < 5e-16
+
+
+def test_logarithm_is_exact_to_rounding():
+    x = np.concatenate([np.linspace(-0.99, 30.0, 500 * LANES), np.geomspace(1e-18, 1.0, 500 * LANES)])
+    x = np.concatenate([x, -np.geomspace(1e-18, 0.9, 500 * LANES)]).reshape(-1, LANES)
+    out = np.empty_like(x)
+    logarithms(x, out)
+    assert np.abs(out - np.log1p(x)).max() < 1e-15
+    assert np.abs(out / np.log1p(x) - 1.0).max() < 5e-15
 
 
 @pytest.mark.parametrize("elements", [0, 1, 2])
@@ -102,11 +119,11 @@ def test_banded_solution_is_that_of_lapack(size):
         np.testing.assert_allclose(np.column_stack([first[:, lane], second[:, lane]]), expected, atol=1e-14)
 
 
-def assert_like_single(specifications):
+def assert_like_single(specifications, within=1e-8):
     for together, spec in zip(simulate_batch(specifications), specifications, strict=True):
         alone = simulate(spec)
         assert (together.status, together.reason) == (alone.status, alone.reason)
-        assert np.abs(together.depth - alone.depth).max() < 1e-8 * alone.depth.max()
+        assert np.abs(together.depth - alone.depth).max() < within * alone.depth.max()
 
 
 def test_curves_are_those_of_the_single_solver_across_the_grid():
@@ -141,6 +158,49 @@ def test_holds_elastic_bodies_and_several_voigt_elements():
     assert_like_single([specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)])
 
 
+def test_large_strains_in_lanes(monkeypatch):
+    """No lane falls back to the single solver, which may halve a step of the onset: curves part by some millionths."""
+    monkeypatch.setattr(batch, "indent", None)
+    flows = [(0.02, 0.35), (0.1, 0.15), (0.0, 0.2)]
+    grid = [{"steady_coefficient": c_s, "steady_exponent": m_s} for c_s, m_s in flows]
+    blunt = specification(indenter={"half_angle": 75.0}, kinematics="large")
+    assert_like_single([*(specification(material, kinematics="large") for material in grid), blunt], within=1e-5)
+
+
+def test_small_and_large_strains_do_not_share_lanes():
+    curves = [r.depth for r in simulate_batch([specification(kinematics=k) for k in ("small", "large") * 2])]
+    assert np.array_equal(curves[0], curves[2]) and np.array_equal(curves[1], curves[3])
+    assert curves[1][-1] < 0.99 * curves[0][-1]
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e-3, 0.1])
+def test_element_at_large_strains_is_that_of_the_single_solver(size):
+    rng = np.random.default_rng(5)
+    mesh = polar_mesh(np.array([0.5, 1.0, 1.6, 2.5]), 3)
+    body, coefficients = Body.of(mesh), case().specimen.coefficients
+    points, rows = Points.unloaded(4 * len(mesh.elements), 1), np.tile(coefficients, (LANES, 1))
+    law, weights = law_rows(rows), weight_rows(rows, np.full(LANES, 0.7))
+    displacement = rng.normal(scale=size, size=(mesh.size + 1, LANES))
+    displacement[-1] = 0.0
+    past = rng.normal(scale=0.3 * size, size=points.past.shape[:2])
+    past[:, 2] = -past[:, 0] - past[:, 1]
+    points.past[:] = past[:, :, None]
+    forces, band = np.zeros((mesh.size + 1, LANES)), np.zeros((body.size * body.width + 1, LANES))
+    batch_hencky.internal_forces(body, points, law, weights, displacement, forces)
+    batch_hencky.stiffness(body, points, law, displacement, np.ones(LANES), band)
+    force, matrix = np.zeros(mesh.size + 1), np.zeros((mesh.size + 1, mesh.size + 1))
+    for e, unknowns in enumerate(body.unknowns):
+        ke, fe, local, guess, alpha = np.zeros((9, 9)), np.zeros(9), np.empty((4, 4)), np.zeros(4), np.zeros(4)
+        state = (past[4 * e : 4 * e + 4], alpha, guess, weights[:, 0].copy(), coefficients, local)
+        assert hencky.element(body.gradients[e], mesh.weights[e], displacement[unknowns, 0], *state, ke, fe)
+        np.add.at(force, unknowns, fe[:8])
+        np.add.at(matrix, (unknowns[:, None], unknowns), 0.5 * (ke + ke.T)[:8, :8])
+    assert np.abs(forces[:-1, 0] - force[:-1]).max() < 1e-13 * np.abs(force[:-1]).max()
+    for k in range(body.width - PANEL + 1):
+        below = np.diagonal(matrix[:-1, :-1], -k)
+        assert np.abs(band[k :: body.width, 0][: len(below)] - below).max() < 1e-8 * np.abs(matrix).max()
+
+
 def test_mechanisms_act_in_a_batch():
     mechanisms = {"tip_angle": {"half_angle": 69.0}, "thermal_drift": {"rate": 0.1}, "controller_lag": {"lag": 0.5}}
     assert_like_single([specification(mechanisms={key: value}) for key, value in mechanisms.items()])
@@ -149,7 +209,6 @@ def test_mechanisms_act_in_a_batch():
 @pytest.mark.parametrize(
     "changes",
     [
-        {"large": True},
         {"indenter": Indenter("cone", 70.3, friction=0.1)},
         {"indenter": Indenter("sphere", radius=1e4)},
         {"indenter": Indenter("sphero_cone", 70.3, radius=100.0)},
@@ -161,7 +220,7 @@ def test_mechanisms_act_in_a_batch():
         },
         {"specimen": Specimen(np.array([1.0, 2.0, 0.0, 0.0, 0.1, 0.5]))},
     ],
-    ids=["large", "friction", "sphere", "rounded", "size", "film", "yield"],
+    ids=["friction", "sphere", "rounded", "size", "film", "yield"],
 )
 def test_everything_else_goes_to_the_single_solver(changes, monkeypatch):
     monkeypatch.setattr(batch, "indent", lambda *arguments: arguments)

@@ -169,7 +169,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         covariance = np.zeros((100, 100))
         for i, name in enumerate(data):
             rows = slice(50 * i, 50 * i + 50)
-            covariance[rows, rows] = noise[name].mean_covariance(data[name])
+            covariance[rows, rows] = noise[name].mean_covariance(data[name].mean, len(data[name].depth))
         fit = WeightedFit(space, families, {n: o.mean for n, o in data.items()}, covariance)
         u = fit.solve([np.array([0.5, 0.5])])
         hits += np.abs(u - truth) <= intervals(fit, u, noise, data).half_width

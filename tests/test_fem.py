@@ -71,7 +71,8 @@ def test_tangent_is_the_derivative_of_the_force(large, key):
         [(evaluate(u + step * e)[1] - evaluate(u - step * e)[1]) / (2 * step) for e in np.eye(8)], axis=1
     )
     assert np.abs(tangent - numeric).max() < 1e-6 * np.abs(tangent).max()
-    assert np.abs(tangent - tangent.T).max() < 1e-10 * np.abs(tangent).max()
+    if not large:
+        assert np.abs(tangent - tangent.T).max() < 1e-10 * np.abs(tangent).max()
 
 
 def test_large_strain_does_not_feel_a_rigid_rotation():

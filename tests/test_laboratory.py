@@ -9,6 +9,9 @@ import yaml
 
 from palpate import laboratory
 from palpate.config import load_study
+from palpate.errors import PalpateError
+from palpate.fem.indent import RESOLUTIONS, mesh_radii
+from palpate.model import Simulation
 from palpate.protocol import trapezoid
 from palpate.recording import read_recording
 
@@ -82,3 +85,20 @@ def test_files_repeat_from_their_seed_say_that_they_are_synthetic_and_keep_the_t
         read_recording(file)
         assert "youngs_modulus" not in file.read_text()
     assert json.loads((tmp_path / "one/truth.json").read_text())["parameters"] == {"youngs_modulus": 3.0}
+
+
+def test_a_truth_that_fails_on_one_mesh_is_tried_on_another(study, monkeypatch):
+    specification = study.specification({"youngs_modulus": 3.0}, study.condition("a"), "fine")
+    tried = []
+
+    def failing_once(specification, radii):
+        tried.append(radii)
+        return Simulation(*np.ones((3, 1)), "ok" if len(tried) == 2 else "failed", "no equilibrium", 0.0)
+
+    monkeypatch.setattr(laboratory, "simulate", failing_once)
+    assert laboratory.exact_curve(specification, "a").status == "ok"
+    assert tried[0] is None
+    default = mesh_radii(specification.specimen, specification.indenter, specification.protocol, RESOLUTIONS["fine"])
+    assert np.all((tried[1][:-1] > default[:-1]) & (tried[1][:-1] < default[1:]))
+    with pytest.raises(PalpateError, match="no equilibrium"):
+        laboratory.exact_curve(specification, "a")

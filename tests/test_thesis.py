@@ -1,23 +1,32 @@
 """The studies of the thesis: they are found, their designs are what they say, and scaling laws hold in their maps."""
 
+import datetime
+import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from palpate.calibration.space import Space
 from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.model import simulate, specification_from
 from palpate.protocol import trapezoid
+from palpate.surrogate import PODRBF
 from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from palpate.thesis import index as page
+from palpate.thesis.aluminium import error_curves
 from palpate.thesis.dimensionless import MODULUS, NAMES, groups
+from palpate.thesis.fitted import Fitted
 from palpate.thesis.friction import reductions
 from palpate.thesis.identifiability import RANGES, deviations
 from palpate.thesis.kernels_as_printed import PRINTED, predict_as_printed
 from palpate.thesis.optimisers import OPTIMISERS, Finished, Problem
+from palpate.thesis.profiles import profile
+from palpate.thesis.rules import about, at_least, at_most, both, falling, near, rising
 from palpate.thesis.runs import Run
+from palpate.thesis.sobol_indices import total_indices
 
 ROOT = Path(__file__).parent.parent
 MATERIALS = ("aluminium", "epoxy")
@@ -115,16 +124,102 @@ def test_what_no_test_informs_is_as_wide_as_anything():
     assert len(width) == len(RANGES)
 
 
-def test_a_finding_has_a_known_verdict():
-    with pytest.raises(InputError, match="verdict"):
-        Finding("a", "b", "c", "maybe")
+def test_a_row_of_a_table_becomes_settings_and_metrics():
+    fit = Fitted.row("one", "fit", {"kernel": "cubic", "error": 0.5, "snapshots": 3, "curve": [1.0], "none": None})
+    assert (fit.settings, fit.metrics) == ({"kernel": "cubic"}, {"error": 0.5, "snapshots": 3.0})
+
+
+class Product:
+    """A surrogate whose curve is the product of two parameters."""
+
+    def predict(self, x):
+        return x[:, :1] * x[:, 1:]
+
+
+def test_sobol_indices_of_a_product():
+    """Exact: of the variance 7/144 each factor alone makes 3/144, and 1/144 is their interaction."""
+    rows = total_indices(Product(), {"a": (0.0, 1.0), "b": (0.0, 1.0)}, np.array([1.0]), seed=1)
+    for row in rows:
+        assert row["depth_first_percent"] == pytest.approx(100 * 3 / 7, abs=1)
+        assert row["depth_total_percent"] == pytest.approx(100 * 4 / 7, abs=1)
+
+
+def test_scatter_of_the_mesh_is_kept_on_unloading_and_fades_as_the_contact_grows():
+    points = np.random.default_rng(1).random((20, 2))
+    surrogate = PODRBF().fit(points, np.outer(1 + points.sum(axis=1) ** 2, [100.0, 105.0, 200.0, 195.0]))
+    curves = error_curves(surrogate, np.array([100.0, 105.0, 200.0, 195.0]), 1.05)
+    covariance = curves.T @ curves / len(curves)
+    mesh = covariance - surrogate.loo_error_.T @ surrogate.loo_error_ / 20
+    rms = surrogate.loo_rms_
+    correlation = mesh / np.outer(rms, rms)
+    assert np.diag(correlation) == pytest.approx(1)
+    assert correlation[0, 1] == pytest.approx(np.exp(-1))
+    assert correlation[2, 3] == pytest.approx(1)
+    assert correlation[0, 2] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("maybe", "because", "rule"), "verdict"),
+        (("reproduced", "because", ""), "rule"),
+        (("differs", "", "rule"), "reason"),
+    ],
+)
+def test_a_finding_has_a_known_verdict_a_rule_and_a_reason(given, message):
+    verdict, why, rule = given
+    with pytest.raises(InputError, match=message):
+        Finding("a", "b", "c", verdict, why, rule)
+
+
+def test_rules_hold_within_their_tolerance():
+    assert near(99.8, 99.91, 0.2).holds
+    assert not near(99.6, 99.91, 0.2).holds
+    assert about([0.5, 3.6], 1, 1.8).holds
+    assert not about(0.49, 1, 1.8).holds
+    assert about(2, 1).statement == "within a factor of two: 0.5 to 2"
+    assert rising([1, 2, 3]).holds
+    assert not falling([1, 2, 2]).holds
+    assert not both(at_least(3, 2), at_most(3, 2)).holds
+
+
+def bent(points):
+    """Residuals that vanish at (0.5, 0.5, 0.5), curved in the last parameter."""
+    a, b, c = (points - 0.5).T
+    return np.column_stack([4 * (a + b), 6 * (b - c), 3 * (c + c**2), 2 * a])
+
+
+def test_profiles_are_those_of_a_search_for_each_value():
+    start = np.full(3, 0.5)
+    jacobian = np.array([[4.0, 4.0, 0.0], [0.0, 6.0, -6.0], [0.0, 0.0, 3.0], [2.0, 0.0, 0.0]])
+    grid = np.array([0.1, 0.4, 0.5, 0.9])
+    found = profile(start, jacobian, [grid] * 3, bent)
+    for index in range(3):
+        for value, chi in zip(grid, found[index], strict=True):
+
+            def held(free, index=index, value=value):
+                return bent(np.insert(free, index, value)[None])[0]
+
+            best = least_squares(held, [0.5, 0.5], bounds=(0, 1))
+            assert chi >= 2 * best.cost - 1e-6
+            assert chi == pytest.approx(2 * best.cost, rel=0.05, abs=0.01)
+
+
+def test_the_page_says_how_much_of_it_was_made_now(tmp_path):
+    old, new = tmp_path / "old", tmp_path / "new"
+    for file, time in ((old, 100.0), (new, 300.0)):
+        file.touch()
+        os.utime(file, (time, time))
+    began, now = (datetime.datetime.fromtimestamp(time) for time in (200.0, 500.0))
+    text = page.elapsed(began, now, [old, new])
+    assert "5.0 minutes later; 1 of 2 files" in text
 
 
 def test_the_page_shows_findings_and_effort(tmp_path):
     from palpate.figures.style import plt, save
 
     save(plt.figure(figsize=(1, 1)), tmp_path / "friction.png")
-    finding = {"what": "x", "thesis": "1 < 2", "here": "2", "verdict": "differs", "why": "because"}
+    finding = {"what": "x", "thesis": "1 < 2", "here": "2", "rule": "3 +- 1", "verdict": "differs", "why": "because"}
     outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0}}
     labels = [{"address": "one"}, {"address": "one"}, {"address": ""}]
     blank = np.full((3, 1), np.nan)

@@ -21,6 +21,8 @@ def log(folder, number):
     model = PODRBF().fit(X, Y)
     with tracking.nested_run("s", f"surrogate {number}", "surrogate", folder / "study.yaml", {"number": str(number)}):
         tracking.log_surrogate(model, X, Y, {"loo_rmse_nm": 1.0})
+    with tracking.nested_run("s", f"search {number}", "fit", folder / "study.yaml", {}):
+        tracking.log_fit({"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]})
 
 
 def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):
@@ -45,6 +47,10 @@ def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):
     assert len({run.data.tags["mlflow.parentRunId"] for run in surrogates}) == 1
     history = client.get_metric_history(surrogates[0].info.run_id, "loo_rms_nm_at_point")
     assert len(history) == 5
+    fits = [run for run in runs if run.data.tags["kind"] == "fit"]
+    assert [run.data.metrics["evaluations"] for run in fits] == [7.0] * 4
+    assert fits[0].data.params["optimiser"] == "o"
+    assert [entry.value for entry in client.get_metric_history(fits[0].info.run_id, "best_by_seed")] == [3.0, 2.0]
     mlflow.set_tracking_uri(store)
     models = mlflow.search_logged_models(experiment_ids=[surrogates[0].info.experiment_id], output_format="list")
     assert len(models) == 4

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import json
 from collections.abc import Callable, Mapping
@@ -12,8 +11,6 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import jsonschema
-
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.load_history import KEYS, protocol_from
@@ -21,7 +18,8 @@ from palpate.materials import LAWS
 from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, read_recording
-from palpate.specification import Specification
+from palpate.schema import check_schema, suggestion, with_defaults
+from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
 
 RESERVED = ("figures", "logs", "recordings", "snapshots", "surrogates")
@@ -151,8 +149,8 @@ def load_study(path: str | Path, data: str | None = None) -> Study:
 
 def _study(values: Any, path: Path, data: str | None) -> Study:
     schema = json.loads(resources.files("palpate").joinpath("study.schema.json").read_text(encoding="utf-8"))
-    _check_schema(values, schema)
-    settings = _with_defaults(values, schema)
+    check_schema(values, schema)
+    settings = with_defaults(values, schema)
     material = dict(values["material"])
     model = material.pop("model")
     if model not in LAWS:
@@ -204,6 +202,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         source=source,
     )
     study.specification(study.cells[0], conditions[0])
+    if settings["diagnosis"]["enabled"] and not indenter.of_revolution:
+        raise axisymmetric_only("a diagnosis", "diagnosis.enabled")
     _check_laboratories(study)
     return study
 
@@ -222,7 +222,7 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
     ):
         if name not in known:
             raise InputError(
-                f"{name!r} is not among {', '.join(known) or 'none'}{_suggestion(name, known)}",
+                f"{name!r} is not among {', '.join(known) or 'none'}{suggestion(name, known)}",
                 remedy=f"name one of the study's {key.rstrip('s')}s",
                 place=f"source.{key}",
             )
@@ -253,7 +253,7 @@ def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[fl
         for name in names:
             if name not in declared:
                 raise InputError(
-                    f"{name!r} is no parameter of {model}{_suggestion(name, declared)}",
+                    f"{name!r} is no parameter of {model}{suggestion(name, declared)}",
                     remedy=f"use one of: {', '.join(declared)}",
                     place=f"{owner}.{name}",
                 )
@@ -350,48 +350,8 @@ def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition,
             if name not in calibrate:
                 known = name in [condition.name for condition in conditions]
                 raise InputError(
-                    f"{name!r} {'has the role validate' if known else 'is no condition'}{_suggestion(name, calibrate)}",
+                    f"{name!r} {'has the role validate' if known else 'is no condition'}{suggestion(name, calibrate)}",
                     remedy=f"use calibrate conditions: {', '.join(calibrate)}",
                     place=f"condition_sets.{key}",
                 )
     return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}
-
-
-def _check_schema(values: Any, schema: Mapping[str, Any]) -> None:
-    """Raise `InputError` for the first thing in `values` that the schema does not allow."""
-    errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=lambda e: list(map(str, e.path)))
-    if not errors:
-        return
-    error = errors[0]
-    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
-    if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
-        known = error.schema.get("properties", {})
-        key = next(key for key in error.instance if key not in known)
-        raise InputError(
-            f"unknown key {key!r}{_suggestion(key, known)}",
-            remedy=f"use one of: {', '.join(known)}",
-            place=f"{place}.{key}".lstrip("."),
-        )
-    problem = error.message if len(error.message) <= 160 else f"{error.message[:60]} ... {error.message[-90:]}"
-    remedy = error.schema.get("description", "see the study configuration in the README")
-    raise InputError(problem, remedy=remedy, place=place or "top level")
-
-
-def _suggestion(word: str, known: Any) -> str:
-    near = difflib.get_close_matches(str(word), list(known), n=1)
-    return f" (did you mean {near[0]!r}?)" if near else ""
-
-
-def _with_defaults(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `values` with the defaults of the schema filled in, section by section."""
-    filled = dict(values)
-    for key, rule in schema.get("properties", {}).items():
-        if "default" in rule:
-            filled.setdefault(key, rule["default"])
-        elif rule.get("type") == "object" and (key in values or not rule.get("required")):
-            inner = rule.get("additionalProperties")
-            if isinstance(inner, Mapping) and inner.get("properties"):
-                filled[key] = {name: _with_defaults(entry, inner) for name, entry in values.get(key, {}).items()}
-            elif rule.get("additionalProperties") is False:
-                filled[key] = _with_defaults(values.get(key, {}), rule)
-    return filled

@@ -9,6 +9,7 @@ from pathlib import Path
 
 PHYSICS = (
     "fem",
+    "fem3d",
     "materials",
     "mechanisms",
     "indenters.py",

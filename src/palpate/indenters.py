@@ -1,4 +1,4 @@
-"""Axisymmetric indenters: a straight cone, a sphere, and a cone whose tip is a spherical cap; rigid or elastic."""
+"""Indenters: a straight cone, a sphere, a cone whose tip is a spherical cap, a Berkovich pyramid; rigid or elastic."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from palpate.errors import InputError
 from palpate.parameters import Parameter, check_values
 
 HALF_ANGLE = Parameter("half_angle", r"\alpha", "deg", 20.0, 89.0, "half-angle of the cone, from its axis")
+FACE_ANGLE = Parameter("face_angle", r"\theta", "deg", 20.0, 89.0, "angle between face and axis", default=65.27)
 RADIUS = Parameter("radius", "R", "nm", 1e-3, 1e9, "radius of the sphere or of the spherical cap")
 FRICTION = Parameter("friction", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient", default=0.0)
 MODULUS = Parameter("modulus", "E_i", "GPa", 1.0, 5000.0, "Young's modulus of the indenter", default=math.inf)
@@ -19,6 +20,7 @@ SHAPES = {
     "cone": (HALF_ANGLE, *SURFACE),
     "sphere": (RADIUS, *SURFACE),
     "sphero_cone": (HALF_ANGLE, RADIUS, *SURFACE),
+    "berkovich": (FACE_ANGLE, *SURFACE),
 }
 
 
@@ -29,15 +31,17 @@ class Indenter:
     Parameters
     ----------
     shape
-        ``cone``, ``sphere`` or ``sphero_cone``.
+        ``cone``, ``sphere``, ``sphero_cone`` or ``berkovich``, a three-sided pyramid.
     half_angle
-        Half-angle of the cone [deg]; 0 for a sphere.
+        Half-angle of the cone [deg]; 0 for a sphere and a pyramid.
     radius
         Radius of the sphere or cap [nm]; 0 for a sharp cone. The cap runs tangentially into the cone.
     friction
         Coulomb coefficient.
     modulus, poisson_ratio
         Of the indenter itself [GPa], [-]; infinite for a rigid one. See `palpate.specimen.under_tip`.
+    face_angle
+        Between a pyramid's faces and its axis [deg]; 0 for other shapes.
     """
 
     shape: str
@@ -46,6 +50,7 @@ class Indenter:
     friction: float = 0.0
     modulus: float = math.inf
     poisson_ratio: float = 0.0
+    face_angle: float = 0.0
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Indenter:
@@ -59,9 +64,24 @@ class Indenter:
         return cls(str(shape), **check_values(SHAPES[str(shape)], given, f"indenter {shape}"))
 
     @property
+    def of_revolution(self) -> bool:
+        """Whether the indenter looks the same from all sides."""
+        return self.shape != "berkovich"
+
+    @property
     def slope(self) -> float:
-        """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere."""
+        """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere.
+
+        A pyramid has that of the cone whose sections are as large: 3 sqrt(3) slope^2 = pi cot^2(face_angle).
+        """
+        if self.face_angle:
+            return math.sqrt(math.pi / math.sqrt(27.0)) * self.face_slope
         return 1.0 / math.tan(math.radians(self.half_angle)) if self.half_angle else math.inf
+
+    @property
+    def face_slope(self) -> float:
+        """Slope of a pyramid's face along its middle, cot(face_angle)."""
+        return 1.0 / math.tan(math.radians(self.face_angle))
 
     @property
     def compliance(self) -> float:

@@ -16,9 +16,11 @@ import numpy as np
 
 from palpate.config import Study
 from palpate.errors import PalpateError
-from palpate.model import simulate
+from palpate.fem.indent import RESOLUTIONS, mesh_radii
+from palpate.model import Simulation, simulate
 from palpate.protocol import Protocol
 from palpate.recording import Recording
+from palpate.specification import Specification
 
 DENSER = 4
 
@@ -63,9 +65,9 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     for condition in study.conditions:
         exact = replace(condition, protocol=denser(condition.protocol, DENSER))
         specification = study.specification(settings["parameters"], exact, accuracy="fine")
-        simulation = simulate(replace(specification, mechanisms=settings.get("mechanisms", {})))
-        if simulation.status != "ok":
-            raise PalpateError(f"virtual laboratory, {condition.name}: {simulation.reason}")
+        simulation = exact_curve(
+            replace(specification, mechanisms=settings.get("mechanisms", {})), f"virtual laboratory, {condition.name}"
+        )
         for replicate in range(1, settings["replicates"] + 1):
             factor = 1 + settings["site_scatter"] * rng.standard_normal()
             noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
@@ -78,6 +80,24 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
                 notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
             )
     return recordings
+
+
+def exact_curve(specification: Specification, name: str) -> Simulation:
+    """Return a simulated curve; plasticity that fails on one mesh is tried with its rings a third apart.
+
+    Raises
+    ------
+    PalpateError
+        When every mesh fails.
+    """
+    resolution = RESOLUTIONS[specification.accuracy]
+    radii = mesh_radii(specification.specimen, specification.indenter, specification.protocol, resolution)
+    growth = radii[1] / radii[0]
+    for third in range(3):
+        simulation = simulate(specification, radii * growth ** (third / 3) if third else None)
+        if simulation.status == "ok":
+            return simulation
+    raise PalpateError(f"{name}: {simulation.reason}")
 
 
 def write(study: Study, name: str, folder: Path) -> None:

@@ -13,11 +13,13 @@ from palpate.fem.batch import Case, indent_batch
 from palpate.fem.directions import Directions
 from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.fem.newton import Problem, State
+from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
+from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
 from palpate.load_history import protocol_from
 from palpate.mechanisms import MECHANISMS
 from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
 
 KEYS = ("material", "indenter", "protocol", "kinematics", "mechanisms", "accuracy")
@@ -118,6 +120,10 @@ def _indent(
     directions: Directions | None = None,
     observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
+    if not solid.indenter.of_revolution:
+        if directions or observe:
+            raise axisymmetric_only("derivatives of the depth" if directions else "a field", "indenter.shape")
+        return indent_3d(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS_3D[solid.accuracy], radii)
     resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
     return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
 
@@ -207,9 +213,12 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
-    The curves are those of `simulate`, to rounding; the solver's wall time is shared evenly.
+    The curves are those of `simulate`, to rounding; the solver's wall time is shared evenly. Where a pyramid is among
+    the indenters, they are simulated one after another.
     """
     specifications = list(specifications)
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        return [simulate(specification) for specification in specifications]
     histories = indent_batch([_case(acting(specification)) for specification in specifications])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 

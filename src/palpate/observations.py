@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -168,7 +168,7 @@ def elastic_depths(indenter: Indenter, load: float, modulus: float) -> list[floa
         [mN], [GPa]; the effective modulus is 4/3 of Young's.
     """
     reduced, depths = 4 / 3 * modulus, []
-    if indenter.half_angle:
+    if np.isfinite(indenter.slope):
         depths.append(1e3 * float(np.sqrt(0.5 * np.pi * load / reduced * indenter.slope)))
     if indenter.radius:
         depths.append(1e3 * float((9 / 16 * (load / reduced) ** 2 / (indenter.radius * 1e-3)) ** (1 / 3)))
@@ -177,8 +177,13 @@ def elastic_depths(indenter: Indenter, load: float, modulus: float) -> list[floa
 
 def observations(study: Study, name: str) -> dict[str, Observation]:
     """Return all conditions of set `name`, resampled to the sampling times of their protocols."""
+    return resampled(study, check(study, name))
+
+
+def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str, Observation]:
+    """Return checked recordings, resampled to the sampling times of their protocols."""
     found = {}
-    for key, recordings in check(study, name).items():
+    for key, recordings in checked.items():
         condition = study.condition(key)
         found[key] = Observation.from_recordings(condition.protocol.sample_time, recordings, condition.role)
     return found

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate import report
+from palpate.classical.frame import frame_of
 from palpate.config import Study
 from palpate.errors import InputError
 from palpate.figures.recording import draw
@@ -46,6 +47,12 @@ def write_reading(study: Study, folder: Path) -> None:
     facts = (
         f"<p>Corrections in the depth: {applied}. Contact that the study uses: {study.source.get('contact', 'file')}."
     )
+    frame = frame_of([(s.recording.load - s.contact.load, s.recording.depth, s.parts) for s in found])
+    if frame is not None:
+        facts += (
+            f" The tops of {frame.unloadings} unloadings say that a frame compliance of {frame.compliance:.3g} nm/mN "
+            f"({frame.lower:.3g} to {frame.upper:.3g}) is in the depth, if the tests are on one material."
+        )
     sections = [("What was found", [f"{facts}</p>", report.table(rows)]), ("The tests", pieces)]
     report.build(f"{study.title}: the recordings as read", sections, [], folder / "reading.html")
 

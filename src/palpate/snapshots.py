@@ -84,7 +84,14 @@ def address(specification: Specification) -> str:
     content = {
         "model": specification.model,
         "parameters": {name: float(value) for name, value in sorted(specification.parameters.items())},
-        "indenter": [indenter.shape, indenter.half_angle, indenter.radius, indenter.friction, indenter.compliance],
+        "indenter": [
+            indenter.shape,
+            indenter.half_angle,
+            indenter.face_angle,
+            indenter.radius,
+            indenter.friction,
+            indenter.compliance,
+        ],
         "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
         "kinematics": specification.kinematics,
         "accuracy": specification.accuracy,

@@ -75,6 +75,8 @@ class Specification:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
         object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
         object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
+        if not self.indenter.of_revolution:
+            _check_pyramid(self)
 
     @property
     def specimen(self) -> Specimen:
@@ -84,3 +86,24 @@ class Specification:
         if math.isfinite(thickness):
             substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
         return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)
+
+
+def _check_pyramid(specification: Specification) -> None:
+    """Refuse what the solver in three dimensions does not know."""
+    for place, present, lacking in (
+        ("kinematics", specification.kinematics == "large", "large strains"),
+        ("indenter.friction", specification.indenter.friction > 0.0, "friction"),
+        ("mechanisms.film_on_substrate", math.isfinite(specification.film_thickness), "a film on a substrate"),
+        ("mechanisms.adhesion", specification.adhesion > 0.0, "adhesion"),
+    ):
+        if present:
+            raise axisymmetric_only(lacking, place)
+
+
+def axisymmetric_only(lacking: str, place: str) -> InputError:
+    """Return the error that tells what is known for axisymmetric indenters only."""
+    return InputError(
+        f"a berkovich pyramid does not go with {lacking}",
+        remedy="leave it out, or use the equivalent cone of half-angle 70.3",
+        place=place,
+    )

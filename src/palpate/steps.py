@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from palpate import report, snapshots
-from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, calibrate
+from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.config import Study
 from palpate.errors import PalpateError
 from palpate.model import simulate
@@ -80,6 +80,20 @@ class SolvedCurves(Mapping):
         return len(self._study.conditions)
 
 
+def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mapping[str, Observation]) -> Calibration:
+    """Calibrate a study's parameters within its grid; the forward model confirms on the fine mesh."""
+    return calibrate(
+        models,
+        observed,
+        {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
+        rng=np.random.default_rng(study.seed),
+        settings=settings_of(study),
+        surrogate_error={name: model.loo_error_ for name, model in models.items()},
+        confirm=lambda values: SolvedCurves(study, values, "fine"),
+        approximate=lambda values: SolvedCurves(study, values, "standard"),
+    )
+
+
 def run_calibration(
     study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
 ) -> tuple[Calibration, pd.DataFrame]:
@@ -102,16 +116,7 @@ def run_calibration(
         for name, item in measured.items()
     }
 
-    result = calibrate(
-        models,
-        judged,
-        {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
-        rng=np.random.default_rng(study.seed),
-        settings=settings_of(study),
-        surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        confirm=lambda values: SolvedCurves(study, values, "fine"),
-        approximate=lambda values: SolvedCurves(study, values, "standard"),
-    )
+    result = calibrate_study(study, models, judged)
     tables = []
     for condition in study.conditions:
         item = judged[condition.name]

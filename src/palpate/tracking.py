@@ -127,6 +127,15 @@ def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> N
     log_series("best_sum_of_objectives", [row["best_sum"] for row in result["history"]], generations)
 
 
+def log_fit(settings: Mapping[str, Any], metrics: Mapping[str, float], series: Mapping[str, Iterable[float]]) -> None:
+    """Log any other fit: settings, figures of merit, and figures of repeated fits as metrics with steps."""
+    mlflow.log_params(dict(settings))
+    mlflow.log_metrics(dict(metrics))
+    for key, values in series.items():
+        values = list(values)
+        log_series(key, values, range(len(values)))
+
+
 def log_diagnosis(content: Mapping[str, Any]) -> None:
     """Log a diagnosis: verdict and names as tags, probabilities, gain, p-value."""
     names = "+".join(content["mechanisms"]) or "none"

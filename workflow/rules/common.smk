@@ -52,10 +52,6 @@ CALIBRATION_CODE = fingerprint(
     "recording.py",
     "steps.py",
 )
-DIAGNOSIS_CODE = fingerprint(
-    *PHYSICS, "alignment.py", "calibration", "diagnosis", "observations.py"
-)
-FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 FINDERS = (
     "contact_point.py",
     "sharp_origin.py",
@@ -63,9 +59,25 @@ FINDERS = (
     "drift_rate.py",
     "survey.py",
 )
+DIAGNOSIS_CODE = fingerprint(
+    *PHYSICS,
+    *FINDERS,
+    "alignment.py",
+    "calibration",
+    "classical",
+    "diagnosis",
+    "observations.py",
+)
+FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
 READING_CODE = fingerprint(
-    "readers", *FINDERS, "recording.py", "figures", "reading.py", "report.py"
+    "readers",
+    *FINDERS,
+    "classical",
+    "recording.py",
+    "figures",
+    "reading.py",
+    "report.py",
 )
 LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")
 

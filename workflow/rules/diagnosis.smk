@@ -16,10 +16,11 @@ for number, batch in enumerate(EFFECT_BATCHES):
             study=STUDY_FILE,
             data=DATA,
             batch=batch.name,
+            effects=True,
         message:
             f"{batch.name}: {len(batch.files)} simulations, batch {number + 1} of {len(EFFECT_BATCHES)}"
         script:
-            "../../scripts/effect_snapshots.py"
+            "../../scripts/snapshots.py"
 
 
 rule effects:

@@ -14,6 +14,7 @@ for number, batch in enumerate(BATCHES):
             study=STUDY_FILE,
             data=DATA,
             batch=batch.name,
+            effects=False,
         message:
             f"snapshots {batch.name}: {len(batch.files)} cells, batch {number + 1} of {len(BATCHES)}"
         script:

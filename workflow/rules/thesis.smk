@@ -6,13 +6,23 @@ MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy
 SHARED = sorted(
     f"thesis/{file.name}"
     for file in Path(SOURCE, "palpate/thesis").glob("*.py")
-    if file.stem not in STUDIES
+    if file.stem not in (*STUDIES, "index", "__init__")
 )
+
+
+def design_code(wildcards):
+    """Hash of what decides the points of a design: the module that lays it out, and what lies under it."""
+    runs = DESIGNS[wildcards.design].runs
+    owner = getattr(runs, "func", runs).__module__.rsplit(".", 1)[-1]
+    return PHYSICS_CODE + fingerprint(
+        "design", "thesis/runs.py", "thesis/grids.py", f"thesis/{owner}.py"
+    )
 
 
 rule thesis:
     input:
         f"{THESIS}/index.html",
+        f"{THESIS}/.tracking",
 
 
 rule thesis_recordings:
@@ -37,7 +47,7 @@ rule thesis_design:
         outcomes=lambda wildcards: expand(
             f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
         ),
-        studies=lambda wildcards: MATERIALS[DESIGNS[wildcards.design].material],
+        studies=lambda wildcards: [MATERIALS[DESIGNS[wildcards.design].material]],
     output:
         f"{THESIS}/designs/{{design}}.npz",
     log:
@@ -47,7 +57,7 @@ rule thesis_design:
     conda:
         "../../envs/palpate.yaml"
     params:
-        code=PHYSICS_CODE + fingerprint("design", *SHARED),
+        code=design_code,
     script:
         "../../scripts/thesis_design.py"
 
@@ -71,7 +81,8 @@ rule thesis_study:
             }
         ),
     output:
-        f"{THESIS}/{{key}}.json",
+        outcome=f"{THESIS}/{{key}}.json",
+        fitted=f"{THESIS}/fitted/{{key}}.joblib",
     log:
         f"{THESIS}/logs/{{key}}.log",
     wildcard_constraints:
@@ -84,6 +95,21 @@ rule thesis_study:
         + fingerprint("design", "classical", *SHARED, f"thesis/{wildcards.key}.py"),
     script:
         "../../scripts/thesis_study.py"
+
+
+rule thesis_tracking:
+    input:
+        fitted=expand(f"{THESIS}/fitted/{{key}}.joblib", key=STUDIES),
+    output:
+        touch(f"{THESIS}/.tracking"),
+    log:
+        f"{THESIS}/logs/tracking.log",
+    conda:
+        "../../envs/palpate.yaml"
+    resources:
+        mlflow_db=1,
+    script:
+        "../../scripts/thesis_tracking.py"
 
 
 rule thesis_figure:

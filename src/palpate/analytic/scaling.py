@@ -30,9 +30,11 @@ def load_scaled(specification: Specification, factor: float) -> tuple[Specificat
     InputError
         For an indenter with a length, for which there is no such law.
     """
-    if specification.indenter.shape != "cone":
+    if specification.indenter.shape not in ("cone", "berkovich"):
         raise InputError(
-            f"a {specification.indenter.shape} has a length", remedy="use a sharp cone", place="indenter.shape"
+            f"a {specification.indenter.shape} has a length",
+            remedy="use a sharp cone or pyramid",
+            place="indenter.shape",
         )
     return replace(specification, protocol=_protocol(specification.protocol, load=factor)), factor**0.5
 

@@ -111,9 +111,10 @@ def calibrate(
     evolution = evolve(objectives(space, surrogates, measured, settings), space.dimensions, settings.genetic, rng)
     starts = starting_points(evolution)
     plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
-    noise = complete_noise(fitted, plain.curves(plain.solve(starts)), settings.site_scatter)
-    covariance = block_diag(*(noise[name].mean_covariance(item) for name, item in fitted.items()))
-    covariance += model_covariance(measured, settings.solver_error)
+    rough = plain.curves(plain.solve(starts))
+    noise = complete_noise(fitted, rough, settings.site_scatter)
+    blocks = (noise[name].mean_covariance(rough[name], len(item.depth)) for name, item in fitted.items())
+    covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error)
     confirmed: Mapping[str, np.ndarray] = {}
     runs: list[dict[str, Any]] = []
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))

@@ -47,11 +47,14 @@ class Noise:
         """Covariance (n, n) of the point noise of one recording [nm^2]."""
         return self.sigma**2 * toeplitz(self.correlation ** np.arange(n))
 
-    def mean_covariance(self, observation: Observation) -> np.ndarray:
-        """Covariance C (n_points, n_points) of the mean of the replicates [nm^2]."""
-        mean = observation.mean
-        site = self.site_scatter**2 * np.outer(mean, mean)
-        return (self.points(len(mean)) + site) / len(observation.depth)
+    def mean_covariance(self, curve: np.ndarray, replicates: int) -> np.ndarray:
+        """Covariance C (n_points, n_points) of the mean of the replicates [nm^2], about a simulated curve h [nm].
+
+        With the recorded mean as h its noise would count as depth and draw the fit to smaller depths (G. D'Agostini,
+        Nucl. Instrum. Methods A 346 (1994) 306-311).
+        """
+        site = self.site_scatter**2 * np.outer(curve, curve)
+        return (self.points(len(curve)) + site) / replicates
 
 
 def point_noise(deviation: np.ndarray, mean: np.ndarray, freedom: int) -> tuple[float, float, float]:
@@ -131,20 +134,21 @@ def complete_noise(
     return {name: known[name] for name in observations}
 
 
-def model_covariance(measured: Mapping[str, np.ndarray], relative_error: float) -> np.ndarray:
+def model_covariance(curves: Mapping[str, np.ndarray], relative_error: float) -> np.ndarray:
     """Covariance (n, n) of the discretisation error of the forward model, all conditions one after the other [nm^2].
 
     It is mostly the same factor for every curve, because a sharp indenter has no length, with the standard deviation
-    `relative_error`; a third of that varies along each curve, correlated over a tenth of its points.
+    `relative_error`; a third of that ripples along each curve.
     """
-    depth = np.concatenate(list(measured.values()))
-    return (
-        relative_error**2
-        * np.outer(depth, depth)
-        * (1.0 + block_diag(*(ripple(len(h)) for h in measured.values())) / 9.0)
-    )
+    depth = np.concatenate(list(curves.values()))
+    return relative_error**2 * np.outer(depth, depth) * (1.0 + mesh_ripple(curves) / 9.0)
 
 
-def ripple(points: int) -> np.ndarray:
-    """Return the correlation (points, points) of a discretisation error: it fades over a tenth of the curve."""
-    return toeplitz(np.exp(-np.arange(points) / (0.1 * points)))
+def mesh_ripple(curves: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the correlation (n, n) of the mesh's ripple: it fades over a tenth of a test.
+
+    Half of it is common to all conditions at the same fraction of the test, again for want of a length.
+    """
+    place = np.concatenate([np.arange(len(h)) / len(h) for h in curves.values()])
+    same = block_diag(*(np.ones((len(h), len(h))) for h in curves.values()))
+    return np.exp(-10.0 * np.abs(np.subtract.outer(place, place))) * (1.0 + same) / 2.0

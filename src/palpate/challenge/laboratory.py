@@ -11,6 +11,7 @@ from palpate.challenge.cases import Case
 from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
+from palpate.laboratory import correlated_noise
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate
 from palpate.recording import Recording
@@ -61,21 +62,10 @@ def write(study: Study, case: Case, folder: Path) -> None:
 
 def first_order(points: int, memory: float, rng: np.random.Generator) -> np.ndarray:
     """Return stationary autoregressive noise of unit variance."""
-    shocks = rng.standard_normal(points)
-    noise = np.empty(points)
-    noise[0] = shocks[0]
-    for i in range(1, points):
-        noise[i] = memory * noise[i - 1] + np.sqrt(1.0 - memory**2) * shocks[i]
-    return noise
+    return correlated_noise(np.arange(points), 1.0, -1.0 / np.log(memory), rng)
 
 
 def background(time: np.ndarray, rate: float, memory: float, rng: np.random.Generator) -> np.ndarray:
     """Return the depth that a slowly varying drift adds: its rate is stationary with that deviation and memory."""
-    steps = np.diff(time, prepend=0.0)
-    drift, total, depth = rate * rng.standard_normal(), 0.0, []
-    for step in steps:
-        keep = np.exp(-step / memory)
-        drift = keep * drift + rate * np.sqrt(1.0 - keep**2) * rng.standard_normal()
-        total += drift * step
-        depth.append(total)
-    return np.array(depth)
+    drift = correlated_noise(np.append(0.0, time), rate, memory, rng)[1:]
+    return np.cumsum(drift * np.diff(time, prepend=0.0))

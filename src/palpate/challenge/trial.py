@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import joblib
 import numpy as np
 import pandas as pd
 from scipy.stats import chi2
@@ -17,11 +16,10 @@ from palpate.challenge.cases import Case, draw
 from palpate.challenge.laboratory import body_depth, write
 from palpate.challenge.score import row
 from palpate.config import Study
-from palpate.diagnosis.design import candidates, scale_of
+from palpate.diagnosis.design import candidates
 from palpate.diagnosis.detect import filters
 from palpate.diagnosis.diagnose import Search
-from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.steps import run_diagnosis
+from palpate.diagnosis.steps import load_problem, run_diagnosis
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
 
@@ -57,11 +55,9 @@ def strength(
     """
     if case.kind != "one":
         return float("nan")
-    base = {name: joblib.load(file) for name, file in base_files.items()}
-    effects = {name: joblib.load(file) for name, file in effect_files.items()}
     observed = observations(replace(study, recordings={"case": folder}), "case")
+    problem = load_problem(study, observed, base_files, effect_files)
     keys = list(candidates(study))
-    problem = Problem.of(study, observed, base, effects, scale_of(study))
     fit = Search(study, problem, keys, np.random.default_rng(0)).base()
     bare = replace(case, mechanisms={})
     parts = []
@@ -72,8 +68,7 @@ def strength(
         else:
             parts.append(body_depth(study, case, condition) - body_depth(study, bare, condition))
     white = fit.whiten(np.concatenate(parts))
-    tangent = np.linalg.qr(fit.whiten(fit.tangent))[0]
-    size = float(np.linalg.norm(white - tangent @ (tangent.T @ white)))
+    size = float(np.linalg.norm(white - fit.tangent_space @ (fit.tangent_space.T @ white)))
     limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))
     return size / float(limit)
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.noise import model_covariance, ripple
+from palpate.calibration.noise import mesh_ripple, model_covariance
 from palpate.diagnosis.noise import NoiseModel, Replicates, contrasts, fit_noise, without_trend
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.segments import segments
@@ -21,6 +22,7 @@ from palpate.mechanisms import MECHANISMS
 
 ASSUMED_WANDER = 0.02
 BACKGROUND = 0.01
+LARGEST = {"background": BACKGROUND**2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,22 +63,21 @@ class Errors:
 
 def varying(explanation: Explanation) -> tuple[str, ...]:
     """Return the mechanisms of an explanation that have a value of their own for each recording."""
-    return tuple(key for key in explanation if MECHANISMS[key].varies)
+    return tuple(sorted(key for key in explanation if MECHANISMS[key].varies))
 
 
-def components(problem: Problem, keys: Iterable[str]) -> list[dict[str, np.ndarray]]:
-    """Return the matrices of the variance components of each condition."""
-    found = []
+def components(problem: Problem, keys: Iterable[str], depth: np.ndarray) -> list[dict[str, np.ndarray]]:
+    """Return the matrices of the variance components of each condition, of curves `depth` (n_all,) [nm]."""
+    found, curves = [], problem.split(depth)
     for condition in problem.conditions:
-        item = problem.observed[condition.name]
+        time, curve = problem.observed[condition.name].time, curves[condition.name]
         parts = {
-            "site": np.outer(item.mean, item.mean),
-            "wander": np.minimum.outer(item.time, item.time),
-            "background": np.outer(item.time, item.time),
+            "site": np.outer(curve, curve),
+            "wander": np.minimum.outer(time, time),
+            "background": np.outer(time, time),
         }
         for key in keys:
-            unit = {p.name: 1.0 for p in MECHANISMS[key].parameters}
-            column = problem.recorded_effect(key, condition, unit)
+            column = problem.unit_effect(key, condition)
             parts[key] = np.outer(column, column)
         found.append(parts)
     return found
@@ -86,55 +87,77 @@ def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float
     """Return the variances that count where nothing is replicated; of a plausible range, a tenth."""
     assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2, "background": (0.3 * BACKGROUND) ** 2}
     for key in keys:
-        (plausible,) = MECHANISMS[key].plausible(problem.scale).values()
-        assumed[key] = (0.1 * plausible.upper) ** 2
+        assumed[key] = (0.1 * problem.largest(key)) ** 2
     return assumed
 
 
-def noise_of(
-    problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site_scatter: float
-) -> tuple[NoiseModel, list]:
+def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
     """Fit the noise with components for `keys`; the `residual` (n_all,) serves where nothing is replicated."""
-    parts = components(problem, keys)
-    assumed = assumed_variances(problem, keys, site_scatter)
-    items = [problem.observed[condition.name] for condition in problem.conditions]
-    replicated = all(len(item.depth) > 1 for item in items)
-    rests = problem.split(residual)
+    if problem.replicated:
+        return noise_between_replicates(problem, keys, site_scatter)
     replicates = []
-    for condition, item, part in zip(problem.conditions, items, parts, strict=True):
-        size = len(item.time)
-        if replicated:
-            replicates.append(Replicates(contrasts(item.depth), np.eye(size), part, float(np.abs(item.mean).max())))
-        else:
-            basis = without_trend(list(segments(condition.protocol).values()))
-            rest = np.sqrt(len(item.depth)) * rests[condition.name]
-            replicates.append(Replicates((basis @ rest)[None], basis, part, float(np.abs(item.mean).max())))
-    return fit_noise(replicates, assumed, replicated, {"background": BACKGROUND**2}), parts
+    for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
+        item = problem.observed[condition.name]
+        basis = without_trend(list(segments(condition.protocol).values()))
+        rest = np.sqrt(len(item.depth)) * problem.split(residual)[condition.name]
+        replicates.append(Replicates((basis @ rest)[None], basis, part, float(np.abs(item.mean).max())))
+    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), False, LARGEST)
+
+
+@lru_cache(maxsize=64)
+def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatter: float) -> NoiseModel:
+    """Fit the noise to what distinguishes replicates, which is the same whatever else an explanation holds."""
+    replicates = []
+    for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
+        item = problem.observed[condition.name]
+        identity = np.eye(len(item.time))
+        replicates.append(Replicates(contrasts(item.depth), identity, part, float(np.abs(item.mean).max())))
+    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST)
 
 
 def errors(
-    problem: Problem, explanation: Explanation, residual: np.ndarray, site_scatter: float, solver_error: float
+    problem: Problem,
+    explanation: Explanation,
+    residual: np.ndarray,
+    site_scatter: float,
+    solver_error: float,
+    z: np.ndarray | None = None,
 ) -> Errors:
-    """Put the errors of the mean curves together, for the surrogates of `explanation`."""
-    noise, parts = noise_of(problem, varying(explanation), residual, site_scatter)
-    measured = {condition.name: problem.observed[condition.name].mean for condition in problem.conditions}
+    """Put the errors of the mean curves together, for the surrogates of `explanation` at z (k,), once that is known.
+
+    What is proportional to depth is so to the simulated curves, the mean less the `residual` (n_all,): in proportion to
+    recorded ones, whose noise would count as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl.
+    Instrum. Methods A 346 (1994) 306-311).
+    """
+    keys, depth = varying(explanation), problem.mean - residual
     surrogate = surrogate_error(problem, explanation)
-    model = model_covariance(measured, solver_error) + surrogate + solver_scatter(measured, explanation)
-    return Errors(noise, parts, model, surrogate, [len(problem.observed[c.name].depth) for c in problem.conditions])
+    model = model_covariance(problem.split(depth), solver_error) + surrogate
+    if z is not None:
+        model = model + solver_scatter(problem, explanation, z)
+    counts = [len(problem.observed[c.name].depth) for c in problem.conditions]
+    noise = noise_of(problem, keys, residual, site_scatter)
+    return Errors(noise, components(problem, keys, depth), model, surrogate, counts)
 
 
-def solver_scatter(measured: Mapping[str, np.ndarray], explanation: Explanation) -> np.ndarray:
-    """Return the covariance of what the mesh adds to the simulated effects, correlated over a tenth of each curve."""
-    variance = sum(MECHANISMS[key].solver_scatter ** 2 for key in explanation)
-    return variance * block_diag(*(np.outer(h, h) * ripple(len(h)) for h in measured.values()))
+def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) -> np.ndarray:
+    """Return the covariance of what the mesh adds to the effects at z (k,), correlated over a tenth of each curve."""
+    u, own = problem.parts(explanation, z)
+    scatter = np.zeros((len(problem.mean), len(problem.mean)))
+    for key, x in own.items():
+        if MECHANISMS[key].solver_scatter:
+            effect = MECHANISMS[key].solver_scatter * problem.effect(key, u, x)[0]
+            scatter += np.outer(effect, effect) * mesh_ripple(problem.split(problem.mean))
+    return scatter
 
 
 def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:
-    """Return the covariance of the surrogates' errors (n_all, n_all), from their leave-one-out errors."""
+    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, and in the middle of the grid."""
     blocks = []
     for condition in problem.conditions:
         found = [problem.base[condition.name].loo_error_]
         effects: Mapping = problem.effects[condition.name]
         found += [effects[key].error for key in explanation if key in effects]
+        if condition.name in problem.interior:
+            found.append(problem.interior[condition.name][None])
         blocks.append(sum(error.T @ error / len(error) for error in found))
     return block_diag(*blocks)

@@ -22,7 +22,7 @@ from palpate.protocol import Protocol
 from palpate.snapshots import Batch, Snapshot, divided
 
 THINNING = 3
-CALIBRATED_DIMENSIONS = 3
+MOST_COORDINATES = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +45,14 @@ class Pair:
     acting: Snapshot
 
 
+def middle(study: Study) -> dict[str, float]:
+    """Return the material in the middle of the study's grid."""
+    return {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+
+
 def scale_of(study: Study) -> Scale:
     """Return the size of the study, estimated from its middle material."""
-    cell = {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+    cell = middle(study)
     conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
     largest = max(conditions, key=lambda condition: condition.protocol.max_load)
     specification = study.specification(cell, largest)
@@ -76,6 +81,7 @@ def longest_rise(protocol: Protocol) -> float:
 def candidates(study: Study) -> dict[str, Mechanism]:
     """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip."""
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
+    specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
     found = {}
     for key in wanted:
         if key not in MECHANISMS:
@@ -84,8 +90,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
                 remedy=f"use one of: {', '.join(MECHANISMS)}",
                 place="diagnosis.mechanisms",
             )
-        mechanism, specification = MECHANISMS[key], study.specification(study.cells[0], study.conditions[0])
-        scale = scale_of(study)
+        mechanism = MECHANISMS[key]
         try:
             mechanism.simulate(
                 specification, amplitudes(mechanism, scale, np.full(mechanism_dimensions(mechanism, scale), 0.5))
@@ -127,7 +132,7 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     free = study.free_parameters
     dimensions = mechanism_dimensions(mechanism, scale)
     count = study.diagnosis["snapshots"] * (1 + dimensions) // 2
-    sequence = qmc.Sobol(len(free) + CALIBRATED_DIMENSIONS, seed=study.seed)
+    sequence = qmc.Sobol(len(free) + MOST_COORDINATES, seed=study.seed)
     points = sequence.random_base2(int(np.ceil(np.log2(count))))[:count]
     short = replace(condition, protocol=thinned(condition.protocol))
     cells = []
@@ -153,19 +158,19 @@ def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
 
     Their ratio is the error of the mesh, which hardly depends on the material.
     """
-    cell = {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+    cell = middle(study)
     usual, fine = (study.specification(cell, condition, accuracy) for accuracy in (study.accuracy, "fine"))
     return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
 
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
     """Divide the simulations that a diagnosis needs into jobs, by condition."""
-    batches = []
+    batches, keys = [], list(candidates(study))
     for condition in study.conditions:
         if condition.role != "calibrate":
             continue
         members = {snapshot.address: snapshot for snapshot in refinement(study, condition)}
-        for key in candidates(study):
+        for key in keys:
             for pair in pairs(study, condition, key):
                 members |= {pair.plain.address: pair.plain, pair.acting.address: pair.acting}
         folder = results / study.name / "effects" / condition.name

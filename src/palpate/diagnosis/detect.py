@@ -9,7 +9,8 @@ it:
 
 each turned into a chi-square probability; the smallest one is the statistic. Its distribution comes from simulated
 noise: the noise model itself is drawn anew each time from its uncertainty, and the material parameters are refitted
-(which, to first order, is the projection). So the p-value is for the whole family of filters.
+(which, to first order, is the projection). So the p-value is for the whole family of filters. In the tangent space
+itself nothing is left once the fit has converged within its bounds; what is left where it has not counts as it stands.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from scipy.linalg import block_diag, cholesky
 from scipy.stats import chi2, qmc
 
 from palpate.diagnosis.covariance import noise_of, varying
+from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.segments import segments
 from palpate.mechanisms import MECHANISMS
@@ -51,22 +53,6 @@ class Filter:
         return chi2.logsf(np.sum((self.basis.T @ white) ** 2, axis=0), self.basis.shape[1])
 
 
-@dataclass(frozen=True, eq=False)
-class Examination:
-    """Outcome of the test of one explanation.
-
-    Attributes
-    ----------
-    p_value
-        Of the whole family.
-    scores
-        For each mechanism the largest reduction of chi-square that any of its filters promises.
-    """
-
-    p_value: float
-    scores: dict[str, float]
-
-
 def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of what `columns` have outside `tangent` (both whitened); may be empty."""
     scale = np.linalg.norm(columns, axis=0)
@@ -79,19 +65,18 @@ def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
 def filters(fit: Fit, keys: Iterable[str]) -> list[Filter]:
     """Return all filters: those of the mechanisms `keys`, and polynomials."""
     problem = fit.problem
-    tangent = np.linalg.qr(fit.whiten(fit.tangent))[0]
+    tangent = fit.tangent_space
     u = problem.parts(fit.explanation, fit.z)[0]
     found = []
     for key in keys:
         if key in fit.explanation:
             continue
-        dimensions = problem.dimensions((key,)) - problem.space.dimensions
+        dimensions = mechanism_dimensions(MECHANISMS[key], problem.scale)
         trials = np.array(AMPLITUDES)[:, None] if dimensions == 1 else qmc.Sobol(dimensions, seed=0).random(TRIALS)
         effects = fit.whiten(problem.effect(key, u, trials).T)
         found += [Filter(key, orthonormal(column[:, None], tangent)) for column in effects.T]
         if MECHANISMS[key].varies:
-            unit = {p.name: 1.0 for p in MECHANISMS[key].parameters}
-            columns = block_diag(*(problem.recorded_effect(key, c, unit)[:, None] for c in problem.conditions))
+            columns = block_diag(*(problem.unit_effect(key, c)[:, None] for c in problem.conditions))
             found.append(Filter(key, orthonormal(fit.whiten(columns), tangent)))
     size = len(problem.mean)
     first = 0
@@ -117,8 +102,8 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
     return fit.whiten(columns)
 
 
-def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> Examination:
-    """Test whether `fit` leaves anything but noise."""
+def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> float:
+    """Return the p-value, for the whole family of filters, of what `fit` leaves being noise."""
     keys = list(keys)
     white = fit.white[:, None]
     family = filters(fit, keys)
@@ -126,12 +111,19 @@ def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int,
     found = min(float(f.log_p(white)[0]) for f in family)
     under_noise = np.min([f.log_p(noise) for f in family], axis=0)
     p_means = (1.0 + np.sum(under_noise <= found)) / (1.0 + draws)
-    scores: dict[str, float] = {}
-    for f in family:
-        if f.name in keys:
-            gain = float(np.sum((f.basis.T @ white) ** 2)) - f.basis.shape[1] + 1
-            scores[f.name] = max(scores.get(f.name, 0.0), gain)
-    return Examination(combined(p_means, between_replicates(fit, keys, site_scatter)), scores)
+    unconverged = fit.tangent_space.T @ fit.white
+    p_means = min(p_means, float(chi2.sf(unconverged @ unconverged, len(unconverged))))
+    return combined(p_means, between_replicates(fit, keys, site_scatter))
+
+
+def gains(fit: Fit, keys: Iterable[str]) -> dict[str, float]:
+    """Return for each mechanism the largest reduction of chi-square that any of its filters promises."""
+    found = {key: 0.0 for key in keys}
+    for f in filters(fit, found):
+        if f.name in found:
+            gain = float(np.sum((f.basis.T @ fit.white) ** 2)) - f.basis.shape[1] + 1
+            found[f.name] = max(found[f.name], gain)
+    return found
 
 
 def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:
@@ -145,7 +137,7 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
     found = []
     for key in keys:
         if MECHANISMS[key].varies and key not in present:
-            wider, _ = noise_of(fit.problem, (*present, key), fit.residual, site_scatter)
+            wider = noise_of(fit.problem, varying((*present, key)), fit.residual, site_scatter)
             ratio = 2.0 * max(wider.log_likelihood - fit.errors.noise.log_likelihood, 0.0)
             found.append(0.5 * float(chi2.sf(ratio, 1)))
     return found

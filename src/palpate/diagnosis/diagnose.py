@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from palpate.config import Study
 from palpate.diagnosis.covariance import errors
-from palpate.diagnosis.detect import Examination, examine
+from palpate.diagnosis.detect import examine, gains
 from palpate.diagnosis.fit import Fit, solve, starting_points
+from palpate.diagnosis.laws import Law, contradicted
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.refine import refine
+from palpate.errors import PalpateError
 
 CLOSE = np.log(20.0)
 SCREENED = 40.0
-MOST_REFINED = 5
-MOST_PAIRS = 8
+LEAST_REFINED, MOST_REFINED = 3, 5
+MOST_SETS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,16 +30,22 @@ class Candidate:
     ----------
     fit
         Its best parameters, on the forward model where it was among the best.
-    examination
-        Whether anything is left; ``None`` where it was not among the best.
+    p_value
+        Of what it leaves being noise; ``None`` where it was not among the best.
+    confirmed
+        Whether the forward model ran with it; else it rests on surrogates.
+    contradicts
+        The exact laws that its amplitudes contradict.
     """
 
     fit: Fit
-    examination: Examination | None = None
+    p_value: float | None = None
+    confirmed: bool = False
+    contradicts: tuple[Law, ...] = ()
 
     def adequate(self, significance: float) -> bool:
-        """Return whether nothing but noise is left."""
-        return self.examination is not None and self.examination.p_value >= significance
+        """Return whether nothing but noise is left and no exact law is contradicted."""
+        return self.p_value is not None and self.p_value >= significance and not self.contradicts
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +76,10 @@ class Diagnosis:
 class Search:
     """The search for explanations; keeps what has been fitted."""
 
-    def __init__(self, study: Study, problem: Problem, keys: list[str], rng: np.random.Generator):
-        self._study, self._problem, self._keys, self._rng = study, problem, keys, rng
+    def __init__(
+        self, study: Study, problem: Problem, keys: list[str], rng: np.random.Generator, laws: Sequence[Law] = ()
+    ):
+        self._study, self._problem, self._keys, self._rng, self._laws = study, problem, keys, rng, laws
         self._settings, self._calibration = study.diagnosis, study.calibration
 
     def base(self) -> Fit:
@@ -82,75 +91,84 @@ class Search:
         return solve(problem, (), self._errors((), rough.residual), [rough.z, *middle])
 
     def extended(self, fit: Fit, key: str) -> Fit:
-        """Fit an explanation and one more mechanism."""
+        """Fit an explanation and one more mechanism; what the forward model corrected in the first stays corrected."""
         wider: Explanation = (*fit.explanation, key)
+        correction = fit.correction.widened(self._problem.dimensions(wider))
         found = self._errors(wider, fit.residual)
-        best = solve(self._problem, wider, found, starting_points(fit, key))
-        return solve(self._problem, wider, self._errors(wider, best.residual), [best.z])
+        best = solve(self._problem, wider, found, starting_points(fit, key), correction)
+        return solve(self._problem, wider, self._errors(wider, best.residual, best.z), [best.z], correction)
 
     def refined(self, fit: Fit) -> Candidate:
-        """Put a fit on the forward model and examine what it leaves."""
-        return self.examined(refine(self._study, fit))
+        """Put a fit on the forward model, where that runs, and examine what it leaves."""
+        try:
+            return replace(self.examined(refine(self._study, fit)), confirmed=True)
+        except PalpateError:
+            return self.examined(fit)
 
     def examined(self, fit: Fit) -> Candidate:
         """Test what a fit leaves."""
-        return Candidate(
-            fit, examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
-        )
+        left = examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
+        return Candidate(fit, left, contradicts=tuple(contradicted(fit, self._laws)))
 
-    def _errors(self, explanation: Explanation, residual: np.ndarray):
-        calibration = self._calibration
-        return errors(self._problem, explanation, residual, calibration["site_scatter"], calibration["solver_error"])
+    def _errors(self, explanation: Explanation, residual: np.ndarray, z: np.ndarray | None = None):
+        site_scatter, solver_error = (self._calibration[key] for key in ("site_scatter", "solver_error"))
+        return errors(self._problem, explanation, residual, site_scatter, solver_error, z)
 
 
 def diagnose(
-    study: Study, problem: Problem, keys: list[str], rng: np.random.Generator, report: Callable[[str], None] = print
+    study: Study,
+    problem: Problem,
+    keys: list[str],
+    rng: np.random.Generator,
+    report: Callable[[str], None] = print,
+    laws: Sequence[Law] = (),
 ) -> Diagnosis:
     """Diagnose one set of recordings.
 
     The base model is tested first. If it fails, every mechanism is fitted together with the material; those whose
-    evidence is near the best go to the forward model and are tested in turn. If none of them leaves only noise, pairs
-    are tried in the same way. Among the smallest explanations that pass, those within a likelihood ratio of 20 stand.
+    evidence is near the best go to the forward model and are tested in turn. If none of them leaves only noise, sets
+    with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Among the smallest
+    explanations that pass, those within a likelihood ratio of 20 stand. One that contradicts an exact law never passes.
     Without replicates part of the noise is assumed, and no explanation is given alone.
 
     Parameters
     ----------
     keys
         Mechanisms to consider.
+    laws
+        What exact laws say about amplitudes.
     """
     level = study.diagnosis["significance"]
-    search = Search(study, problem, keys, rng)
-    base = search.examined(search.base())
-    report(f"base model: p = {base.examination.p_value:.3g}")  # type: ignore[union-attr]
+    search = Search(study, problem, keys, rng, laws)
+    base = search.refined(search.base())
+    report(f"base model: p = {base.p_value:.3g}")
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base])
-    base = search.refined(base.fit)
-    if base.adequate(level):
-        return Diagnosis("adequate", base, [], [], [base])
-    singles = _refine_best(search, [search.extended(base.fit, key) for key in keys], report)
-    tried = singles
-    standing = [candidate for candidate in singles if candidate.adequate(level)]
-    if not standing:
-        promising = _pairs(singles, keys)
-        pairs = _refine_best(search, [search.extended(fit, key) for fit, key in promising], report)
-        tried = pairs + singles
-        standing = [candidate for candidate in pairs if candidate.adequate(level)]
-    verdict, standing, probabilities = _judge(standing)
+    tried = found = _refine_best(search, [search.extended(base.fit, key) for key in keys], level, report)
+    for _ in range(1, study.diagnosis["largest_set"]):
+        if any(candidate.adequate(level) for candidate in found):
+            break
+        wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
+        found = _refine_best(search, wider, level, report)
+        tried = found + tried
+    standing = [candidate for candidate in found if candidate.adequate(level)]
+    verdict, standing, probabilities = _judge(standing, _best_evidence(tried))
     if verdict == "identified" and not base.fit.errors.noise.replicated:
         verdict = "ambiguous"
     return Diagnosis(verdict, base, standing, probabilities, [*tried, base])
 
 
-def _refine_best(search: Search, fits: list[Fit], report: Callable[[str], None]) -> list[Candidate]:
-    """Put the fits near the best on the forward model; return all, best first."""
+def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable[[str], None]) -> list[Candidate]:
+    """Put the fits near the best on the forward model, and some more where none passes; return all, best first."""
     fits = sorted(fits, key=lambda fit: -fit.log_evidence)
-    done = []
+    done: list[Candidate] = []
     for k, fit in enumerate(fits):
-        if k < MOST_REFINED and (k == 0 or fit.log_evidence > fits[0].log_evidence - SCREENED):
+        near = k < MOST_REFINED and fit.log_evidence > fits[0].log_evidence - SCREENED
+        if near or (k < LEAST_REFINED and not any(candidate.adequate(level) for candidate in done)):
             candidate = search.refined(fit)
             report(
                 f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
-                f"{candidate.fit.log_evidence:.1f}, p = {candidate.examination.p_value:.3g}"  # type: ignore[union-attr]
+                f"{candidate.fit.log_evidence:.1f}, p = {candidate.p_value:.3g}"
             )
         else:
             candidate = Candidate(fit)
@@ -159,26 +177,36 @@ def _refine_best(search: Search, fits: list[Fit], report: Callable[[str], None])
     return sorted(done, key=lambda candidate: -candidate.fit.log_evidence)
 
 
-def _pairs(singles: list[Candidate], keys: list[str]) -> list[tuple[Fit, str]]:
-    """Return the pairs that promise the greatest evidence: that of one, plus what filters see of the other."""
+def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str]]:
+    """Return the sets with one mechanism more that promise the greatest evidence.
+
+    What a set promises is the evidence of the smaller one, plus what filters see of the mechanism that joins it.
+    """
     promised: dict[frozenset[str], tuple[float, Fit, str]] = {}
-    for candidate, key in itertools.product(singles, keys):
-        if candidate.examination is None or key in candidate.fit.explanation:
-            continue
-        score = candidate.fit.log_evidence + 0.5 * candidate.examination.scores.get(key, 0.0)
-        pair = frozenset((*candidate.fit.explanation, key))
-        if pair not in promised or score > promised[pair][0]:
-            promised[pair] = score, candidate.fit, key
-    return [(fit, key) for _, fit, key in sorted(promised.values(), key=lambda entry: -entry[0])[:MOST_PAIRS]]
+    for candidate in tried:
+        fit, promise = candidate.fit, gains(candidate.fit, keys)
+        for key in [key for key in keys if key not in fit.explanation]:
+            score = fit.log_evidence + 0.5 * promise[key]
+            wider = frozenset((*fit.explanation, key))
+            if wider not in promised or score > promised[wider][0]:
+                promised[wider] = score, fit, key
+    return [(fit, key) for _, fit, key in sorted(promised.values(), key=lambda entry: -entry[0])[:MOST_SETS]]
 
 
-def _judge(standing: list[Candidate]) -> tuple[str, list[Candidate], list[float]]:
-    """Return the verdict, the explanations within the likelihood ratio of the best, and their probabilities."""
+def _best_evidence(tried: list[Candidate]) -> float:
+    tested = [candidate for candidate in tried if candidate.p_value is not None and not candidate.contradicts]
+    return max((candidate.fit.log_evidence for candidate in tested), default=-np.inf)
+
+
+def _judge(standing: list[Candidate], best: float) -> tuple[str, list[Candidate], list[float]]:
+    """Return the verdict, the explanations within the likelihood ratio of the best, and their probabilities.
+
+    The best is that of all that were tried, whether it stands or not: where something far likelier still leaves more
+    than noise, the truth is not among those that pass.
+    """
+    standing = [candidate for candidate in standing if candidate.fit.log_evidence >= best - CLOSE]
     if not standing:
         return "unexplained", [], []
     evidence = np.array([candidate.fit.log_evidence for candidate in standing])
     weights = np.exp(evidence - evidence.max())
-    kept = evidence >= evidence.max() - CLOSE
-    probabilities = (weights / weights.sum())[kept]
-    chosen = [candidate for candidate, keep in zip(standing, kept, strict=True) if keep]
-    return ("identified" if len(chosen) == 1 else "ambiguous"), chosen, probabilities.tolist()
+    return ("identified" if len(standing) == 1 else "ambiguous"), standing, (weights / weights.sum()).tolist()

@@ -15,10 +15,9 @@ import numpy as np
 from palpate import snapshots
 from palpate.config import Condition, Study
 from palpate.diagnosis.design import candidates, pairs, refinement, thinned
+from palpate.diagnosis.ripple import without_ripple
 from palpate.errors import PalpateError
 from palpate.surrogate import PODRBF
-
-SHALLOW = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +30,13 @@ class Effects:
         Effects that were learnt, by key.
     refinement : ndarray, shape (n_points,)
         Depth on the fine mesh over that on the study's, for the middle material.
+    middle : ndarray, shape (n_points,)
+        Depth for the middle material on the study's mesh [nm].
     """
 
     mechanisms: Mapping[str, Effect]
     refinement: np.ndarray
+    middle: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ class Effect:
 
     def predict(self, points: np.ndarray) -> np.ndarray:
         """Return the difference (n, n_points) [nm] at points (n, p + k)."""
-        return self.surrogate.predict(points) @ self.spread.T
+        return self.surrogate.evaluate(points) @ self.spread.T
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
@@ -102,8 +104,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))
     if not np.isfinite([usual, fine]).all():
         raise PalpateError(f"the middle material could not be simulated under {condition.name}")
-    deep = usual > SHALLOW * usual.max()
-    return Effects(fitted, np.where(deep, fine, 1.0) / np.where(deep, usual, 1.0))
+    return Effects(fitted, 1.0 + without_ripple(condition.protocol, fine - usual, usual) / usual, usual)
 
 
 def summary(effects: Effects) -> dict[str, dict[str, float]]:

@@ -12,10 +12,12 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from palpate.diagnosis.covariance import Errors, varying
+from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 PRIOR_VARIANCE = 1.0 / 12.0
+NORMAL_95 = 1.96
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
 TRIALS = 32
 
@@ -44,8 +46,22 @@ class Correction:
         return cls(np.zeros(dimensions), np.zeros(points), np.zeros((points, dimensions)))
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Return the correction at z (n_all,) [nm]."""
-        return self.shift + self.slope @ (z - self.at)
+        """Return the correction (m, n_all) at coordinates z (m, k) [nm]."""
+        return self.shift + (z - self.at) @ self.slope.T
+
+    def widened(self, dimensions: int) -> Correction:
+        """Return the correction for an explanation with more coordinates, on which it does not depend."""
+        more = dimensions - len(self.at)
+        return Correction(np.pad(self.at, (0, more)), self.shift, np.pad(self.slope, ((0, 0), (0, more))))
+
+    def moved(self, at: np.ndarray, shift: np.ndarray) -> Correction:
+        """Return the correction with a new shift elsewhere, the slope changed as little as this demands.
+
+        Source: C.G. Broyden, Math. Comp. 19 (1965) 577-593, eq. 4.5.
+        """
+        step = at - self.at
+        missed = shift - self.shift - self.slope @ step
+        return Correction(at, shift, self.slope + np.outer(missed, step) / (step @ step))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +95,14 @@ class Fit:
         """Return L^-1 values."""
         return solve_triangular(self.factor, values, lower=True)
 
+    def curves(self, z: np.ndarray) -> np.ndarray:
+        """Return the curves (m, n_all) at coordinates z (m, k) [nm]."""
+        return self.problem.curves(self.explanation, z) + self.correction(z)
+
     @cached_property
     def curve(self) -> np.ndarray:
         """Curves at z [nm]."""
-        return self.problem.curve(self.explanation, self.z) + self.correction(self.z)
+        return self.curves(self.z[None])[0]
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -93,6 +113,11 @@ class Fit:
     def tangent(self) -> np.ndarray:
         """Slope of the curves (n_all, k) [nm]."""
         return self.problem.jacobian(self.explanation, self.z) + self.correction.slope
+
+    @cached_property
+    def tangent_space(self) -> np.ndarray:
+        """Orthonormal basis (n_all, k) of the whitened slopes of the parameters."""
+        return np.linalg.qr(self.whiten(self.tangent))[0]
 
     @cached_property
     def white(self) -> np.ndarray:
@@ -111,12 +136,8 @@ class Fit:
 
     @cached_property
     def posterior(self) -> np.ndarray:
-        """Covariance of the coordinates (k, k); within their ranges, each is known beforehand to 1/12.
-
-        The slopes are the surrogates': those of the solver ripple from node to node of the contact by some per cent,
-        which would make coordinates that the data hardly tell apart look independent.
-        """
-        white = self.whiten(self.problem.jacobian(self.explanation, self.z))
+        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand."""
+        white = self.whiten(self.tangent)
         return np.linalg.inv(white.T @ white + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
@@ -133,14 +154,15 @@ def solve(
     errors: Errors,
     starts: Iterable[np.ndarray],
     correction: Correction | None = None,
+    radius: float = 1.0,
 ) -> Fit:
-    """Find the best coordinates from the given starts by bounded least squares."""
+    """Find the best coordinates within `radius` of any of the given starts by bounded least squares."""
     correction = correction or Correction.none(len(problem.mean), problem.dimensions(explanation))
-    found = [_minimised(Fit(problem, explanation, z, errors, correction)) for z in starts]
-    return spread_own_values(min(found, key=lambda fit: fit.misfit))
+    found = [_minimised(Fit(problem, explanation, z, errors, correction), radius) for z in starts]
+    return spread_own_values(min(found, key=lambda fit: fit.misfit), radius)
 
 
-def _minimised(fit: Fit) -> Fit:
+def _minimised(fit: Fit, radius: float) -> Fit:
     """Return the fit at the least misfit reached from its coordinates."""
 
     def at(z: np.ndarray) -> Fit:
@@ -148,11 +170,12 @@ def _minimised(fit: Fit) -> Fit:
         moved.__dict__["factor"] = fit.factor
         return moved
 
+    start = np.clip(fit.z, 1e-4, 1 - 1e-4)
     found = least_squares(
         lambda z: -at(z).white,
-        np.clip(fit.z, 1e-4, 1 - 1e-4),
+        start,
         lambda z: fit.whiten(at(z).tangent),
-        bounds=(0.0, 1.0),
+        bounds=(np.maximum(start - radius, 0.0), np.minimum(start + radius, 1.0)),
         max_nfev=40,
         xtol=1e-5,
         ftol=1e-6,
@@ -160,15 +183,15 @@ def _minimised(fit: Fit) -> Fit:
     return at(found.x)
 
 
-def spread_own_values(fit: Fit) -> Fit:
+def spread_own_values(fit: Fit, radius: float) -> Fit:
     """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
     problem, errors = fit.problem, fit.errors
     for key in varying(fit.explanation):
-        (plausible,) = MECHANISMS[key].plausible(problem.scale).values()
+        largest = problem.largest(key)
         block = block_diag(*(parts[key] for parts in errors.components))
         best, chosen = -np.inf, errors
         for share in OWN_VALUES:
-            wider = replace(errors, model=errors.model + (share * plausible.upper) ** 2 * block)
+            wider = replace(errors, model=errors.model + (share * largest) ** 2 * block)
             trial = replace(fit, errors=wider)
             tangent = trial.whiten(fit.tangent)
             left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
@@ -176,7 +199,7 @@ def spread_own_values(fit: Fit) -> Fit:
             if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
                 best, chosen = likelihood, wider
         errors = chosen
-    return fit if errors is fit.errors else _minimised(replace(fit, errors=errors))
+    return fit if errors is fit.errors else _minimised(replace(fit, errors=errors), radius)
 
 
 def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:
@@ -185,7 +208,7 @@ def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:
     The effect is taken at the base fit's material, and its material parameters follow linearly.
     """
     problem = base.problem
-    dimensions = problem.dimensions((*base.explanation, key)) - len(base.z)
+    dimensions = mechanism_dimensions(MECHANISMS[key], problem.scale)
     trials = np.linspace(0.0, 1.0, 9)[:, None] if dimensions == 1 else qmc.Sobol(dimensions, seed=0).random(TRIALS)
     u = problem.parts(base.explanation, base.z)[0]
     tangent = base.whiten(base.tangent)

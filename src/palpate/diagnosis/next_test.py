@@ -68,19 +68,23 @@ def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> Feas
     return FeasibleTest(words, settings, trapezoid(**settings, points=POINTS))
 
 
-def discriminating_test(study: Study, standing: list[Fit], rng: np.random.Generator) -> dict[str, Any] | None:
+def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
     """Return the test that separates the two best explanations most surely, with its expected power.
 
     The distance of the two predicted curves is measured against noise and site scatter of three recordings and against
-    the uncertainty of both explanations' parameters (draws of their posteriors); the power is that of a 1 % test.
+    the uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is that of a
+    1 % test.
     """
     first, second = standing[:2]
+    samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
     scale = first.problem.scale
     best: dict[str, Any] | None = None
     for test in feasible(scale.load, scale.loading_time):
         condition = Condition("next", "validate", test.protocol)
         try:
-            (a, spread_a), (b, spread_b) = (_predicted(study, fit, condition, rng) for fit in (first, second))
+            (a, spread_a), (b, spread_b) = (
+                _predicted(study, fit, condition, sample) for fit, sample in zip((first, second), samples, strict=True)
+            )
         except PalpateError:
             continue
         noise = first.errors.noise
@@ -95,9 +99,8 @@ def discriminating_test(study: Study, standing: list[Fit], rng: np.random.Genera
     return best
 
 
-def _predicted(study: Study, fit: Fit, condition: Condition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _predicted(study: Study, fit: Fit, condition: Condition, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
     curve = simulated_at(study, condition, fit, fit.z)
-    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd").clip(0.0, 1.0)
     curves = np.array([simulated_at(study, condition, fit, z) for z in draws]) - curve
-    return curve, curves.T @ curves / DRAWS
+    return curve, curves.T @ curves / len(draws)

@@ -31,6 +31,7 @@ SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
 FURTHEST = 2.0
+AT_BOUND = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +94,17 @@ class NoiseModel:
         variances = {name: max(v, 0.0) for name, v in zip(self.variances, draw[2 * count :], strict=True)}
         return NoiseModel(
             np.exp(draw[:count]),
-            np.minimum(_memory(draw[count : 2 * count]), LARGEST_MEMORY),
+            np.minimum(_memory(draw[count : 2 * count]), largest_memory(self.replicated)),
             variances,
             np.nan,
             self.covariance,
             self.replicated,
         )
+
+
+def largest_memory(replicated: bool) -> float:
+    """Return the largest memory that counts as noise."""
+    return LARGEST_MEMORY if replicated else SINGLE_MEMORY
 
 
 def contrasts(depth: np.ndarray) -> np.ndarray:
@@ -138,7 +144,7 @@ def fit_noise(
     floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
     start = np.concatenate([np.log(start_sigma), np.zeros(count)])
     bounds = [(floor, np.log(r.scale)) for floor, r in zip(floors, replicates, strict=True)]
-    bounds += [(-4.0, _logit(np.array(LARGEST_MEMORY if replicated else SINGLE_MEMORY)).item())] * count
+    bounds += [(-4.0, _logit(np.array(largest_memory(replicated))).item())] * count
     if replicated:
         first = [np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names]
         start = np.concatenate([start, first])
@@ -177,7 +183,7 @@ def fit_noise(
 
 
 def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
-    """Return the inverse of Fisher's information of (log sigma, logit rho, v)."""
+    """Return the inverse of Fisher's information of (log sigma, logit rho, v); memory at its bound counts as known."""
     count, names = len(replicates), list(variances)
     information = np.zeros((2 * count + len(names),) * 2)
     for k, r in enumerate(replicates):
@@ -193,6 +199,9 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
         information[range(2 * count, len(information)), range(2 * count, len(information))] = [
             1.0 / (0.5 * max(v, SMALLEST_VARIANCE)) ** 2 for v in variances.values()
         ]
+    for place in count + np.flatnonzero(memory > largest_memory(replicated) - AT_BOUND):
+        information[place] = information[:, place] = 0.0
+        information[place, place] = AT_BOUND**-2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
     scaled = information / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
     return np.linalg.inv(scaled) / np.outer(scale, scale)

@@ -12,11 +12,8 @@ from palpate.calibration import Observation
 from palpate.calibration.noise import model_covariance
 from palpate.config import Study
 from palpate.diagnosis.covariance import varying
-from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.refine import simulated_at
-from palpate.mechanisms import MECHANISMS
-
-NORMAL_95 = 1.96
+from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.diagnosis.refine import curve_under
 
 
 def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit) -> dict[str, list[dict[str, Any]]]:
@@ -30,20 +27,15 @@ def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit
     if not keys:
         return {}
     noise, best = fit.errors.noise, fit.problem.amplitudes(fit.explanation, fit.z)
-    known = fit.problem.split(fit.curve)
     found: dict[str, list[dict[str, Any]]] = {}
     for condition in study.conditions:
         item = observed[condition.name]
-        curve = known[condition.name] if condition.name in known else simulated_at(study, condition, fit, fit.z)
+        curve = curve_under(study, condition, fit)
         size = len(item.time)
         covariance = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(size))
         covariance += noise.variances["site"] * np.outer(curve, curve)
         covariance += model_covariance({condition.name: curve}, study.calibration["solver_error"])
-        columns = []
-        for key in keys:
-            unit = {p.name: 1.0 for p in MECHANISMS[key].parameters}
-            columns.append(fit.problem.recorded_effect(key, condition, unit))
-        design = np.column_stack(columns)
+        design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)
         spread = np.linalg.inv(design.T @ weighed)
         for number, depth in enumerate(item.depth, 1):

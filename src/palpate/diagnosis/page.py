@@ -50,6 +50,25 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         )
         rows = [{**row, "conditions": " and ".join(row["conditions"])} for row in content["similarity"]]
         found.append(("The law of the sharp tip", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
+    if content["may_hide"]:
+        words = (
+            "What each effect on the recorded depth that is not named would amount to if it joined. Where the interval "
+            "is wide, these recordings neither show the effect nor rule it out."
+        )
+        rows = [{"parameter": name, **values} for name, values in content["may_hide"].items()]
+        found.append(("What may still hide", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
+    if content["laws"]:
+        words = (
+            "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the "
+            "material and the shape of the tip. An explanation that contradicts them does not stand."
+        )
+        found.append(("What exact laws say", [report.paragraph(words), report.table(pd.DataFrame(content["laws"]))]))
+    if content["zero_points"]:
+        words = (
+            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test."
+        )
+        table = report.table(pd.DataFrame(content["zero_points"]))
+        found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))
     clearest = pd.DataFrame(content["location"][:12])
     found.append(("Where the base model fails", [report.table(clearest)]))
     return found

@@ -7,14 +7,14 @@ coordinates of its mechanisms, all within [0, 1].
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition, Study
-from palpate.diagnosis.design import amplitudes, mechanism_dimensions
+from palpate.diagnosis.design import amplitudes, mechanism_dimensions, middle
 from palpate.diagnosis.effects import Effect, Effects
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.surrogate import PODRBF
@@ -42,6 +42,9 @@ class Problem:
         Factor (n_points,) for each condition that takes a simulated depth to the fine mesh.
     scale
         Size of the study.
+    interior
+        Error (n_points,) of each condition's surrogate in the middle of the grid [nm]. Leave-one-out errors do not see
+        how the curves bend between the levels of a parameter that has only two.
     """
 
     conditions: tuple[Condition, ...]
@@ -51,6 +54,7 @@ class Problem:
     effects: Mapping[str, Mapping[str, Effect]]
     refinement: Mapping[str, np.ndarray]
     scale: Scale
+    interior: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -66,12 +70,19 @@ class Problem:
         bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
         learnt = {name: found.mechanisms for name, found in effects.items()}
         factors = {name: found.refinement for name, found in effects.items()}
-        return cls(conditions, observed, Space(bounds), base, learnt, factors, scale)
+        centre = np.array([list(middle(study).values())])
+        interior = {name: found.middle - base[name].evaluate(centre)[0] for name, found in effects.items()}
+        return cls(conditions, observed, Space(bounds), base, learnt, factors, scale, interior)
 
     @property
     def mean(self) -> np.ndarray:
         """Mean depth of all conditions, one after the other [nm]."""
         return np.concatenate([self.observed[condition.name].mean for condition in self.conditions])
+
+    @property
+    def replicated(self) -> bool:
+        """Whether every condition was tested more than once."""
+        return all(len(self.observed[condition.name].depth) > 1 for condition in self.conditions)
 
     def to_fine_mesh(self, condition: Condition, depth: np.ndarray) -> np.ndarray:
         """Return a simulated curve as the fine mesh would give it; by the mean factor where there is none."""
@@ -88,11 +99,11 @@ class Problem:
         return self.space.dimensions + sum(mechanism_dimensions(MECHANISMS[key], self.scale) for key in explanation)
 
     def parts(self, explanation: Explanation, z: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Divide coordinates into those of the material and those of each mechanism."""
-        u, rest, own = z[: self.space.dimensions], z[self.space.dimensions :], {}
+        """Divide coordinates z (..., k) into those of the material and those of each mechanism."""
+        u, rest, own = z[..., : self.space.dimensions], z[..., self.space.dimensions :], {}
         for key in explanation:
             count = mechanism_dimensions(MECHANISMS[key], self.scale)
-            own[key], rest = rest[:count], rest[count:]
+            own[key], rest = rest[..., :count], rest[..., count:]
         return u, own
 
     def amplitudes(self, explanation: Explanation, z: np.ndarray) -> dict[str, dict[str, float]]:
@@ -106,14 +117,31 @@ class Problem:
         none = np.zeros(len(protocol.sample_time))
         return MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, none, values)
 
+    def unit_effect(self, key: str, condition: Condition) -> np.ndarray:
+        """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm]."""
+        return self.recorded_effect(key, condition, {p.name: 1.0 for p in MECHANISMS[key].parameters})
+
+    def largest(self, key: str) -> float:
+        """Return the largest plausible value of a mechanism that varies, which has a single parameter."""
+        (plausible,) = MECHANISMS[key].plausible(self.scale).values()
+        return plausible.upper
+
     def effect(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the effect of one mechanism on all conditions (m, n_all) at material u and coordinates x (m, k)."""
+        """Return the effect of one mechanism on all conditions (m, n_all).
+
+        Parameters
+        ----------
+        u : ndarray, shape (p,) or (m, p)
+            Coordinates of the material, of one for all or of each.
+        x : ndarray, shape (k,) or (m, k)
+            Coordinates of the mechanism.
+        """
         x = np.atleast_2d(x)
-        material = self.space.physical(u)
+        material = np.broadcast_to(self.space.physical(u), (len(x), len(self.space.bounds)))
+        points = np.column_stack([material[:, self.space.free], x])
         curves = []
         for condition in self.conditions:
             if MECHANISMS[key].needs_learning:
-                points = np.column_stack([np.tile(material[:, self.space.free], (len(x), 1)), x])
                 curves.append(self.effects[condition.name][key].predict(points))
             else:
                 curves.append(self._derived_effect(key, condition, material, x))
@@ -122,28 +150,23 @@ class Problem:
     def _derived_effect(self, key: str, condition: Condition, material: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the effect (m, n_points) that follows from the base model's curve."""
         mechanism, protocol = MECHANISMS[key], condition.protocol
-        plain = self.base[condition.name].predict(material)[0]
-        return np.array(
-            [
-                mechanism.on_curve(
-                    protocol.sample_time, protocol.sample_load, plain, amplitudes(mechanism, self.scale, row)
-                )
-                - plain
-                for row in x
-            ]
-        )
+        time, load = protocol.sample_time, protocol.sample_load
+        plain = self.base[condition.name].evaluate(material)
+        recorded = [
+            mechanism.on_curve(time, load, curve, amplitudes(mechanism, self.scale, row))
+            for curve, row in zip(plain, x, strict=True)
+        ]
+        return np.array(recorded) - plain
 
-    def curve(self, explanation: Explanation, z: np.ndarray) -> np.ndarray:
-        """Return the surrogates' curves of all conditions (n_all,) [nm]."""
+    def curves(self, explanation: Explanation, z: np.ndarray) -> np.ndarray:
+        """Return the surrogates' curves of all conditions (m, n_all) at coordinates z (m, k) [nm]."""
         u, own = self.parts(explanation, z)
         x = self.space.physical(u)
-        total = np.concatenate([self.base[c.name].predict(x)[0] * self.refinement[c.name] for c in self.conditions])
-        for key, coordinates in own.items():
-            total = total + self.effect(key, u, coordinates)[0]
-        return total
+        base = [self.base[c.name].evaluate(x) * self.refinement[c.name] for c in self.conditions]
+        return np.concatenate(base, axis=1) + sum(self.effect(key, u, part) for key, part in own.items())
 
     def jacobian(self, explanation: Explanation, z: np.ndarray, step: float = 1e-4) -> np.ndarray:
-        """Return the slope (n_all, k) of `curve` by the coordinates, by central differences."""
+        """Return the slope (n_all, k) of the curves by the coordinates z (k,), by central differences."""
         u, own = self.parts(explanation, z)
         free, extent = self.space.free, self.space.extent
         physical = self.space.physical(u)[0]

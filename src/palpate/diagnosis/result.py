@@ -16,36 +16,38 @@ from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.own_values import recording_values
-from palpate.diagnosis.refine import simulated_at
+from palpate.diagnosis.posterior import posterior_draws
+from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
-from palpate.mechanisms import MECHANISMS
 
-DRAWS = 2000
-NORMAL_95 = 1.96
+COARSE = 0.01
 
 
-def mechanism_parameters(fit: Fit, rng: np.random.Generator) -> dict[str, dict[str, float]]:
-    """Return estimate and 95 % interval of each parameter, as ``key.name``; of one that varies, of its mean."""
-    problem = fit.problem
-    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd").clip(0.0, 1.0)
-    best = problem.amplitudes(fit.explanation, fit.z)
-    drawn = [problem.amplitudes(fit.explanation, z) for z in draws]
-    found = {}
-    for key, values in best.items():
-        for name, estimate in values.items():
-            lower, upper = np.percentile([draw[key][name] for draw in drawn], [2.5, 97.5])
-            found[f"{key}.{name}"] = {"estimate": estimate, "lower": float(lower), "upper": float(upper)}
-    return found
+def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
+    """Return median and 95 % interval of each parameter, as ``key.name``; of one that varies, of its mean."""
+    drawn = pd.DataFrame([flat_amplitudes(fit, z) for z in draws])
+    return {str(name): summary(drawn[name].to_numpy()) for name in drawn}
 
 
-def material_parameters(fit: Fit) -> dict[str, dict[str, float]]:
-    """Return estimate and 95 % interval of every free material parameter."""
+def material_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
+    """Return median and 95 % interval of every free material parameter."""
     space = fit.problem.space
-    u = fit.z[: space.dimensions]
-    half = NORMAL_95 * np.sqrt(np.diag(fit.posterior)[: space.dimensions])
-    best, low, high = (space.named(np.clip(u + sign * half, 0.0, 1.0)) for sign in (0, -1, 1))
-    free = [name for name, is_free in zip(best, space.free, strict=True) if is_free]
-    return {name: {"estimate": best[name], "lower": low[name], "upper": high[name]} for name in free}
+    values = space.physical(draws[:, : space.dimensions])
+    return {
+        name: summary(column) for name, column, free in zip(space.bounds, values.T, space.free, strict=True) if free
+    }
+
+
+def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
+    """Return the mechanisms' parameters at coordinates z (k,), as ``key.name``."""
+    found = fit.problem.amplitudes(fit.explanation, z)
+    return {f"{key}.{name}": value for key, values in found.items() for name, value in values.items()}
+
+
+def summary(values: np.ndarray) -> dict[str, float]:
+    """Return the median of draws and the interval that holds 95 % of them."""
+    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
+    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
 
 
 def curves(study: Study, observed: Mapping[str, Observation], before: Fit, after: Fit) -> pd.DataFrame:
@@ -54,14 +56,12 @@ def curves(study: Study, observed: Mapping[str, Observation], before: Fit, after
     A mechanism that varies has a value of its own for each condition: the likeliest, given noise and scatter.
     """
     tables = []
-    fitted = {"before_nm": before.problem.split(before.curve), "after_nm": after.problem.split(after.curve)}
     for condition in study.conditions:
         item = observed[condition.name]
         columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
         columns |= {"load_mN": condition.protocol.sample_load, "recorded_nm": item.mean}
         for name, fit in (("before_nm", before), ("after_nm", after)):
-            known = fitted[name]
-            curve = known[condition.name] if condition.name in known else simulated_at(study, condition, fit, fit.z)
+            curve = curve_under(study, condition, fit)
             columns[name] = curve + own_values(fit, condition, item.mean - curve, len(item.depth))
         columns["noise_nm"] = np.sqrt(noise_variance(after, item))
         tables.append(pd.DataFrame(columns))
@@ -73,11 +73,9 @@ def own_values(fit: Fit, condition: Condition, residual: np.ndarray, count: int)
     total = np.zeros_like(residual)
     noise = fit.errors.noise
     for key in varying(fit.explanation):
-        unit = {p.name: 1.0 for p in MECHANISMS[key].parameters}
-        column = fit.problem.recorded_effect(key, condition, unit)
+        column = fit.problem.unit_effect(key, condition)
         weight = float(column @ column) / float(np.median(noise.sigma)) ** 2
-        (plausible,) = MECHANISMS[key].plausible(fit.problem.scale).values()
-        spread = noise.variances[key] / count if noise.replicated else (0.3 * plausible.upper) ** 2
+        spread = noise.variances[key] / count if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
         best = float(column @ residual) / float(column @ column)
         total += best * weight * spread / (1.0 + weight * spread) * column if spread > 0 else 0.0
     return total
@@ -124,6 +122,11 @@ def limits(study: Study, observed: Mapping[str, Observation]) -> list[str]:
             "All tests reach the same load: an effect with a length (rounding, film, size effect) or of the frame can "
             "hide in the material's parameters."
         )
+    if study.calibration["solver_error"] >= COARSE:
+        said.append(
+            f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "
+            "within that counts as explained, though it may be far above the noise."
+        )
     if not any(item.role == "validate" for item in observed.values()):
         said.append("No condition was held out: the gain cannot be shown on tests that took no part.")
     return said
@@ -140,40 +143,50 @@ def to_mapping(
     best = diagnosis.standing[0].fit if diagnosis.standing else base.fit
     table = curves(study, observed, base.fit, best)
     verdict = diagnosis.verdict
+    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.standing]
+    before = material_parameters(base.fit, posterior_draws(base.fit, rng))
+    after = material_parameters(best, draws[0]) if draws else before
     candidates = [
         {
             "mechanisms": sorted(candidate.fit.explanation),
             "probability": probability,
             "log_evidence": candidate.fit.log_evidence,
-            "parameters": mechanism_parameters(candidate.fit, rng),
-            "p_value": candidate.examination.p_value,  # type: ignore[union-attr]
+            "confirmed": candidate.confirmed,
+            "parameters": mechanism_parameters(candidate.fit, drawn),
+            "p_value": candidate.p_value,
             "recordings": recording_values(study, observed, candidate.fit),
         }
-        for candidate, probability in zip(diagnosis.standing, diagnosis.probabilities, strict=True)
+        for candidate, probability, drawn in zip(diagnosis.standing, diagnosis.probabilities, draws, strict=True)
     ]
-    further = [candidate.fit for candidate in diagnosis.standing]
     content = {
         "verdict": verdict,
-        "p_value": base.examination.p_value,  # type: ignore[union-attr]
+        "p_value": base.p_value,
         "location": location(base.fit),
         "similarity": similarity(base.fit),
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,
-        "discriminating_test": discriminating_test(study, further, rng) if verdict == "ambiguous" else None,
+        "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.standing], draws)
+        if len(draws) > 1
+        else None,
         "fit": errors_before_after(table),
-        "parameters": {"before": material_parameters(base.fit), "after": material_parameters(best)},
+        "parameters": {"before": before, "after": after},
         "tried": [
             {
                 "mechanisms": sorted(candidate.fit.explanation),
                 "log_evidence": candidate.fit.log_evidence,
-                "p_value": candidate.examination.p_value if candidate.examination else None,
-                "parameters": mechanism_parameters(candidate.fit, rng),
-                "material": material_parameters(candidate.fit),
+                "p_value": candidate.p_value,
+                "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
+                "material": candidate.fit.problem.space.named(candidate.fit.z[: base.fit.problem.space.dimensions]),
             }
             for candidate in diagnosis.tried
         ],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
         | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
-        "limits": limits(study, observed),
+        "limits": limits(study, observed)
+        + [
+            f"The forward model failed with {'+'.join(candidate.fit.explanation)}: this rests on surrogates."
+            for candidate in diagnosis.standing
+            if not candidate.confirmed
+        ],
     }
     return content, table

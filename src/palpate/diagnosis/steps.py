@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +11,28 @@ import joblib
 import numpy as np
 import pandas as pd
 
+from palpate.calibration import Observation
 from palpate.config import Study
 from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
+from palpate.diagnosis.hidden import may_hide
+from palpate.diagnosis.laws import laws_of, zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
 from palpate.diagnosis.words import sentence
-from palpate.observations import observations
+from palpate.observations import check, resampled
+
+
+def load_problem(
+    study: Study,
+    observed: Mapping[str, Observation],
+    base_files: Mapping[str, str | Path],
+    effect_files: Mapping[str, str | Path],
+) -> Problem:
+    """Bring the recordings of one set together with the surrogates and effects of the study's calibrate conditions."""
+    base = {name: joblib.load(file) for name, file in base_files.items()}
+    effects = {name: joblib.load(file) for name, file in effect_files.items()}
+    return Problem.of(study, observed, base, effects, scale_of(study))
 
 
 def run_diagnosis(
@@ -33,12 +49,16 @@ def run_diagnosis(
     content, curves
         What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
     """
-    observed = observations(study, recordings)
-    base = {name: joblib.load(file) for name, file in base_files.items()}
-    effects = {name: joblib.load(file) for name, file in effect_files.items()}
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, observed, base, effects, scale_of(study))
-    found = diagnose(study, problem, list(candidates(study)), rng, report)
-    content, curves = to_mapping(study, observed, found, rng)
+    recorded = check(study, recordings)
+    problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
+    laws = laws_of(recording for name in problem.base for recording in recorded[name])
+    keys = list(candidates(study))
+    found = diagnose(study, problem, keys, rng, report, laws)
+    content, curves = to_mapping(study, problem.observed, found, rng)
+    stands = found.standing[0] if found.standing else found.base
+    content["may_hide"] = may_hide(stands.fit, keys) if found.verdict != "unexplained" else {}
     content |= {"study": study.name, "recordings": recordings}
+    content["laws"] = [asdict(law) for law in laws]
+    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows})
     return content | {"sentence": sentence(content)}, curves

@@ -16,10 +16,10 @@ def sentence(content: Mapping[str, Any]) -> str:
         return f"The base model explains the recordings to their noise ({probability}); nothing is claimed."
     start = f"The base model does not explain the recordings ({probability}){_where(content)}."
     if verdict == "unexplained":
-        return f"{start} No mechanism that palpate knows, and no pair of them, explains it: something else is missing."
+        return f"{start} No set of known mechanisms that was tried explains it: something else is missing."
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
-        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}"
+        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
         return (
@@ -49,6 +49,17 @@ def _claim(candidate: Mapping[str, Any]) -> str:
             )
         claims.append(f"{MECHANISMS[key].title}, {', '.join(values)}")
     return " with ".join(claims)
+
+
+def _suspected(content: Mapping[str, Any]) -> str:
+    """Say which effects are not needed, yet would differ from zero if they joined."""
+    said = []
+    for name, entry in content["may_hide"].items():
+        mechanism = MECHANISMS[name.split(".")[0]]
+        if entry["lower"] * entry["upper"] > 0.0:
+            interval = f"({entry['lower']:.2g} to {entry['upper']:.2g})"
+            said.append(f"{mechanism.title}, {entry['estimate']:.2g} {mechanism.parameters[0].unit} {interval}")
+    return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
 
 
 def _where(content: Mapping[str, Any]) -> str:

@@ -2,8 +2,9 @@
 
 The deck is the CalculiX one in Abaqus' terms, with its finite-sliding surface-to-surface contact. Elasticity and
 bilinear plasticity are Abaqus' own laws; the nonlinear Burgers solid, with any number of Voigt elements, is the Fortran
-subroutine `burgers.f` beside this module, with the same update as `palpate.materials.radial`. Large strains are
-integrated in Abaqus' corotational frame, which agrees with Hencky's law only while the principal axes keep still.
+subroutine `burgers.f` beside this module, with the same update as `palpate.materials.radial`. At large strains both
+programs relate true stress to logarithmic strain; Abaqus integrates it in its corotational frame, which agrees with
+`palpate.fem.hencky` only while the principal axes keep still.
 
 Source: Abaqus Analysis User's Guide, *USER MATERIAL, *CONTACT PAIR; Abaqus User Subroutines Reference Guide, UMAT.
 """

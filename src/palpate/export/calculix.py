@@ -70,7 +70,9 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
     refuse_mechanisms(specification)
     if specification.kinematics == "large":
         raise InputError(
-            "CalculiX measures large strains in another way than palpate", remedy="use small", place="kinematics"
+            "CalculiX' built-in laws are neo-Hookean at large strains, not palpate's",
+            remedy="use small, or --format abaqus",
+            place="kinematics",
         )
     material = material_cards(specification)
     mesh = quadratic_mesh(specification, resolution or RESOLUTIONS[specification.accuracy])

@@ -30,8 +30,10 @@ class Format:
 
 
 def refuse_mechanisms(specification: Specification) -> None:
-    """Raise `InputError` when a specification has mechanisms or an elastic indenter: no deck holds them."""
+    """Raise `InputError` when a specification has mechanisms, an elastic indenter or a pyramid: no deck holds them."""
     if specification.mechanisms:
         raise InputError("mechanisms cannot be exported", remedy="remove them", place="mechanisms")
+    if not specification.indenter.of_revolution:
+        raise InputError("a pyramid cannot be exported", remedy="use the equivalent cone", place="indenter.shape")
     if specification.indenter.compliance:
         raise InputError("an elastic indenter cannot be exported", remedy="remove modulus", place="indenter.modulus")

@@ -1,4 +1,4 @@
-"""Banded systems with LAPACK: Cholesky where the matrix is symmetric, pivoted LU where friction spoils that."""
+"""Banded systems with LAPACK: Cholesky where the matrix is symmetric, pivoted LU where it is not."""
 
 from __future__ import annotations
 
@@ -25,14 +25,23 @@ def solve(band: np.ndarray, bandwidth: int, right: np.ndarray, definite: bool) -
     Returns
     -------
     ndarray, shape (size, k), or None
-        None where a symmetric matrix is not positive definite, a general one is singular, or its lower half is not that
-        of a positive definite matrix although it should be `definite`.
+        None where a symmetric matrix is not positive definite, a general one is singular, or its symmetric part is not
+        positive definite although it should be (`definite`).
     """
     middle = diagonal(band, bandwidth)
     if middle == 0:
         factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
         return None if failed else lapack.dpbtrs(factor, right, lower=1)[0]
-    if definite and lapack.dpbtrf(band[:, middle:].T, lower=1)[1]:
+    if definite and lapack.dpbtrf(symmetric_part(band, bandwidth).T, lower=1, overwrite_ab=1)[1]:
         return None
     factor, pivots, failed = lapack.dgbtrf(band.T, bandwidth, bandwidth, overwrite_ab=1)
     return None if failed else lapack.dgbtrs(factor, bandwidth, bandwidth, right, pivots)[0]
+
+
+def symmetric_part(band: np.ndarray, bandwidth: int) -> np.ndarray:
+    """Return the lower half (size, bandwidth + 1) of the symmetric part of a general matrix."""
+    middle, size = diagonal(band, bandwidth), len(band)
+    half = np.zeros((size, bandwidth + 1))
+    for k in range(bandwidth + 1):
+        half[: size - k, k] = 0.5 * (band[: size - k, middle + k] + band[k:, middle - k])
+    return half

@@ -1,7 +1,8 @@
 """Many indentations at once: those that share the shape of mesh and load history run through the SIMD lanes together.
 
 Under a sharp cone, meshes for different materials differ by a factor on all lengths alone, and so do not differ at all
-once each is measured in a unit of its own.
+once each is measured in a unit of its own. At large strains each step of the graded onset, and the one after it,
+begins where the last one ended: carried on, it could turn an element inside out, and lanes cannot halve a step.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points, law_rows, turn, weight_rows
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_vector import LANES
-from palpate.fem.indent import History, indent, mesh_radii, step_times
+from palpate.fem.indent import GRADED_START, History, indent, mesh_radii, step_times
 from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials.law import NO_YIELD
@@ -39,7 +40,7 @@ class Case:
 
     @property
     def suits(self) -> bool:
-        """Whether it can be batched: small strains, a sharp cone without friction, a homogeneous body, no yielding.
+        """Whether it can be batched: a sharp cone without friction, a homogeneous body, no yielding.
 
         What any other property of specimen or indenter might do is unknown here, so each must have its default.
         """
@@ -50,7 +51,7 @@ class Case:
             if field.default is not MISSING and field.name != "half_angle"
         )
         flows = self.specimen.coefficients[YIELD] < NO_YIELD
-        return usual and not flows and not self.large and self.indenter.shape == "cone"
+        return usual and not flows and self.indenter.shape == "cone"
 
     @cached_property
     def radii(self) -> np.ndarray:
@@ -72,7 +73,7 @@ class Case:
         """What cases that run together have in common."""
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
-        return self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients)
+        return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients)
 
 
 def indent_batch(cases: Sequence[Case]) -> list[History]:
@@ -125,12 +126,13 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     depths = np.full((LANES, times.shape[1]), np.nan)
     weights = weight_rows(coefficients, steps[:, 0])
     for k in range(times.shape[1]):
-        carried = steps[:, k] / steps[:, k - 1] if k > 0 and not corners[k - 1] else np.zeros(LANES)
+        free = k > (len(GRADED_START) + 1 if lanes[0].large else 0) and not corners[k - 1]
+        carried = steps[:, k] / steps[:, k - 1] if free else np.zeros(LANES)
         before, shallower = displacement, depth
         displacement, depth = displacement + carried * change, depth + carried * deepening
         advance(
-            body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band, alive,
-            spent,
+            lanes[0].large, body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band,
+            alive, spent,
         )  # fmt: skip
         change, deepening = displacement - before, depth - shallower
         depths[:, k] = depth * units * 1e3

@@ -2,7 +2,8 @@
 
 All lanes assemble and factor together; one that has converged or searches along a line leaves the solution unused. What
 a lane does thus never depends on its neighbours. The matrix is needed only where some lane takes a Newton step, and
-letting nodes go leaves the forces of the stress as they are: neither costs a pass over the elements of its own.
+letting nodes go leaves the forces of the stress as they are: neither costs a pass over the elements of its own. A lane
+whose matrix at large strains is not positive definite takes its step without the stiffness that stress gives.
 """
 
 from __future__ import annotations
@@ -10,21 +11,29 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve
 from palpate.fem.batch_contact import close_gaps, constrain_forces, constrain_matrix, follow, pulled, release
-from palpate.fem.batch_element import internal_forces, stiffness
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
 from palpate.fem.newton import ITERATIONS, TOLERANCE
 
+_small_forces, _small_stiffness = batch_element.internal_forces, batch_element.stiffness
+_large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.stiffness
+
+SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
 TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 
 @njit(cache=True)
-def advance(body, points, touch, law, weights, load_now, scale, displacement, depth, band, alive, spent):
+def advance(
+    large, body, points, touch, law, weights, load_now, scale, displacement, depth, band, alive, spent,
+):  # fmt: skip
     """Bring all lanes into equilibrium under the loads at the end of a step.
 
     Parameters
     ----------
+    large : bool
+        See `palpate.fem.batch_hencky`.
     body, points, touch, law, weights
         See `palpate.fem.batch_element` and `palpate.fem.batch_law`; `points` and `touch` are advanced.
     load_now, scale : ndarray, shape (LANES,)
@@ -48,13 +57,13 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
-    done = ~alive
+    geometric, done = np.ones(LANES), ~alive
     for iteration in range(ITERATIONS):
         follow(body, touch, displacement, depth, done)
-        internal_forces(body, points, law, weights, displacement, forces)
+        internal_forces(large, body, points, law, weights, displacement, forces)
         joined = np.any(touch.joined & ~done)
         if joined:
-            stiffness(body, points, law, band)
+            stiffness(large, body, points, law, displacement, geometric, band)
             close_gaps(body, touch, band, forces)
         for lane in range(LANES):
             if done[lane]:
@@ -76,8 +85,12 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
             if done[lane]:
                 continue
             imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
-            if not np.isfinite(norm[lane] + excess[lane] + work[lane]) or taken[lane] > ITERATIONS:
+            broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
+            if taken[lane] > ITERATIONS or (broken and not (large and searching[lane] and fraction[lane] > SHORTEST)):
                 alive[lane], done[lane] = False, True
+            elif broken:
+                fraction[lane] *= 0.5
+                move(displacement, depth, direction, toward, lane, -fraction[lane])
             elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
                 done[lane] = True
             elif searching[lane] and not touch.joined[lane] and unbalanced(work[lane], start[lane], tries[lane]):
@@ -92,15 +105,40 @@ def advance(body, points, touch, law, weights, load_now, scale, displacement, de
         if not np.any(solving):
             continue
         if not joined:
-            stiffness(body, points, law, band)
+            stiffness(large, body, points, law, displacement, geometric, band)
         constrain_matrix(body, touch, band, border, corner)
         step(band, body.width, forces, border, corner, excess, solving, direction, toward, start)
+        indefinite = solving & ~np.isfinite(start)
+        if large and np.any(indefinite):
+            geometric[:] = np.where(indefinite, 0.0, 1.0)
+            stiffness(large, body, points, law, displacement, geometric, band)
+            constrain_matrix(body, touch, band, border, corner)
+            step(band, body.width, forces, border, corner, excess, indefinite, direction, toward, start)
+            geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
                 move(displacement, depth, direction, toward, lane, 1.0)
     alive &= done
     spent += taken
+
+
+@njit(cache=True)
+def internal_forces(large, body, points, law, weights, displacement, forces):
+    """Write the internal `forces` at small or large strains."""
+    if large:
+        _large_forces(body, points, law, weights, displacement, forces)
+    else:
+        _small_forces(body, points, law, weights, displacement, forces)
+
+
+@njit(cache=True)
+def stiffness(large, body, points, law, displacement, geometric, band):
+    """Write the tangent at small or large strains to the `band`."""
+    if large:
+        _large_stiffness(body, points, law, displacement, geometric, band)
+    else:
+        _small_stiffness(body, points, law, band)
 
 
 @njit(cache=True)

@@ -218,3 +218,20 @@ def exponential(x):
     for k in range(10, -1, -1):
         p = p * f + _INVERSE_FACTORIALS[k]
     return scale_by_two_to(p, shifted)
+
+
+@njit(cache=True, inline="always")
+def log_of_one_plus(x):
+    """Return ln(1 + x) for x > -1 to rounding, and so all digits of a small x.
+
+    A power of two is taken out of 1 + x, so that the series 2 (z + z^3/3 + ...) = ln((1 + z) / (1 - z)) ends with z^23.
+    """
+    shifted = rough_log(1.0 + x) * (-_LOG2_E) + _ROUND
+    whole = shifted - _ROUND
+    scale = scale_by_two_to(splat(1.0), shifted)
+    z = (scale * x + (scale - 1.0)) / (scale * x + (scale + 1.0))
+    square = z * z
+    p = square * (2 / 23) + 2 / 21
+    for k in range(19, 0, -2):
+        p = p * square + 2 / k
+    return p * z - whole * (_LN2_HIGH + _LN2_LOW)

@@ -130,7 +130,7 @@ class Contact:
     def follow(self, displacement: np.ndarray, depth: float) -> bool:
         """Put the nodes that touch onto the indenter, changing `displacement` (n, 2), find new ones, write the rule.
 
-        A new node is anchored where it was when its gap closed, by linear interpolation within the step.
+        A new node is anchored where it was when its gap first closed, by linear interpolation within the step.
 
         Returns
         -------
@@ -146,7 +146,7 @@ class Contact:
         joining = ~touched & (gap < -PENETRATION * abs(depth))
         self.touching[surface] |= joining
         self.joined = bool(joining.any())
-        new = joining & (self.opening > 0.0)
+        new = joining & (self.opening > 0.0) & np.isnan(self.anchor)
         closing = self.opening[new] / (self.opening - gap)[new]
         self.anchor[new] = self.start[new] + closing * self.drift[new]
         slip, last = self.friction.slip(distance, self.anchor), self.slip

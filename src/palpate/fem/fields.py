@@ -1,12 +1,13 @@
 """Stress in the body at one moment.
 
 At small strains the deviator is a state variable, and the pressure follows from the mean dilatation of each element. At
-large strains the state holds the stress T that is conjugate to the logarithmic strain, turned to r and z. With the
-squared stretches l_a along the axes of the right stretch and d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)),
+large strains the state holds the law's stress T, turned to r and z. With the squared stretches l_a along the axes of
+the right stretch, d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)) and the mean J of the element,
 
-    S_aa = T_aa / l_a,   S_12 = 2 d T_12,   sigma = F S F^T / det F.
+    S_aa = T_aa / l_a,   S_12 = 2 d T_12,   sigma = (J / det F) F S F^T.
 
-Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425, section 3.
+Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425, section 3; for J see
+`palpate.fem.hencky`.
 """
 
 from __future__ import annotations
@@ -87,10 +88,11 @@ def cauchy_stress(problem: Problem, state: State) -> np.ndarray:
     deformation = np.eye(2) + gradient
     volume_ratio = np.linalg.det(deformation) * (1.0 + hoop)
     trace = np.log(volume_ratio) if problem.large else dilatation
-    pressure = problem.coefficients[problem.region, BULK] * np.average(trace, axis=1, weights=mesh.weights)
+    mean = np.average(trace, axis=1, weights=mesh.weights)
+    pressure = problem.coefficients[problem.region, BULK] * mean
     stress = state.material[..., STRESS : STRESS + 4].copy()
     stress[..., :3] += pressure[:, None, None]
-    return _pushed(stress, deformation, 1.0 + hoop, volume_ratio) if problem.large else stress
+    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None]) if problem.large else stress
 
 
 def displacement_gradient(mesh: Mesh, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -100,8 +102,8 @@ def displacement_gradient(mesh: Mesh, displacement: np.ndarray) -> tuple[np.ndar
     return gradient, np.einsum("ea,ega->eg", u[:, :, 0], mesh.gradients[:, :, 2])
 
 
-def _pushed(conjugate: np.ndarray, deformation: np.ndarray, hoop: np.ndarray, volume_ratio: np.ndarray) -> np.ndarray:
-    """Return the Cauchy stress (..., 4) of a stress conjugate to the logarithmic strain, given as rr, zz, hoop, rz."""
+def _pushed(conjugate: np.ndarray, deformation: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Return the Cauchy stress (..., 4) of the law's stress, given as rr, zz, hoop, rz; `spread` is det F / J."""
     squared, axes = np.linalg.eigh(np.swapaxes(deformation, -1, -2) @ deformation)
     plane = conjugate[..., [0, 3, 3, 1]].reshape(*conjugate.shape[:-1], 2, 2)
     one, two = squared[..., 0], squared[..., 1]
@@ -112,7 +114,5 @@ def _pushed(conjugate: np.ndarray, deformation: np.ndarray, hoop: np.ndarray, vo
     scale[..., 0, 1] = scale[..., 1, 0] = 2.0 * difference
     turned = np.swapaxes(axes, -1, -2) @ plane @ axes
     second = axes @ (scale * turned) @ np.swapaxes(axes, -1, -2)
-    cauchy = deformation @ second @ np.swapaxes(deformation, -1, -2) / volume_ratio[..., None, None]
-    return np.stack(
-        [cauchy[..., 0, 0], cauchy[..., 1, 1], conjugate[..., 2] / volume_ratio, cauchy[..., 0, 1]], axis=-1
-    )
+    cauchy = deformation @ second @ np.swapaxes(deformation, -1, -2) / spread[..., None, None]
+    return np.stack([cauchy[..., 0, 0], cauchy[..., 1, 1], conjugate[..., 2] / spread, cauchy[..., 0, 1]], axis=-1)

@@ -1,12 +1,17 @@
-"""One element at large strains and rotations: Hencky's logarithmic strain in the law of the radial family.
+"""One element at large strains and rotations: the law relates logarithmic strain to true stress.
 
-E = (1/2) ln(F^T F), so any law written for small strains becomes one for large strains, with the same update
-(Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425). In the axes of the right stretch,
-with squared stretches l_a and the divided difference d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)),
+E = (1/2) ln(F^T F) takes the place of the linear strain, so any law written for small strains becomes one for large
+strains, with the same update (Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425). In the
+axes of the right stretch, with squared stretches l_a and d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)),
 
     dE_aa = dC_aa / (2 l_a),   dE_12 = d dC_12,
 
 and the second derivative follows from the second divided differences. tr E = ln J, averaged over the element.
+
+The law's stress T counts per present area, as a laboratory and Abaqus mean it: its power is J T : dE/dt per undeformed
+volume. Where the axes keep still T is the Cauchy stress; without the factor J it would be Kirchhoff's, which under a
+cone hardens a polymer by the few per cent that it is compressed. With J there is no potential: the tangent has the
+unsymmetric part f (d ln J / du)^T.
 """
 
 from __future__ import annotations
@@ -57,8 +62,7 @@ def strain_at(gradients, u, strain, b, frame):
     c12 = hrz + hzr + hrr * hrz + hzr * hzz
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
     radius = math.sqrt(half * half + c12 * c12)
-    angle = 0.5 * math.atan2(c12, half) if radius > 0.0 else 0.0
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = half_angle(half, c12, radius)
     l1, l2, l3 = 1.0 + mean + radius, 1.0 + mean - radius, (1.0 + htt) * (1.0 + htt)
     x = radius / (1.0 + mean)
     strain[0], strain[1], strain[2] = 0.5 * math.log1p(mean + radius), 0.5 * math.log1p(mean - radius), math.log1p(htt)
@@ -77,11 +81,37 @@ def strain_at(gradients, u, strain, b, frame):
     return True
 
 
+@njit(cache=True, inline="always")
+def half_angle(x, y, radius):
+    """Return cosine and sine of half the angle of the point (x, y) at that `radius` from the origin."""
+    if radius == 0.0:
+        return 1.0, 0.0
+    if x >= 0.0:
+        c = math.sqrt(0.5 * (1.0 + x / radius))
+        return c, 0.5 * y / (radius * c)
+    s = math.copysign(math.sqrt(0.5 * (1.0 - x / radius)), y)
+    return 0.5 * y / (radius * s), s
+
+
 @njit(cache=True)
-def add_curvature(gradients, b, frame, stress, weight, ke):
-    """Add `weight` * T : d2E/du2 to `ke`; the stress T (11, 22, hoop, 12) is conjugate to E, in its axes."""
-    c, s = frame[COS], frame[SIN]
-    l1, l2, l3, difference, x = frame[L1], frame[L2], frame[L3], frame[DIFFERENCE], frame[SPREAD]
+def write_moduli(r0, r1, r2, r3, ratio, excess, moduli):
+    """Write dT/dE of the law in the axes, `ratio` I_dev + `excess` R R, to `moduli` (4, 4); for 12 twice the tensor."""
+    for i in range(3):
+        for j in range(3):
+            moduli[i, j] = -ratio / 3.0
+        moduli[i, i] += ratio
+        moduli[i, 3] = moduli[3, i] = 0.0
+    moduli[3, 3] = 2.0 * ratio
+    double = 2.0 * r3
+    for i, ri in enumerate((r0, r1, r2, double)):
+        for j, rj in enumerate((r0, r1, r2, double)):
+            moduli[i, j] += excess * ri * rj
+
+
+@njit(cache=True)
+def add_curvature(frame, stress, moduli):
+    """Add to `moduli` (4, 4) what T : d2E/du2 gives by the changing axes and stretches; T (4,) is in the axes of E."""
+    l1, l2, difference, x = frame[L1], frame[L2], frame[DIFFERENCE], frame[SPREAD]
     if x < 1e-2:
         scale = 1.0 / ((l1 + l2) * (l1 + l2))
         d112 = scale * (-1.0 + x * (2.0 / 3.0 - x * (1.0 - x * (0.8 - x))))
@@ -89,28 +119,32 @@ def add_curvature(gradients, b, frame, stress, weight, ke):
     else:
         d112 = (0.5 / l1 - difference) / (l1 - l2)
         d122 = (difference - 0.5 / l2) / (l1 - l2)
-    t1, t2, t3, t12 = weight * stress[0], weight * stress[1], weight * stress[2], weight * stress[3]
     inverse = 0.5 / difference
-    m44 = 8.0 * (t1 * d112 + t2 * d122) * inverse * inverse
-    m14 = 8.0 * t12 * d112 * l1 * inverse
-    m24 = 8.0 * t12 * d122 * l2 * inverse
-    for i in range(8):
-        left1 = m14 * b[3, i] - 2.0 * t1 * b[0, i]
-        left2 = m24 * b[3, i] - 2.0 * t2 * b[1, i]
-        left3 = -2.0 * t3 * b[2, i]
-        left4 = m44 * b[3, i] + m14 * b[0, i] + m24 * b[1, i]
-        for j in range(8):
-            ke[i, j] += left1 * b[0, j] + left2 * b[1, j] + left3 * b[2, j] + left4 * b[3, j]
-    s11, s22, s12, s33 = t1 / l1, t2 / l2, 2.0 * difference * t12, t3 / l3
+    m14, m24 = 8.0 * stress[3] * d112 * l1 * inverse, 8.0 * stress[3] * d122 * l2 * inverse
+    for i in range(3):
+        moduli[i, i] -= 2.0 * stress[i]
+    moduli[0, 3] += m14
+    moduli[3, 0] += m14
+    moduli[1, 3] += m24
+    moduli[3, 1] += m24
+    moduli[3, 3] += 8.0 * (stress[0] * d112 + stress[1] * d122) * inverse * inverse
+
+
+@njit(cache=True)
+def add_initial_stress(gradients, frame, stress, weight, ke):
+    """Add `weight` * S : (grad N_i grad N_j) to the lower half of `ke`; S is the second Piola-Kirchhoff stress of T."""
+    c, s = frame[COS], frame[SIN]
+    s11, s22 = weight * stress[0] / frame[L1], weight * stress[1] / frame[L2]
+    s33, s12 = weight * stress[2] / frame[L3], 2.0 * weight * frame[DIFFERENCE] * stress[3]
+    srr, szz = s11 * c * c + s22 * s * s - 2.0 * s12 * s * c, s11 * s * s + s22 * c * c + 2.0 * s12 * s * c
+    srz = (s11 - s22) * s * c + s12 * (c * c - s * s)
     for i in range(4):
-        gi1 = gradients[0, i] * c + gradients[1, i] * s
-        gi2 = -gradients[0, i] * s + gradients[1, i] * c
-        p1, p2 = s11 * gi1 + s12 * gi2, s12 * gi1 + s22 * gi2
-        for j in range(4):
-            gj1 = gradients[0, j] * c + gradients[1, j] * s
-            gj2 = -gradients[0, j] * s + gradients[1, j] * c
-            value = p1 * gj1 + p2 * gj2
-            ke[2 * i, 2 * j] += value + s33 * gradients[2, i] * gradients[2, j]
+        along_r = srr * gradients[0, i] + srz * gradients[1, i]
+        along_z = srz * gradients[0, i] + szz * gradients[1, i]
+        around = s33 * gradients[2, i]
+        for j in range(i + 1):
+            value = along_r * gradients[0, j] + along_z * gradients[1, j]
+            ke[2 * i, 2 * j] += value + around * gradients[2, j]
             ke[2 * i + 1, 2 * j + 1] += value
 
 
@@ -129,8 +163,7 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
     b = np.empty((4, 4, 8))
     frame = np.empty((4, 7))
     trace = np.zeros(8)
-    v = np.empty(8)
-    stress = np.empty(4)
+    stress, moduli = np.empty(4), np.empty((4, 4))
     volume = 0.0
     dilatation = 0.0
     for g in range(4):
@@ -141,10 +174,12 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
         for i in range(8):
             trace[i] += volumes[g] * (b[g, 0, i] + b[g, 1, i] + b[g, 2, i])
     pressure = row[BULK] * dilatation / volume
+    expansion = math.exp(dilatation / volume)
+    bulk = expansion * row[BULK] / volume
     for i in range(8):
-        fe[i] = pressure * trace[i]
-        for j in range(8):
-            ke[i, j] = row[BULK] / volume * trace[i] * trace[j]
+        fe[i] = expansion * pressure * trace[i]
+        for j in range(i + 1):
+            ke[i, j] = bulk * trace[i] * trace[j]
     for g in range(4):
         c, s = frame[g, COS], frame[g, SIN]
         mean = (strain[g, 0] + strain[g, 1] + strain[g, 2]) / 3.0
@@ -161,20 +196,29 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
         q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
         guesses[g] = q
         ratio = q / rho if rho > 0.0 else slope
-        rank_one = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
-        scale = volumes[g] * ratio
-        bg = b[g]
-        for i in range(8):
-            v[i] = r0 * bg[0, i] + r1 * bg[1, i] + r2 * bg[2, i] + 2.0 * r3 * bg[3, i]
-            fe[i] += scale * v[i]
-        for i in range(8):
-            third = (bg[0, i] + bg[1, i] + bg[2, i]) / 3.0
-            b0, b1, b2 = scale * (bg[0, i] - third), scale * (bg[1, i] - third), scale * (bg[2, i] - third)
-            b3, vi = 2.0 * scale * bg[3, i], rank_one * v[i]
-            for j in range(8):
-                ke[i, j] += b0 * bg[0, j] + b1 * bg[1, j] + b2 * bg[2, j] + b3 * bg[3, j] + vi * v[j]
-        stress[0], stress[1], stress[2] = ratio * r0 + pressure, ratio * r1 + pressure, ratio * r2 + pressure
-        stress[3] = ratio * r3
+        present, bg = expansion * volumes[g], b[g]
+        write_moduli(r0, r1, r2, r3, ratio, 0.5 * (slope - ratio) / (rho * rho) if rho > 0.0 else 0.0, moduli)
         if geometric:
-            add_curvature(gradients[g], bg, frame[g], stress, volumes[g], ke)
+            stress[0], stress[1], stress[2] = ratio * r0 + pressure, ratio * r1 + pressure, ratio * r2 + pressure
+            stress[3] = ratio * r3
+            add_curvature(frame[g], stress, moduli)
+            add_initial_stress(gradients[g], frame[g], stress, present, ke)
+        scale = present * ratio
+        t0, t1, t2, t3 = scale * r0, scale * r1, scale * r2, 2.0 * scale * r3
+        for i in range(8):
+            b0, b1, b2, b3 = bg[0, i], bg[1, i], bg[2, i], bg[3, i]
+            fe[i] += t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
+            m0 = present * (moduli[0, 0] * b0 + moduli[0, 1] * b1 + moduli[0, 2] * b2 + moduli[0, 3] * b3)
+            m1 = present * (moduli[1, 0] * b0 + moduli[1, 1] * b1 + moduli[1, 2] * b2 + moduli[1, 3] * b3)
+            m2 = present * (moduli[2, 0] * b0 + moduli[2, 1] * b1 + moduli[2, 2] * b2 + moduli[2, 3] * b3)
+            m3 = present * (moduli[3, 0] * b0 + moduli[3, 1] * b1 + moduli[3, 2] * b2 + moduli[3, 3] * b3)
+            for j in range(i + 1):
+                ke[i, j] += m0 * bg[0, j] + m1 * bg[1, j] + m2 * bg[2, j] + m3 * bg[3, j]
+    for i in range(8):
+        for j in range(i):
+            ke[j, i] = ke[i, j]
+    if geometric:
+        for i in range(8):
+            for j in range(8):
+                ke[i, j] += fe[i] * trace[j] / volume
     return True

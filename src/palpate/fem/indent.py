@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,8 +14,9 @@ from palpate.fem.adhesion import Adhesion
 from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
 from palpate.fem.directions import Directions
+from palpate.fem.march import march_by
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
-from palpate.fem.newton import Problem, State, Workspace, advance, extrapolate
+from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
 from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
@@ -26,7 +28,6 @@ RESOLUTIONS = {
     "medium": Resolution(growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
 }
-HALVINGS = 6
 LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
@@ -257,24 +258,12 @@ def march(
     sensitivity: Sensitivity | None = None,
 ) -> tuple[State, State, int]:
     """March to `target`, halving what does not converge; return the state there, the one before, and the steps."""
-    shortest = (target - state.time) / 2**HALVINGS
-    step, taken = target - state.time, 0
-    while True:
-        end = target if state.time + 1.5 * step > target else state.time + step
-        load = float(protocol.load_at(np.array(end)))
-        try:
-            guess = extrapolate(state, before, end)
-            after = advance_or_ease(problem, state, end, load, protocol.max_load, guess, work)
-        except ConvergenceError:
-            if before is None and 0.5 * step < shortest:
-                raise
-            step, before = max(0.5 * step, shortest), None
-            continue
-        if sensitivity:
-            sensitivity.follow(state, guess, after, before, work)
-        state, before, taken = after, state, taken + 1
-        if end == target:
-            return state, before, taken
+
+    def step(state: State, time: float, load: float, guess: State) -> State:
+        return advance_or_ease(problem, state, time, load, protocol.max_load, guess, work)
+
+    follow = partial(sensitivity.follow, work=work) if sensitivity else None
+    return march_by(step, protocol, state, before, target, follow)
 
 
 def advance_or_ease(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -141,11 +142,11 @@ class Workspace:
 
     @classmethod
     def of(cls, problem: Problem) -> Workspace:
-        """Allocate for `problem`; friction makes its matrix unsymmetric."""
+        """Allocate for `problem`; friction and large strains make its matrix unsymmetric."""
         mesh = problem.mesh
         m = len(mesh.elements)
         return cls(
-            banded.allocate(mesh.size, mesh.bandwidth, symmetric=problem.friction == 0.0),
+            banded.allocate(mesh.size, mesh.bandwidth, symmetric=problem.friction == 0.0 and not problem.large),
             np.empty(mesh.size),
             np.empty((mesh.size, 2)),
             np.empty((m, 4, 4)),
@@ -189,7 +190,7 @@ def advance(
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
-    delicate = problem.large or problem.adhesion is not None
+    delicate = problem.adhesion is not None or (problem.large and problem.friction == 0.0)
     farthest = np.inf
     if problem.adhesion is not None:
         farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
@@ -245,8 +246,16 @@ def advance(
     raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)
 
 
+class LinearSystem(Protocol):
+    """A banded matrix with its right-hand side, bordered by the depth: see `palpate.fem.element.assemble`."""
+
+    band: np.ndarray
+    residual: np.ndarray
+    border: np.ndarray
+
+
 def newton_direction(
-    work: Workspace, bandwidth: int, forces: np.ndarray, corner: float, definite: bool
+    work: LinearSystem, bandwidth: int, forces: np.ndarray, corner: float, definite: bool
 ) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
@@ -269,7 +278,7 @@ def newton_direction(
 class Search:
     """A line search for the zero of the work of the residual along Newton's direction, by the secant.
 
-    Every law here has an incremental potential, so the exact minimum along the line is where that work vanishes.
+    Without friction and large strains there is an incremental potential; its minimum is where that work vanishes.
     """
 
     direction: np.ndarray
@@ -298,7 +307,7 @@ class Search:
         return move
 
 
-def extrapolate(state: State, before: State | None, time: float) -> State:
+def extrapolate(state: Any, before: Any, time: float) -> Any:
     """Guess the next state by carrying the last change on."""
     if before is None or state.time == before.time:
         return state

@@ -7,6 +7,8 @@ for the next step (`settle`). The last axis of every derivative runs over the pa
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -83,6 +85,7 @@ def carry(
         for g in range(4):
             volume += volumes[e, g]
             dilatation += volumes[e, g] * trace[g]
+        expansion = math.exp(dilatation / volume) if large else 1.0
         k = region[e]
         row, d_row, step, d_step = coefficients[k], d_coefficients[k], weights[k], d_weights[k]
         for a in range(8):
@@ -103,7 +106,7 @@ def carry(
                     fe[a, j] += b[g, 0, a] * s0 + b[g, 1, a] * s1 + b[g, 2, a] * s2 + b[g, 3, a] * s3
         for a in range(8):
             for j in range(count):
-                d_force[elements[e, a // 2], a % 2, j] += fe[a, j]
+                d_force[elements[e, a // 2], a % 2, j] += expansion * fe[a, j]
 
 
 @njit(cache=True, error_model="numpy")

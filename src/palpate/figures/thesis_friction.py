@@ -8,7 +8,8 @@ from typing import Any
 
 from palpate.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, plt, save
 
-COLOURS = {0.125: "0.6", 0.25: SURROGATE, 0.5: SIMULATED}
+STYLES = {0.125: ("0.6", "o-", 3.5), 0.25: (SURROGATE, "o-", 3.5), 0.5: (SIMULATED, "s--", 6)}
+TITLES = {"max_depth": "largest depth", "residual_depth": "residual depth"}
 
 
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
@@ -19,7 +20,7 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
         for axis, depth in zip(line, ("max_depth", "residual_depth"), strict=True):
             key = f"{depth}_reduction_percent"
             drawn = False
-            for coefficient, colour in COLOURS.items():
+            for coefficient, (colour, style, size) in STYLES.items():
                 own = [
                     row
                     for row in rows
@@ -29,7 +30,13 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
                 own.sort(key=lambda row: row["loading_time"])
                 times = [row["loading_time"] for row in own]
                 axis.semilogx(
-                    times, [row[key] for row in own], "o-", ms=3.5, color=colour, label=f"f = {coefficient:g}"
+                    times,
+                    [row[key] for row in own],
+                    style,
+                    ms=size,
+                    mfc="none",
+                    color=colour,
+                    label=f"f = {coefficient:g}",
                 )
                 drawn = drawn or bool(own)
             if drawn:
@@ -41,7 +48,7 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
             axis.set_xticks([30, 45, 60, 240], ["30", "45", "60", "240"], minor=False)
             axis.minorticks_off()
             axis.set_xlim(25, 300)
-            axis.set_title(f"{depth.replace('_', ' ')}, {kinematics} strains")
+            axis.set_title(f"{TITLES[depth]}, {kinematics} strains")
         line[0].set_ylabel("shallower than without friction [%]")
     for axis in axes[-1]:
         axis.set_xlabel("loading time [s]")

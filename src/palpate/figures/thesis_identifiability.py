@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from palpate.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, plt, save
 
@@ -30,11 +31,13 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     _widths(top.subplots(), series)
     profiles = series["profiles"]
     for axis, (name, part) in zip(bottom.subplots(1, len(profiles), sharey=True), profiles.items(), strict=True):
-        axis.plot(part["values"], part["chi_square"], color=RECORDED)
+        axis.plot(part["values"], part["chi_square"], "o-", ms=2, color=RECORDED)
         axis.axhline(LIMIT, color="0.6", lw=0.7, ls=":")
         axis.axvline(part["truth"], color=TRUTH, lw=0.9, ls="--")
         axis.set_ylim(0, 10)
         axis.set_xlabel(SYMBOLS[name])
+        axis.xaxis.set_major_locator(MaxNLocator(2))
+        axis.tick_params(labelsize=7)
     bottom.supylabel(r"profile $\chi^2$", fontsize=8)
     save(figure, path)
 

@@ -17,7 +17,8 @@ The steady rate is trapezoidal; each Voigt strain is integrated exactly for a dr
 with x = dt/t_eps, so it is second order for small steps and stable for steps much longer than t_eps.
 Plastic flow is rate-independent with linear hardening, sqrt(3) q = sigma_Y + H alpha.
 
-Tensors are stored as (rr, zz, tt, rz) with tensor (not engineering) shear.
+Tensors are stored as normal components, then tensor (not engineering) shear: (rr, zz, tt, rz) in an axisymmetric body,
+(xx, yy, zz, xy, yz, zx) in a general one.
 
 Source: the corrected nonlinear Burgers law of the project's physics notes; radial return after
 Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6.
@@ -32,13 +33,14 @@ from numba import njit
 
 # Layout of a law's coefficients: G, K, C_s, m_s, sigma_Y, H, then (C_t, m_t, t_eps) for each Voigt element.
 SHEAR, BULK, STEADY, STEADY_EXPONENT, YIELD, HARDENING, VOIGT = range(7)
-# Layout of the state at a point: stress deviator (4), steady and plastic strain (4), alpha, Voigt strains (4 each).
+# Layout of the state at a point: stress deviator (4), steady and plastic strain (4), alpha, Voigt strains (4 each);
+# where tensors have six components, six in place of each four.
 STRESS, PERMANENT, ALPHA, TRANSIENT = 0, 4, 8, 9
 
 
-def state_size(coefficients: np.ndarray) -> int:
-    """Return the number of state variables at one point."""
-    return TRANSIENT + 4 * ((len(coefficients) - VOIGT) // 3)
+def state_size(coefficients: np.ndarray, components: int = 4) -> int:
+    """Return the number of state variables at one point, for tensors of so many `components`."""
+    return 2 * components + 1 + components * ((len(coefficients) - VOIGT) // 3)
 
 
 @njit(cache=True)
@@ -72,18 +74,31 @@ def invariant(t0, t1, t2, t3):
 
 
 @njit(cache=True)
+def length(tensor, components):
+    """Return sqrt(T:T/2) of a symmetric tensor stored as so many `components`, three of them normal."""
+    normal, shear = 0.0, 0.0
+    for i in range(3):
+        normal += tensor[i] * tensor[i]
+    for i in range(3, components):
+        shear += tensor[i] * tensor[i]
+    return math.sqrt(0.5 * normal + shear)
+
+
+@njit(cache=True)
 def history(state, weights, coefficients, out):
-    """Write to `out` (4,) the strain that the past fixes: what R lacks from the strain deviator."""
-    q = invariant(state[0], state[1], state[2], state[3])
+    """Write to `out` (components,) the strain that the past fixes: what R lacks from the strain deviator."""
+    components = out.shape[0]
+    transient = 2 * components + 1
+    q = length(state, components)
     log_q = math.log(q) if q > 0.0 else -700.0
     steady = weights[0] * math.exp(2.0 * coefficients[STEADY_EXPONENT] * log_q)
-    for i in range(4):
-        out[i] = state[PERMANENT + i] + steady * state[STRESS + i]
+    for i in range(components):
+        out[i] = state[components + i] + steady * state[i]
     elements = (weights.shape[0] - 1) // 4
     for k in range(elements):
         driven = weights[2 + 4 * k] * math.exp(2.0 * weights[4 + 4 * k] * log_q)
-        for i in range(4):
-            out[i] += weights[1 + 4 * k] * state[TRANSIENT + 4 * k + i] + driven * state[STRESS + i]
+        for i in range(components):
+            out[i] += weights[1 + 4 * k] * state[transient + components * k + i] + driven * state[i]
 
 
 @njit(cache=True)
@@ -134,8 +149,10 @@ def solve_radial(rho, guess, alpha, weights, coefficients):
 @njit(cache=True)
 def commit(state, residual, q, rho, weights, coefficients):
     """Advance `state` in place to the end of the step whose solution is (`residual`, `q`, `rho`)."""
+    components = residual.shape[0]
+    alpha, transient = 2 * components, 2 * components + 1
     ratio = q / rho if rho > 0.0 else 0.0
-    old = invariant(state[0], state[1], state[2], state[3])
+    old = length(state, components)
     log_old = math.log(old) if old > 0.0 else -700.0
     log_new = math.log(q) if q > 0.0 else -700.0
     power = 2.0 * coefficients[STEADY_EXPONENT]
@@ -143,20 +160,20 @@ def commit(state, residual, q, rho, weights, coefficients):
     steady_new = weights[0] * math.exp(power * log_new)
     root3 = math.sqrt(3.0)
     flow = 0.0
-    excess = root3 * q - coefficients[YIELD] - coefficients[HARDENING] * state[ALPHA]
+    excess = root3 * q - coefficients[YIELD] - coefficients[HARDENING] * state[alpha]
     if excess > 0.0:
         dalpha = excess / max(coefficients[HARDENING], 1e-9 * coefficients[SHEAR])
-        state[ALPHA] += dalpha
+        state[alpha] += dalpha
         flow = 0.5 * root3 * dalpha / q
     elements = (weights.shape[0] - 1) // 4
     for k in range(elements):
         exponent = 2.0 * weights[4 + 4 * k]
         driven_old = weights[2 + 4 * k] * math.exp(exponent * log_old)
         driven_new = weights[3 + 4 * k] * math.exp(exponent * log_new)
-        for i in range(4):
-            j = TRANSIENT + 4 * k + i
+        for i in range(components):
+            j = transient + components * k + i
             state[j] = weights[1 + 4 * k] * state[j] + driven_old * state[i] + driven_new * ratio * residual[i]
-    for i in range(4):
+    for i in range(components):
         new = ratio * residual[i]
-        state[PERMANENT + i] += steady_old * state[i] + (steady_new + flow) * new
-        state[STRESS + i] = new
+        state[components + i] += steady_old * state[i] + (steady_new + flow) * new
+        state[i] = new

@@ -98,7 +98,7 @@ class Mechanism:
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
     solver_scatter
-        Relative scatter of its simulated depths between meshes, at `accuracy: standard`, beyond that of the base model.
+        Scatter of its simulated effect between meshes, at `accuracy: standard`, relative to the effect.
     shortcut
         What it makes of a known depth curve, with the arguments of `record`; close enough to search with, so that
         no simulations are needed to learn its effect.

@@ -12,8 +12,9 @@ from palpate.specification import Specification
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Put the true half-angle in place of the nominal one."""
-    if specification.indenter.shape == "sphere":
-        raise InputError("a sphere has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
+    if not specification.indenter.half_angle:
+        shape = specification.indenter.shape
+        raise InputError(f"a {shape} has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
     return replace(specification, indenter=replace(specification.indenter, half_angle=values["half_angle"]))
 
 

@@ -12,8 +12,9 @@ from palpate.specification import Specification
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Give the cone a cap."""
-    if specification.indenter.shape == "sphere":
-        raise InputError("a sphere has no apex to round", remedy="use a cone", place="mechanisms.tip_rounding")
+    if not specification.indenter.half_angle:
+        shape = specification.indenter.shape
+        raise InputError(f"a {shape} cannot be rounded", remedy="use a cone", place="mechanisms.tip_rounding")
     rounded = replace(specification.indenter, shape="sphero_cone", radius=values["radius"])
     return replace(specification, indenter=rounded)
 

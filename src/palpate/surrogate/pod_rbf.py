@@ -109,9 +109,12 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def predict(self, X: Any) -> np.ndarray:
         """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once."""
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False, dtype=float)
-        curves = self.pod_.expand(self.interpolator_(self._scale(X)))
+        curves = self.evaluate(validate_data(self, X, reset=False, dtype=float))
         return curves[:, 0] if self.single_output_ else curves
+
+    def evaluate(self, X: np.ndarray) -> np.ndarray:
+        """Curves (n, n_points) [nm] of a fitted surrogate at valid X (n, n_parameters): `predict` for inner loops."""
+        return self.pod_.expand(self.interpolator_(self._scale(X)))
 
     def jacobian(self, x: Any, step: float = 1e-5) -> np.ndarray:
         """Slope (n_points, n_parameters) of the curve at the parameters x (n_parameters,) [nm per unit of x].
@@ -121,7 +124,7 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         x = np.asarray(x, dtype=float)
         steps = step * np.diag(self.upper_ - self.lower_)[self.varies_]
-        ahead, behind = np.split(np.reshape(self.predict(np.vstack([x + steps, x - steps])), (2 * len(steps), -1)), 2)
+        ahead, behind = np.split(self.evaluate(np.vstack([x + steps, x - steps])), 2)
         slope = np.zeros((ahead.shape[1], len(x)))
         slope[:, self.varies_] = (ahead - behind).T / (2.0 * steps.sum(axis=1))
         return slope

@@ -16,9 +16,11 @@ import numpy as np
 
 from palpate.design import sobol
 from palpate.surrogate import PODRBF
+from palpate.thesis.fitted import Fitted
 from palpate.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies
 from palpate.thesis.runs import Curves, Design, Run, study_runs
 from palpate.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy
+from palpate.thesis.surrogates import epoxy_surrogates
 
 MODULUS, DURATION = 3.25, 30.0
 SIZES = (32, 64, 96, 128, 192, 256, 384)
@@ -63,7 +65,7 @@ def training_runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
             "transient_exponent": point["transient_exponent"],
             "retardation_time": float(np.exp(point["log_retardation"])),
         }
-        for point in sobol(box(), max(SIZES), seed=5)
+        for point in sobol(box(), max(SIZES), seed=studies["epoxy"].seed)
     ]
     return study_runs(studies["epoxy"], points, ("P1.00_T030",))
 
@@ -73,7 +75,7 @@ def judging_runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
     bounds = {
         name: (min(levels), max(levels)) for name, levels in EPOXY_SCREENING.items() if name != "retardation_time"
     }
-    points = [{**point, "retardation_time": 0.25} for point in sobol(bounds, TESTS, seed=6)]
+    points = [{**point, "retardation_time": 0.25} for point in sobol(bounds, TESTS, seed=studies["epoxy"].seed + 1)]
     return study_runs(studies["epoxy"], points, (*CALIBRATED, *LOADS))
 
 
@@ -82,8 +84,13 @@ DESIGNS = {"groups_training": Design(training_runs), "groups_test": Design(judgi
 
 def fit(training: Curves) -> PODRBF:
     """Fit the logarithm of the depth over the groups."""
-    inputs = groups(training.matrix(NAMES), np.full(len(training.labels), DURATION))
-    return PODRBF(shape="loo", energy=1 - 1e-11).fit(inputs, np.log(training.depth))
+    return PODRBF(shape="loo", energy=1 - 1e-11).fit(*inputs(training))
+
+
+def inputs(training: Curves) -> tuple[np.ndarray, np.ndarray]:
+    """Return the groups (n, 5) and the logarithm of the depth (n, points) of the curves that did not fail."""
+    good = training.succeeded()
+    return groups(good.matrix(NAMES), np.full(len(good.labels), DURATION)), np.log(good.depth)
 
 
 def predict(model: PODRBF, parameters: np.ndarray, duration: np.ndarray, load: np.ndarray) -> np.ndarray:
@@ -97,12 +104,13 @@ def run(context: Context) -> Outcome:
     training, tests = context.curves["groups_training"], context.curves["groups_test"]
     curve = []
     for size in SIZES:
-        model = fit(training.take(range(size)).succeeded())
+        model = fit(training.take(range(size)))
         curve.append({"snapshots": size, **errors(tests, lambda part: predict(model, *conditions_of(part)))})  # noqa: B023
     separate = separate_errors(context)
     as_good = [row["snapshots"] for row in curve if all(row[key] <= separate[key] for key in separate)]
     needed = min(as_good, default=None)
-    other = loads_table(fit(training.succeeded()), tests)
+    whole = fit(training)
+    other = loads_table(whole, tests)
     last = curve[-1]
     return Outcome(
         tables={
@@ -130,6 +138,12 @@ def run(context: Context) -> Outcome:
             ),
         ],
         series={"curve": curve, "separate": separate},
+        fitted=[
+            Fitted.surrogate(
+                "epoxy, all loading times, over groups (logarithm of the depth)", whole, *inputs(training)
+            ),
+            *(Fitted.row(f"epoxy, over groups, {row['snapshots']} points", "surrogate", row) for row in curve),
+        ],
     )
 
 
@@ -153,10 +167,7 @@ def errors(tests: Curves, predicted: Any) -> dict[str, float]:
 def separate_errors(context: Context) -> dict[str, float]:
     """Return the same errors of the four surrogates over the parameters themselves."""
     study, tests = context.studies["epoxy"], context.curves["groups_test"]
-    models = {}
-    for name in CALIBRATED:
-        grid = context.curves[f"epoxy_{name}"].succeeded()
-        models[name] = PODRBF(**study.surrogate).fit(grid.matrix(study.levels), grid.depth)
+    models = epoxy_surrogates(context)
 
     def predicted(part: Curves) -> np.ndarray:
         return models[part.labels[0]["condition"]].predict(part.matrix(study.levels))

@@ -14,6 +14,7 @@ import numpy as np
 
 from palpate.specification import Specification
 from palpate.thesis.grids import CALIBRATED, Outcomes, Studies
+from palpate.thesis.rules import about, at_most, falling, rising
 from palpate.thesis.runs import Curves, Design, Run
 from palpate.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
 
@@ -21,6 +22,13 @@ COEFFICIENTS = (0.0, 0.125, 0.25, 0.5)
 LOADS = ("P0.50_T030", "P0.75_T030", "P1.00_T030")
 KINEMATICS = ("small", "large")
 LABELS = ("kinematics", "condition", "loading_time", "max_load", "friction")
+WHY = {
+    "small": "small strains leave out that the surface turns as the tip sinks in, and so overstate what friction holds "
+    "back; CalculiX gives as much (1.7 per cent of the largest depth at f = 0.25). The thesis' figures need large "
+    "strains",
+    "large": "differences of a few tenths of a per cent are of the order of the mesh error of either solver",
+}
+TREND = "slow tests creep more: friction matters more while the contact grows, less for what is left after unloading"
 CURVES = (len(COEFFICIENTS) - 1) * len({*CALIBRATED, *LOADS})
 
 
@@ -117,32 +125,36 @@ def judge(rows: Rows, kinematics: str) -> list[Finding]:
         compare(
             f"largest reduction of the largest depth, f = 0.5{label}",
             "about 0.5 per cent",
-            f"{largest:.2f} per cent",
-            0.1 < largest < 1.5,
+            f"{largest:.4f} per cent",
+            about(largest, 0.5),
+            WHY[kinematics],
         ),
         compare(
             f"largest reduction of the residual depth, f = 0.5{label}",
             "1 to 1.8 per cent",
             f"{left:.2f} per cent",
-            0.5 < left < 3.5,
+            about(left, 1, 1.8),
+            WHY[kinematics],
         ),
         compare(
             f"reduction of the largest depth grows with loading time{label}",
             "yes",
             _list(times),
-            bool(np.all(np.diff(times) > 0)),
+            rising(times),
+            TREND,
         ),
         compare(
             f"reduction of the residual depth falls with loading time{label}",
             "yes",
             _list(after),
-            bool(np.all(np.diff(after) < 0)),
+            falling(after),
+            TREND,
         ),
         compare(
             f"no dependence on the largest load{label}",
             "hardly any",
             _list(loads),
-            float(np.ptp(loads)) < 0.05,
+            at_most(float(np.ptp(loads)), 0.05),
             "a sharp cone has no length: exact",
         ),
     ]

@@ -20,8 +20,10 @@ from palpate.calibration.genetic import GeneticSettings, evolve
 from palpate.calibration.space import Space
 from palpate.observations import observations
 from palpate.surrogate import PODRBF
+from palpate.thesis.fitted import Fitted
 from palpate.thesis.grids import CALIBRATED
 from palpate.thesis.study import Context, Finding, Outcome, ThesisStudy
+from palpate.thesis.surrogates import epoxy_surrogates
 
 BUDGET = 200 * 600
 SEEDS = 10
@@ -142,16 +144,13 @@ def run(context: Context) -> Outcome:
     """Run every optimiser with every seed."""
     study = context.studies["epoxy"]
     measured = observations(study, "virtual")
-    surrogates = {}
-    for name in CALIBRATED:
-        grid = context.curves[f"epoxy_{name}"].succeeded()
-        surrogates[name] = PODRBF(**study.surrogate).fit(grid.matrix(study.levels), grid.depth)
+    surrogates = epoxy_surrogates(context)
     recorded = {name: measured[name].mean for name in CALIBRATED}
     space = Space({name: (min(levels), max(levels)) for name, levels in study.levels.items()})
-    least = least_known(surrogates, recorded, space)
+    least = least_known(surrogates, recorded, space, study.seed)
     runs: list[dict[str, Any]] = []
     for label, optimiser in OPTIMISERS.items():
-        for seed in range(SEEDS):
+        for seed in range(study.seed, study.seed + SEEDS):
             problem = Problem(surrogates, recorded, space, least)
             with contextlib.suppress(Finished):
                 optimiser(problem, seed)
@@ -181,13 +180,23 @@ def run(context: Context) -> Outcome:
             "budget": BUDGET,
             "least": least,
         },
+        fitted=[
+            Fitted(
+                f"epoxy: {row['optimiser']}",
+                "fit",
+                {"optimiser": row["optimiser"], "budget": BUDGET, "first_seed": study.seed},
+                {name: float(value) for name, value in row.items() if isinstance(value, int | float)},
+                {"best_nm2_by_seed": [r["best"] for r in runs if r["optimiser"] == row["optimiser"]]},
+            )
+            for row in table
+        ],
     )
 
 
-def least_known(surrogates: dict[str, PODRBF], recorded: dict[str, np.ndarray], space: Space) -> float:
+def least_known(surrogates: dict[str, PODRBF], recorded: dict[str, np.ndarray], space: Space, seed: int) -> float:
     """Return the least value that least squares finds from many starts."""
     problem = Problem(surrogates, recorded, space, 0.0)
-    rng = np.random.default_rng(12345)
+    rng = np.random.default_rng([seed, STARTS])
     starts = rng.uniform(0.01, 0.99, (STARTS, space.dimensions))
     found = [least_squares(lambda u: problem.errors(u[None])[0], u, problem.slope, bounds=(0, 1)) for u in starts]
     return float(2 * min(result.cost for result in found))

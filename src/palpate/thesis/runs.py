@@ -13,7 +13,7 @@ import numpy as np
 from palpate import snapshots
 from palpate.config import Study
 from palpate.errors import InputError
-from palpate.model import simulate
+from palpate.model import simulate_batch
 from palpate.specification import Specification
 
 
@@ -154,19 +154,23 @@ def compute(runs: Sequence[Run], store: Path, report: Callable[[str], None] = pr
     counts = {len(run.specification.protocol.sample_time) for run in runs if run.specification}
     if len(counts) > 1:
         raise InputError(f"the runs have {sorted(counts)} points", remedy="sample all runs of a design equally often")
+    first = [run.specification for run in runs]
+    _fill(store, runs, first, report)
+    failed = [one is not None and bool(_read(store, one)["reason"]) for one in first]
+    used = [
+        run.fallback if lost and run.fallback else run.specification for run, lost in zip(runs, failed, strict=True)
+    ]
+    _fill(store, runs, used, report)
     blank = np.full(counts.pop() if counts else 1, np.nan)
-    rows = []
-    for done, run in enumerate(runs, 1):
-        row: tuple[Any, ...] = (blank, blank, blank, run.reason, 0.0, None)
-        for specification in (run.specification, run.fallback):
-            if specification and (specification is run.specification or row[3]):
-                row = _stored(run.labels, specification, store)
-        rows.append(row)
-        if done % 10 == 0 or done == len(runs):
-            report(f"{done} of {len(runs)} curves")
-    time, load, depth, reasons, seconds, used = zip(*rows, strict=True)
-    labels = [{**run.labels, **_name(specification)} for run, specification in zip(runs, used, strict=True)]
-    return Curves(labels, np.array(time), np.array(load), np.array(depth), reasons, np.array(seconds))
+    nothing: dict[str, Any] = {"time": blank, "load": blank, "depth": blank, "solver_seconds": 0.0}
+    found = [
+        _read(store, one) if one else nothing | {"reason": run.reason} for run, one in zip(runs, used, strict=True)
+    ]
+    labels = [{**run.labels, **_name(one)} for run, one in zip(runs, used, strict=True)]
+    time, load, depth, seconds = (
+        np.array([row[key] for row in found]) for key in ("time", "load", "depth", "solver_seconds")
+    )
+    return Curves(labels, time, load, depth, [row["reason"] for row in found], seconds)
 
 
 def _name(specification: Specification | None) -> dict[str, str]:
@@ -176,16 +180,34 @@ def _name(specification: Specification | None) -> dict[str, str]:
     return {"address": snapshots.address(specification), "accuracy": specification.accuracy}
 
 
-def _stored(labels: Mapping[str, Any], specification: Specification, store: Path) -> tuple[Any, ...]:
-    """Return time, load, depth, reason of failure, solver seconds and specification of one curve."""
+def _file(store: Path, specification: Specification) -> Path:
     address = snapshots.address(specification)
-    file = store / address[:2] / f"{address}.npz"
-    if not file.exists():
-        cell = {name: value for name, value in labels.items() if name in specification.parameters}
-        snapshots.write(file, simulate(specification), cell, str(labels.get("condition", "")))
-    content = snapshots.read(file)
-    reason = "" if content["status"] == "ok" else content["reason"]
-    return content["time"], content["load"], content["depth"], reason, content["solver_seconds"], specification
+    return store / address[:2] / f"{address}.npz"
+
+
+def _read(store: Path, specification: Specification) -> dict[str, Any]:
+    """Return the content of a stored curve; its reason is empty where it did not fail."""
+    content = snapshots.read(_file(store, specification))
+    return content | {"reason": "" if content["status"] == "ok" else content["reason"]}
+
+
+def _fill(
+    store: Path,
+    runs: Sequence[Run],
+    specifications: Sequence[Specification | None],
+    report: Callable[[str], None],
+) -> None:
+    """Simulate what the store lacks, several at a time."""
+    wanted = {_file(store, one): (run, one) for run, one in zip(runs, specifications, strict=True) if one}
+    missing = [file for file in wanted if not file.exists()]
+    for first in range(0, len(missing), snapshots.AT_ONCE):
+        chosen = missing[first : first + snapshots.AT_ONCE]
+        simulations = simulate_batch(wanted[file][1] for file in chosen)
+        for file, simulation in zip(chosen, simulations, strict=True):
+            run, specification = wanted[file]
+            cell = {name: value for name, value in run.labels.items() if name in specification.parameters}
+            snapshots.write(file, simulation, cell, str(run.labels.get("condition", "")))
+        report(f"{first + len(chosen)} of {len(missing)} curves")
 
 
 def study_runs(study: Study, points: Iterable[Mapping[str, float]], conditions: Iterable[str]) -> list[Run]:

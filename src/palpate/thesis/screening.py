@@ -8,7 +8,6 @@ import numpy as np
 
 from palpate.calibration.measures import OBJECTIVES
 from palpate.design import Anova, OrthogonalArray, anova
-from palpate.design.anova import Effect
 from palpate.thesis.runs import Curves
 from palpate.thesis.study import Rows
 
@@ -54,8 +53,3 @@ def alias_table(design: OrthogonalArray) -> Rows:
 def means_series(levels: Mapping[str, Sequence[float]], analysis: Anova) -> dict[str, dict[str, list[float]]]:
     """Return the main effects for the figure: levels and mean responses of each factor."""
     return {name: {"levels": list(levels[name]), "means": list(analysis.means[name])} for name in levels}
-
-
-def ranking(effects: Mapping[str, Effect], names: Sequence[str]) -> str:
-    """Return the factors from the largest contribution to the smallest."""
-    return " > ".join(sorted(names, key=lambda name: -effects[name].contribution))

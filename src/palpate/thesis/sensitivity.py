@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies
+from palpate.thesis.rules import Rule, at_most
 from palpate.thesis.runs import Design, Run, study_runs
 from palpate.thesis.study import Context, Outcome, Rows, ThesisStudy, compare
 
@@ -72,9 +73,19 @@ def run(context: Context) -> Outcome:
                 "most influential on both depths",
                 "C_s and m_s",
                 " and ".join(largest["max_depth_percent"][0]),
-                all(set(pair) == set(STEADY) for pairs in largest.values() for pair in pairs),
+                Rule(
+                    "the two largest on both depths at every loading time",
+                    all(set(pair) == set(STEADY) for pairs in largest.values() for pair in pairs),
+                ),
+                "over the ranges of the L27, from the middle of the others",
             ),
-            compare("stronger on the residual than on the largest depth", "yes", "yes" if more else "no", more),
+            compare(
+                "stronger on the residual than on the largest depth",
+                "yes",
+                "yes" if more else "no",
+                Rule("C_s and m_s, every loading time", more),
+                "elastic strain, on which they do not act, is given back on unloading",
+            ),
             compare(
                 "E matters more in fast tests, on both depths",
                 "yes",
@@ -83,14 +94,24 @@ def run(context: Context) -> Outcome:
                 + "; residual "
                 + ", ".join(f"{v:.2f}" for v in modulus["residual_depth_percent"])
                 + " per cent",
-                all(bool(np.all(np.diff(values) < 0)) for values in modulus.values()),
+                Rule(
+                    "each slower test less than the one before, on both depths",
+                    all(bool(np.all(np.diff(values) < 0)) for values in modulus.values()),
+                ),
+                "the share of the elastic strain falls as creep goes on",
             ),
-            compare("t_eps", "little to no impact", f"at most {retardation:.2f} per cent", retardation < 0.5),
+            compare(
+                "t_eps",
+                "little to no impact",
+                f"at most {retardation:.2f} per cent",
+                at_most(retardation, 0.5),
+                "t_eps is a hundredth of the loading time or less",
+            ),
             compare(
                 "m_t shows, C_t hardly",
                 "m_t good sensitivity, C_t fairly insignificant",
                 f"largest depth, 30 s: C_t {transient[0]:.2f}, m_t {transient[1]:.2f} per cent",
-                transient[1] > 1.5 * transient[0],
+                Rule("m_t at least half as much again as C_t", transient[1] > 1.5 * transient[0]),
                 "both act through C_t q^(2 m_t + 1) alone, at one pressure: they cannot be told apart by one tip",
             ),
         ],

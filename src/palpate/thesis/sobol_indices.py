@@ -18,7 +18,7 @@ from palpate.thesis.study import Rows
 SAMPLES = 2048
 
 
-def total_indices(surrogate: PODRBF, levels: Mapping[str, Sequence[float]], recorded: np.ndarray) -> Rows:
+def total_indices(surrogate: PODRBF, levels: Mapping[str, Sequence[float]], recorded: np.ndarray, seed: int) -> Rows:
     """Return first-order and total indices of the largest depth and of chapter 4's error, one row a parameter."""
     free = [name for name, values in levels.items() if len(values) > 1]
     held = {name: values[0] for name, values in levels.items()}
@@ -34,7 +34,7 @@ def total_indices(surrogate: PODRBF, levels: Mapping[str, Sequence[float]], reco
         return values.reshape(2, *points.shape[1:])
 
     ranges = [uniform(min(levels[name]), max(levels[name]) - min(levels[name])) for name in free]
-    found = sobol_indices(func=both, n=SAMPLES, dists=ranges, rng=np.random.default_rng(0))
+    found = sobol_indices(func=both, n=SAMPLES, dists=ranges, rng=np.random.default_rng(seed))
     return [
         {
             "parameter": name,

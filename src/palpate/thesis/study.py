@@ -8,6 +8,8 @@ from typing import Any
 
 from palpate.config import Study
 from palpate.errors import InputError
+from palpate.thesis.fitted import Fitted
+from palpate.thesis.rules import Rule
 from palpate.thesis.runs import Curves
 
 VERDICTS = ("reproduced", "differs", "not in the thesis", "not run")
@@ -27,7 +29,14 @@ class Finding:
     verdict
         One of `VERDICTS`.
     why
-        Why it differs, or what to bear in mind.
+        What to bear in mind; where it differs, the reason.
+    rule
+        What had to hold for ``reproduced``.
+
+    Raises
+    ------
+    InputError
+        On an unknown verdict, one of the first two without a rule, or a difference without a reason.
     """
 
     what: str
@@ -35,15 +44,20 @@ class Finding:
     here: str
     verdict: str
     why: str = ""
+    rule: str = ""
 
     def __post_init__(self) -> None:
         if self.verdict not in VERDICTS:
             raise InputError(f"verdict is {self.verdict!r}", remedy=f"use one of: {', '.join(VERDICTS)}")
+        if self.verdict in VERDICTS[:2] and not self.rule:
+            raise InputError(f"the verdict on {self.what!r} rests on no rule", remedy="say what had to hold")
+        if self.verdict == "differs" and not self.why:
+            raise InputError(f"{self.what!r} differs without a reason", remedy="say why")
 
 
-def compare(what: str, thesis: str, here: str, agrees: bool, why: str = "") -> Finding:
-    """Return a finding that is reproduced or differs."""
-    return Finding(what, thesis, here, "reproduced" if agrees else "differs", why)
+def compare(what: str, thesis: str, here: str, rule: Rule, why: str) -> Finding:
+    """Return a finding that is reproduced if the rule holds, and differs otherwise."""
+    return Finding(what, thesis, here, "reproduced" if rule.holds else "differs", why, rule.statement)
 
 
 @dataclass(frozen=True)
@@ -58,15 +72,19 @@ class Outcome:
         Claims and verdicts.
     series
         What the figure draws, beside the tables.
+    fitted
+        Surrogates and fits for MLflow; they do not go into the JSON.
     """
 
     tables: Mapping[str, Rows]
     findings: Sequence[Finding]
     series: Mapping[str, Any] = field(default_factory=dict)
+    fitted: Sequence[Fitted] = ()
 
     def to_mapping(self) -> dict[str, Any]:
         """Return the outcome for the json module."""
-        return asdict(self)
+        findings = [asdict(finding) for finding in self.findings]
+        return {"tables": dict(self.tables), "findings": findings, "series": dict(self.series)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,17 +29,16 @@ ELASTIC_WITHIN, CREEP_WITHIN, PLASTIC_WITHIN = 0.008, 0.008, 0.02
 PRINTED = re.compile(r"time\s+(\S+)\s+\d+\s+\S+\s+(\S+)\s+\S+")
 
 
-def run_deck(program: Path, specification: Specification, resolution: Resolution) -> np.ndarray:
-    """Run CalculiX on one core and return the depth [nm] at the samples, NaN after the time that it reached.
+def printed(program: Path, text: str) -> str:
+    """Run CalculiX on one core with a deck and return what it prints to its .dat file, if anything.
 
     Raises
     ------
     PalpateError
-        When it stops without any result, or takes longer than ten minutes.
+        When it takes longer than ten minutes.
     """
-    overlap = quadratic_mesh(specification, resolution).overlap
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "deck.inp").write_text(deck(specification, resolution), encoding="ascii")
+        Path(folder, "deck.inp").write_text(text, encoding="ascii")
         environment = os.environ | {"OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1"}
         try:
             subprocess.run(
@@ -47,8 +46,20 @@ def run_deck(program: Path, specification: Specification, resolution: Resolution
             )
         except subprocess.TimeoutExpired as error:
             raise PalpateError(f"CalculiX took longer than {TIME_LIMIT:g} s") from error
-        printed = Path(folder, "deck.dat")
-        found = PRINTED.findall(printed.read_text()) if printed.exists() else []
+        output = Path(folder, "deck.dat")
+        return output.read_text() if output.exists() else ""
+
+
+def run_deck(program: Path, specification: Specification, resolution: Resolution) -> np.ndarray:
+    """Run CalculiX and return the depth [nm] at the samples, NaN after the time that it reached.
+
+    Raises
+    ------
+    PalpateError
+        When it stops without any result, or takes longer than ten minutes.
+    """
+    overlap = quadratic_mesh(specification, resolution).overlap
+    found = PRINTED.findall(printed(program, deck(specification, resolution)))
     if not found:
         raise PalpateError("CalculiX wrote no depths")
     time, rise = np.array([[float(number) for number in row] for row in found]).T

@@ -18,9 +18,11 @@ from palpate.errors import PalpateError
 from palpate.figures import verification as figures
 from palpate.verification import (
     calculix,
+    calculix_pyramid,
     convergence,
     elastic,
     kinematics,
+    pyramid,
     reference,
     similarity,
     viscoelastic,
@@ -33,8 +35,10 @@ CASES = (
     viscoelastic.CASE,
     similarity.CASE,
     kinematics.CASE,
+    pyramid.CASE,
     convergence.CASE,
     calculix.CASE,
+    calculix_pyramid.CASE,
     reference.CASE,
 )
 VERDICT = {True: "yes", False: "NO", None: "not a check"}

@@ -1,0 +1,116 @@
+"""Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
+
+A hold at low load shows the drift; unloadings from several loads within a test show the frame. An explanation whose
+amplitude differs from such a law's beyond both intervals is wrong, however well it fits; without the mechanism its
+amplitude is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.classical.frame import frame_of
+from palpate.diagnosis.covariance import BACKGROUND
+from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.errors import InputError
+from palpate.recording import Recording
+from palpate.sharp_origin import sharp_origin
+from palpate.survey import survey
+
+UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
+
+
+@dataclass(frozen=True)
+class Law:
+    """The amplitude of one mechanism by an exact law.
+
+    Parameters
+    ----------
+    key, parameter
+        Mechanism and its only parameter.
+    estimate, lower, upper
+        In the parameter's unit; 95 % interval.
+    source
+        Where it comes from, in words.
+    """
+
+    key: str
+    parameter: str
+    estimate: float
+    lower: float
+    upper: float
+    source: str
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.estimate <= self.upper:
+            raise InputError(
+                f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
+            )
+
+    def allows(self, value: float, deviation: float) -> bool:
+        """Return whether a value with the given standard deviation agrees within 95 %."""
+        side = self.upper - self.estimate if value > self.estimate else self.estimate - self.lower
+        return bool(abs(value - self.estimate) <= np.hypot(side, NORMAL_95 * deviation))
+
+
+def laws_of(recordings: Iterable[Recording]) -> list[Law]:
+    """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
+
+    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. For
+    the frame, tests with four unloadings whose loads span a factor of three are taken together.
+    """
+    drifts, tests = [], []
+    for recording in recordings:
+        try:
+            found = survey(recording)
+        except InputError:
+            continue
+        if found.drift is not None:
+            drifts.append((found.drift.rate, found.drift.lower, found.drift.upper))
+        tests.append((recording.load - found.contact.load, recording.depth, found.parts))
+    laws = []
+    if drifts:
+        rate, lower, upper = np.mean(drifts, axis=0).tolist()
+        laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}"))
+    frame = frame_of(tests)
+    if frame is not None:
+        source = f"tops of unloadings, {frame.unloadings}"
+        laws.append(Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source))
+    return laws
+
+
+def zero_points(recordings: Mapping[str, Iterable[Recording]]) -> list[dict[str, Any]]:
+    """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
+
+    No law to judge by: a blunt tip, a yielding frame and creep shift the origin, too.
+    """
+    rows = []
+    for condition, tests in recordings.items():
+        for number, test in enumerate(tests, 1):
+            origin = dict(zip(("estimate", "lower", "upper"), sharp_origin(test.load, test.depth), strict=True))
+            if np.isfinite(origin["estimate"]):
+                rows.append({"condition": condition, "number": number, **origin})
+    return rows
+
+
+def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
+    """Return the laws that the amplitudes of an explanation contradict."""
+    return [law for law in laws if not law.allows(*_amplitude(fit, law))]
+
+
+def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
+    """Return the amplitude that an explanation gives a mechanism, and its standard deviation.
+
+    Without the mechanism it is zero, to within what counts as background.
+    """
+    if law.key not in fit.explanation:
+        return 0.0, UNNAMED[law.key]
+    problem, z = fit.problem, fit.z
+    (place,) = problem.parts(fit.explanation, np.arange(len(z)))[1][law.key]
+    ends = [np.where(np.arange(len(z)) == place, end, z) for end in (0.0, 1.0)]
+    value, low, high = (problem.amplitudes(fit.explanation, at)[law.key][law.parameter] for at in (z, *ends))
+    return value, (high - low) * float(np.sqrt(fit.posterior[place, place]))

@@ -1,0 +1,47 @@
+"""What the recordings leave open: draws from the posterior of an explanation's coordinates.
+
+Where the data hardly fix a parameter the likelihood is curved, and an interval from its slope at the best point misses
+the truth. The ensemble sampler (Foreman-Mackey et al., PASP 125 (2013) 306-312) follows the curve; its walkers move by
+differences of one another (ter Braak & Vrugt, Stat. Comput. 18 (2008) 435-446). The prior is even over the ranges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import emcee
+import numpy as np
+
+from palpate.diagnosis.covariance import surrogate_error
+from palpate.diagnosis.fit import Fit
+
+WALKERS_PER_DIMENSION = 6
+SETTLING, KEPT, THINNING = 150, 250, 5
+
+
+def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
+    """Return draws (m, k) of the coordinates of an explanation.
+
+    Away from the best point the surrogates err again, also where the forward model has corrected them there.
+    """
+    errors = fit.errors
+    model = errors.model - errors.surrogate + surrogate_error(fit.problem, fit.explanation)
+    fit = replace(fit, errors=replace(errors, model=model))
+    dimensions = len(fit.z)
+    walkers = WALKERS_PER_DIMENSION * dimensions
+
+    def log_probability(z: np.ndarray) -> np.ndarray:
+        inside = np.all((z >= 0.0) & (z <= 1.0), axis=1)
+        found = np.full(len(z), -np.inf)
+        if inside.any():
+            white = fit.whiten((fit.problem.mean - fit.curves(z[inside])).T)
+            found[inside] = -0.5 * np.sum(white**2, axis=0)
+        return found
+
+    start = rng.multivariate_normal(fit.z, fit.posterior, size=walkers, method="svd")
+    start = np.clip(start, rng.uniform(0.0, 0.02, start.shape), rng.uniform(0.98, 1.0, start.shape))
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, moves=moves, vectorize=True)
+    sampler.random_state = np.random.RandomState(rng.integers(2**31)).get_state()
+    sampler.run_mcmc(start, SETTLING + KEPT, skip_initial_state_check=True)
+    return sampler.get_chain(discard=SETTLING, thin=THINNING, flat=True)

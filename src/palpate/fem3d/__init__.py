@@ -1,0 +1,1 @@
+"""Finite elements in three dimensions, for indenters that are no bodies of revolution: one sixth of the half-space."""

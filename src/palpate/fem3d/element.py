@@ -1,0 +1,238 @@
+"""Assembly of residual and tangent of the hexahedra, with the depth of the indenter as one bordered unknown.
+
+The volumetric strain of an element is the mean of tr E over it, against locking (B-bar; Hughes, Int. J. Numer. Meth.
+Eng. 15 (1980) 1413-1418). With the gradients g_a of the shape functions and v_a = R g_a, the deviatoric stiffness of
+the displacements i of node a and j of node b is a sum over the Gauss points,
+
+    K_ai,bj = sum w (q/rho) (delta_ij g_a.g_b/2 + g_aj g_bi/2 - g_ai g_bj/3) + w (dq/drho - q/rho)/(2 rho^2) v_ai v_bj,
+
+so all that must be summed is g_ai g_bj and v_ai v_bj with their weights.
+
+Where a surface node is in contact, u_z = f(x + u_x, y + u_y) - depth is eliminated element by element: what is left of
+its forces is balance along the indenter, F_i + f_i F_z = 0. The system stays symmetric.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from palpate.materials.radial import BULK, commit, history, length, solve_radial
+
+COMPONENTS = 6
+DEPTH = 24  # the twenty-fifth unknown of an element that touches the indenter
+SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
+
+
+@njit(cache=True)
+def assemble(
+    displacement, elements, equations, turn, gradients, volumes, coefficients, weights, past, alpha, guesses, local,
+    contact, rule, band, residual, border, force,
+):  # fmt: skip
+    """Assemble the constrained system at the given displacements.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (n, 3)
+        Along the axes of each node.
+    elements, equations, turn, gradients, volumes
+        See `palpate.fem3d.mesh.Mesh`.
+    coefficients, weights : ndarray
+        The law and what the time step makes of it, see `palpate.materials.radial`.
+    past, local : ndarray, shape (m, 8, 6)
+        Strain fixed by the history at each Gauss point; out: the tensor R of the radial equation.
+    alpha, guesses : ndarray, shape (m, 8)
+        Accumulated plastic strain at the start of the step; last q, updated here.
+    contact : ndarray of bool, shape (n,)
+        Nodes in contact.
+    rule : ndarray, shape (n, 6)
+        Slopes, curvatures and gap there, see `palpate.fem3d.contact.Contact`.
+    band : ndarray, shape (size, bandwidth + 1)
+        Out: ``band[j, i - j]`` holds the entry (i, j), i >= j.
+    residual : ndarray, shape (size,)
+        Out: internal forces.
+    border : ndarray, shape (size,)
+        Out: derivative of the residual by the depth.
+    force : ndarray, shape (n,)
+        Out: force of the indenter on the nodes in contact along z.
+
+    Returns
+    -------
+    float
+        Diagonal entry of the depth.
+    """
+    band[:] = 0.0
+    residual[:] = 0.0
+    border[:] = 0.0
+    force[:] = 0.0
+    corner = 0.0
+    ke = np.zeros((DEPTH + 1, DEPTH + 1))
+    fe = np.zeros(DEPTH + 1)
+    u = np.empty((8, 3))
+    equation = np.empty(DEPTH, dtype=np.int64)
+    for e in range(elements.shape[0]):
+        for a in range(8):
+            node = elements[e, a]
+            cos, sin = turn[node, 0], turn[node, 1]
+            u[a, 0] = cos * displacement[node, 0] - sin * displacement[node, 1]
+            u[a, 1] = sin * displacement[node, 0] + cos * displacement[node, 1]
+            u[a, 2] = displacement[node, 2]
+            equation[3 * a : 3 * a + 3] = equations[node]
+        element(gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], weights, coefficients, local[e], ke, fe)
+        touching = False
+        for a in range(8):
+            node = elements[e, a]
+            if turn[node, 1] != 0.0:
+                _turn(ke, fe, 3 * a, turn[node, 0], turn[node, 1])
+            touching |= contact[node]
+        if touching:
+            ke[DEPTH] = 0.0
+            ke[:, DEPTH] = 0.0
+            fe[DEPTH] = 0.0
+            for a in range(8):
+                node = elements[e, a]
+                if contact[node] and rule[node, GAP] != 0.0:
+                    for i in range(DEPTH):
+                        fe[i] += ke[i, 3 * a + 2] * rule[node, GAP]
+            for a in range(8):
+                node = elements[e, a]
+                if contact[node]:
+                    force[node] += fe[3 * a + 2]
+                    _follow_indenter(ke, fe, 3 * a, rule[node])
+            corner += ke[DEPTH, DEPTH]
+        for a in range(DEPTH):
+            i = equation[a]
+            if i < 0:
+                continue
+            residual[i] += fe[a]
+            if touching:
+                border[i] += ke[a, DEPTH]
+            for c in range(DEPTH):
+                j = equation[c]
+                if 0 <= j <= i:
+                    band[j, i - j] += ke[a, c]
+    return corner
+
+
+@njit(cache=True)
+def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
+    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q."""
+    volume = volumes.sum()
+    mean = np.zeros(DEPTH)
+    v = np.empty(DEPTH)
+    sums = np.zeros((DEPTH, DEPTH))
+    rank_one = np.zeros((DEPTH, DEPTH))
+    force = np.zeros(DEPTH)
+    for g in range(8):
+        flat = gradients[g].reshape(DEPTH)
+        for i in range(DEPTH):
+            mean[i] += volumes[g] / volume * flat[i]
+        local[g] = -past[g]
+        for a in range(8):
+            gx, gy, gz = gradients[g, a]
+            ux, uy, uz = u[a]
+            local[g, 0] += gx * ux
+            local[g, 1] += gy * uy
+            local[g, 2] += gz * uz
+            local[g, 3] += 0.5 * (gx * uy + gy * ux)
+            local[g, 4] += 0.5 * (gy * uz + gz * uy)
+            local[g, 5] += 0.5 * (gz * ux + gx * uz)
+        third = (local[g, 0] + local[g, 1] + local[g, 2]) / 3.0
+        for i in range(3):
+            local[g, i] -= third
+        xx, yy, zz, xy, yz, zx = local[g]
+        rho = length(local[g], COMPONENTS)
+        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
+        guesses[g] = q
+        ratio = q / rho if rho > 0.0 else slope
+        for a in range(8):
+            gx, gy, gz = gradients[g, a]
+            v[3 * a] = xx * gx + xy * gy + zx * gz
+            v[3 * a + 1] = xy * gx + yy * gy + yz * gz
+            v[3 * a + 2] = zx * gx + yz * gy + zz * gz
+        radial = volumes[g] * ratio
+        extra = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
+        for i in range(DEPTH):
+            force[i] += radial * v[i]
+            s, t = radial * flat[i], extra * v[i]
+            for j in range(DEPTH):
+                sums[i, j] += s * flat[j]
+                rank_one[i, j] += t * v[j]
+    theta = 0.0
+    for a in range(8):
+        for i in range(3):
+            theta += mean[3 * a + i] * u[a, i]
+    stiffness = row[BULK] * volume
+    for i in range(DEPTH):
+        fe[i] = force[i] + stiffness * theta * mean[i]
+    for a in range(8):
+        for b in range(8):
+            trace = 0.0
+            for i in range(3):
+                trace += sums[3 * a + i, 3 * b + i]
+            for i in range(3):
+                for j in range(3):
+                    p, r = 3 * a + i, 3 * b + j
+                    value = 0.5 * sums[3 * a + j, 3 * b + i] - sums[p, r] / 3.0
+                    if i == j:
+                        value += 0.5 * trace
+                    ke[p, r] = value + rank_one[p, r] + stiffness * mean[p] * mean[r]
+
+
+@njit(cache=True)
+def _turn(ke, fe, x, cos, sin):
+    """Turn one node's rows and columns from x and y to axes of its own."""
+    y = x + 1
+    fe[x], fe[y] = cos * fe[x] + sin * fe[y], cos * fe[y] - sin * fe[x]
+    for i in range(DEPTH):
+        ke[x, i], ke[y, i] = cos * ke[x, i] + sin * ke[y, i], cos * ke[y, i] - sin * ke[x, i]
+    for i in range(DEPTH):
+        ke[i, x], ke[i, y] = cos * ke[i, x] + sin * ke[i, y], cos * ke[i, y] - sin * ke[i, x]
+
+
+@njit(cache=True)
+def _follow_indenter(ke, fe, x, rule):
+    """Put u_z = f - depth in place of one node's u_z, and balance along the indenter in place of its forces.
+
+    The element's last unknown is the depth, its last force the load.
+    """
+    y, z = x + 1, x + 2
+    vertical, stiffness = fe[z], ke[z, z]
+    for i in range(DEPTH + 1):
+        ke[x, i] += rule[SLOPE_1] * ke[z, i]
+        ke[y, i] += rule[SLOPE_2] * ke[z, i]
+        ke[DEPTH, i] -= ke[z, i]
+    for i in range(DEPTH + 1):
+        ke[i, x] += rule[SLOPE_1] * ke[i, z]
+        ke[i, y] += rule[SLOPE_2] * ke[i, z]
+        ke[i, DEPTH] -= ke[i, z]
+    ke[x, x] += rule[CURVATURE_11] * vertical
+    ke[x, y] += rule[CURVATURE_12] * vertical
+    ke[y, x] += rule[CURVATURE_12] * vertical
+    ke[y, y] += rule[CURVATURE_22] * vertical
+    fe[x] += rule[SLOPE_1] * vertical
+    fe[y] += rule[SLOPE_2] * vertical
+    fe[DEPTH] -= vertical
+    for i in range(DEPTH + 1):
+        ke[z, i] = 0.0
+        ke[i, z] = 0.0
+    ke[z, z] = stiffness
+    fe[z] = 0.0
+
+
+@njit(cache=True)
+def begin_step(state, coefficients, weights, past, alpha):
+    """Write what the history fixes at every Gauss point into `past` (m, 8, 6) and `alpha` (m, 8)."""
+    for e in range(state.shape[0]):
+        for g in range(8):
+            history(state[e, g], weights, coefficients, past[e, g])
+            alpha[e, g] = state[e, g, 2 * COMPONENTS]
+
+
+@njit(cache=True)
+def end_step(local, solution, coefficients, weights, state):
+    """Advance `state` (m, 8, k) in place with the tensors R and invariants q of the converged step."""
+    for e in range(state.shape[0]):
+        for g in range(8):
+            rho = length(local[e, g], COMPONENTS)
+            commit(state[e, g], local[e, g], solution[e, g], rho, weights, coefficients)

@@ -1,0 +1,74 @@
+"""A whole load history in three dimensions: choose the mesh, march, return depth against time."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from palpate.errors import ConvergenceError
+from palpate.fem.indent import History, mesh_radii, step_times
+from palpate.fem.march import march_by
+from palpate.fem.mesh import Resolution
+from palpate.fem3d.mesh import wedge_mesh
+from palpate.fem3d.newton import Problem, State, Workspace, advance
+from palpate.fem3d.shell import shell
+from palpate.fem3d.tip import tip_of
+from palpate.indenters import Indenter
+from palpate.protocol import Protocol
+from palpate.specimen import Specimen
+
+RESOLUTIONS = {
+    "standard": Resolution(growth=1.10, sectors=9),
+    "medium": Resolution(growth=1.08, sectors=12),
+    "fine": Resolution(growth=1.07, sectors=15, far=4000.0, outer_growth=1.2, refine=2),
+}
+
+
+def indent_3d(
+    specimen: Specimen,
+    indenter: Indenter,
+    protocol: Protocol,
+    resolution: Resolution,
+    radii: np.ndarray | None = None,
+    observe: Callable[[Problem, State], None] | None = None,
+) -> History:
+    """Simulate an indentation at small strains, without friction, by any indenter with three mirror planes.
+
+    Parameters
+    ----------
+    specimen, indenter, protocol, resolution
+        What is pressed, by what, how, and how finely it is resolved.
+    radii : ndarray, optional
+        Of the shells of the mesh [um], in place of `palpate.fem.indent.mesh_radii`.
+    observe
+        Called with the problem and the state at the end of every time step asked for, sampling times among them.
+
+    Returns
+    -------
+    History
+        A failure of the solver is reported in it, never raised.
+    """
+    began = clock.perf_counter()
+    radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
+    mesh = wedge_mesh(radii, shell(resolution.sectors))
+    problem, work = Problem(mesh, tip_of(indenter), specimen), Workspace.of(mesh)
+    step = partial(advance, problem, work, protocol.max_load)
+    state, before = State.initial(problem), None
+    depth = np.full(len(protocol.sample_time), np.nan)
+    reason, steps = "", 0
+    for target in step_times(protocol, resolution.refine):
+        try:
+            state, before, taken = march_by(step, protocol, state, before, target)
+        except ConvergenceError as error:
+            reason = str(error)
+            break
+        steps += taken
+        depth[np.abs(protocol.sample_time - target) <= 1e-9 * target] = state.depth * 1e3
+        if observe is not None:
+            observe(problem, state)
+        if target in protocol.knot_time:
+            before = None
+    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps, np.empty((len(depth), 0)))

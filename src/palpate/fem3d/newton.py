@@ -1,0 +1,152 @@
+"""One time step in three dimensions: Newton's method on equilibrium, the material update and the contact together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.errors import ConvergenceError
+from palpate.fem import banded
+from palpate.fem.newton import TOLERANCE, Search, newton_direction
+from palpate.fem3d.contact import Contact
+from palpate.fem3d.element import COMPONENTS, CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
+from palpate.fem3d.mesh import Mesh
+from palpate.fem3d.tip import Tip
+from palpate.materials.radial import state_size, step_weights
+from palpate.specimen import Specimen, resisted
+
+ITERATIONS = 40
+SIXTH = 6.0  # of the load acts on the wedge
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What does not change during a simulation: mesh, indenter and specimen."""
+
+    mesh: Mesh
+    tip: Tip
+    specimen: Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Everything that a step hands to the next one.
+
+    Attributes
+    ----------
+    time, depth : float
+        [s], [um]
+    displacement : ndarray, shape (n, 3)
+        Along the axes of each node [um].
+    material : ndarray, shape (m, 8, s)
+        State variables at the Gauss points.
+    contact : ndarray of bool, shape (n,)
+    guesses : ndarray, shape (m, 8)
+        Last q at each Gauss point, where the next search begins.
+    force : ndarray, shape (n,)
+        Force of the indenter on the nodes of the wedge along z [mN].
+    """
+
+    time: float
+    depth: float
+    displacement: np.ndarray
+    material: np.ndarray
+    contact: np.ndarray
+    guesses: np.ndarray
+    force: np.ndarray
+
+    @classmethod
+    def initial(cls, problem: Problem) -> State:
+        """Return the unloaded body that the apex just touches."""
+        n, m = len(problem.mesh.nodes), len(problem.mesh.elements)
+        material = np.zeros((m, 8, state_size(problem.specimen.coefficients, COMPONENTS)))
+        return cls(0.0, 0.0, np.zeros((n, 3)), material, np.arange(n) == 0, np.zeros((m, 8)), np.zeros(n))
+
+
+@dataclass
+class Workspace:
+    """Arrays of the linear system, allocated once a simulation, and a count of the work done."""
+
+    band: np.ndarray
+    residual: np.ndarray
+    border: np.ndarray
+    past: np.ndarray
+    alpha: np.ndarray
+    local: np.ndarray
+    iterations: int = 0
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Workspace:
+        """Allocate for `mesh`."""
+        m = len(mesh.elements)
+        return cls(
+            banded.allocate(mesh.size, mesh.bandwidth, symmetric=True),
+            np.empty(mesh.size),
+            np.empty((mesh.size, 2)),
+            np.empty((m, 8, COMPONENTS)),
+            np.empty((m, 8)),
+            np.empty((m, 8, COMPONENTS)),
+        )
+
+
+def advance(
+    problem: Problem, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
+) -> State:
+    """Advance to `time` under `load` [mN]; forces converge to 1e-7 of `scale`, the largest load of the history.
+
+    Parameters
+    ----------
+    guess
+        State whose displacement and depth start the iteration.
+
+    Raises
+    ------
+    ConvergenceError
+        When the iteration limit is reached or the stiffness is not positive definite.
+    """
+    mesh, share, part = problem.mesh, load / SIXTH, scale / SIXTH
+    midway = 0.5e3 * (state.depth + guess.depth)
+    coefficients = resisted(problem.specimen.coefficients, problem.specimen.resistance(midway))
+    weights = step_weights(coefficients, time - state.time)
+    begin_step(state.material, coefficients, weights, work.past, work.alpha)
+    displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
+    contact = Contact.resume(mesh, problem.tip, state.contact)
+    force, forces = np.empty(len(mesh.nodes)), np.empty(mesh.size + 1)
+    free, search, curved = mesh.equations >= 0, None, True
+    for iteration in range(ITERATIONS):
+        contact.follow(displacement, depth)
+        contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= curved
+        corner = assemble(
+            displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, coefficients, weights,
+            work.past, work.alpha, guesses, work.local, contact.touching, contact.rule, work.band, work.residual,
+            work.border[:, 0], force,
+        )  # fmt: skip
+        work.border[:, 1] = work.border[:, 0]
+        work.iterations += 1
+        pulled = contact.pulled(force, TOLERANCE * part)
+        if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
+            contact.release(pulled)
+            search = None
+            continue
+        forces[:-1], forces[-1] = work.residual, -force.sum() - share
+        norm = np.abs(forces).max() / part
+        if norm < TOLERANCE and not pulled.any() and not contact.joined:
+            material = state.material.copy()
+            end_step(work.local, guesses, coefficients, weights, material)
+            return State(time, depth, displacement, material, contact.touching, guesses, force)
+        if search is not None and not contact.joined and (shorter := search.shorten(forces)) != 0.0:
+            displacement[free] += shorter * search.direction[:-1]
+            depth += shorter * search.direction[-1]
+            continue
+        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=False)
+        if direction is None:
+            if not curved:
+                raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
+            curved, search = False, None
+            continue
+        curved = True
+        search = Search.along(direction, forces)
+        displacement[free] += direction[:-1]
+        depth += direction[-1]
+    raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)

@@ -1,0 +1,46 @@
+"""What must never pass for adequate: a fit short of its optimum, a parameter held by its bound, slow misfit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
+
+from palpate.calibration.space import Space
+from palpate.diagnosis.covariance import noise_of
+from palpate.diagnosis.detect import examine
+from palpate.diagnosis.noise import SINGLE_MEMORY
+
+
+def p_of(fit):
+    return examine(fit, RECORD_ONLY, np.random.default_rng(1), 400, 0.01)
+
+
+@pytest.fixture(scope="module")
+def null():
+    return problem(recordings(np.random.default_rng(11)))
+
+
+def test_a_fit_short_of_its_optimum(null):
+    best = fitted(null)
+    assert p_of(best) > 0.01
+    beside = replace(best, z=np.clip(best.z + 0.3, 0, 1))
+    assert p_of(beside) < 0.01
+
+
+@pytest.mark.parametrize("bounds", [(1.15, 1.4), (0.6, 0.87)])
+def test_a_parameter_held_by_its_bound(null, bounds):
+    """The modulus is 1: bounds that leave it out keep the model from the recordings, and that must show."""
+    narrow = replace(null, space=Space({"modulus": bounds, "fluidity": (0.0099, 0.0101)}))
+    assert p_of(fitted(narrow)) < 0.01
+
+
+def test_noise_of_single_recordings_never_grows_slow():
+    """A ramp that no cubic in a segment removes at once would be noise of long memory; drawn models keep it short."""
+    rng = np.random.default_rng(4)
+    task = problem(recordings(rng, replicates=1))
+    slow = np.concatenate([8.0 * np.sin(np.linspace(0, 9, 60)) for _ in CONDITIONS])
+    noise = noise_of(task, (), slow, 0.01)
+    drawn = [noise.drawn(rng) for _ in range(200)]
+    assert max(model.memory.max() for model in drawn) <= SINGLE_MEMORY
+    assert np.percentile([model.sigma.max() for model in drawn], 99) < 2.0 * noise.sigma.max()

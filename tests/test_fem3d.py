@@ -1,0 +1,212 @@
+"""The solver in three dimensions: exact states, the tangent, and the axisymmetric solver on the same indenters."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.analytic import sneddon
+from palpate.fem.indent import RESOLUTIONS as AXISYMMETRIC
+from palpate.fem.indent import indent
+from palpate.fem.mesh import Resolution
+from palpate.fem3d.contact import Contact
+from palpate.fem3d.element import assemble, element
+from palpate.fem3d.indent import indent_3d
+from palpate.fem3d.mesh import CORNERS, integration, wedge_mesh
+from palpate.fem3d.newton import Workspace
+from palpate.fem3d.shell import WEDGE, shell
+from palpate.fem3d.tip import tip_of
+from palpate.indenters import Indenter
+from palpate.materials import LAWS
+from palpate.materials.radial import commit, history, state_size, step_weights
+from palpate.protocol import Protocol, trapezoid
+from palpate.specimen import Specimen
+from palpate.verification.calculix_pyramid import depth_at_one
+from palpate.verification.contact_area import contact_area
+
+HOOKE = {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
+BURGERS = HOOKE | {
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.2,
+    "transient_coefficient": 0.24,
+    "transient_exponent": 0.47,
+    "retardation_time": 0.25,
+}
+COARSE = Resolution(growth=1.2, sectors=6)
+PYRAMID, CONE = Indenter("berkovich", face_angle=65.27), Indenter("cone", 70.3)
+FACE = tip_of(PYRAMID)
+LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.1, 1.0, 19))
+
+
+def elastic(ratio):
+    return LAWS["elastic"].coefficients({"youngs_modulus": 3.28, "poisson_ratio": ratio})
+
+
+def assembled(mesh, coefficients, displacement, touching=(), tip=FACE, depth=0.0, step=0.3):
+    """Return residual, the lower half of the tangent as a full matrix, border and corner at given displacements."""
+    work, contact = Workspace.of(mesh), Contact.resume(mesh, tip, np.isin(np.arange(len(mesh.nodes)), touching))
+    contact.follow(displacement, depth)
+    work.past[:], work.alpha[:] = 0.0, 0.0
+    force, guesses = np.empty(len(mesh.nodes)), np.zeros((len(mesh.elements), 8))
+    corner = assemble(
+        displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, coefficients,
+        step_weights(coefficients, step), work.past, work.alpha, guesses, work.local, contact.touching, contact.rule,
+        work.band, work.residual, work.border[:, 0], force,
+    )  # fmt: skip
+    full = np.zeros((mesh.size, mesh.size))
+    for j in range(mesh.size):
+        rows = work.band[j, : mesh.size - j]
+        full[j : j + len(rows), j] = rows
+    return work.residual.copy(), np.tril(full) + np.tril(full, -1).T, work.border[:, 0].copy(), corner, force
+
+
+def along_axes(mesh, field):
+    """Return displacements (n, 3) in x, y, z along the axes of each node."""
+    cos, sin = mesh.turn.T
+    x, y, z = field.T
+    return np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=1)
+
+
+@pytest.mark.parametrize("sectors", [3, 6, 9])
+def test_the_wedge_fills_a_sixth_of_the_half_ball(sectors):
+    shells = shell(sectors)
+    mesh = wedge_mesh(1.3 ** np.arange(8), shells)
+    assert mesh.weights.min() > 0
+    assert mesh.weights.sum() == pytest.approx(np.pi / 9 * 1.3**21, rel=1.1 / sectors**2)
+    assert mesh.nodes[:, 1].min() == pytest.approx(0.0, abs=1e-12)
+    assert np.max(mesh.nodes[:, :2] @ [-np.sin(WEDGE), np.cos(WEDGE)]) == pytest.approx(0.0, abs=1e-12)
+    assert all(len(set(quad)) == 4 for quad in shells.quads)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.34, 0.4999])
+def test_uniform_compression_is_exact(ratio):
+    """The patch test: inside, and along the mirror planes, all forces vanish; the tip carries a third of its facets."""
+    mesh, strain = wedge_mesh(1.3 ** np.arange(6), shell(6)), -0.01
+    field = mesh.nodes * [-ratio * strain, -ratio * strain, strain]
+    forces, free = np.zeros((len(mesh.nodes), 3)), mesh.equations >= 0
+    forces[free] = assembled(mesh, elastic(ratio), along_axes(mesh, field))[0]
+    inside = np.ones(len(mesh.nodes), dtype=bool)
+    inside[mesh.surface] = False
+    assert np.abs(forces[inside]).max() < 1e-12
+    assert np.abs(forces[:, :2]).max() < 1e-12
+    x, y, _ = mesh.nodes[mesh.surface[1:6]].T
+    facets = 0.5 * np.sin(np.diff(np.sort(np.arctan2(y, x)))).sum()
+    assert forces[0, 2] == pytest.approx(3.28 * strain * facets / 3)
+
+
+def test_one_constraint_an_element_at_incompressibility():
+    """Mean dilatation leaves the hexahedron one volumetric mode; full integration would leave several."""
+    rng = np.random.default_rng(3)
+    corners = (CORNERS + 0.2 * rng.uniform(-1, 1, CORNERS.shape))[None]
+    gradients, volumes = integration(corners)
+    stiffness = []
+    for bulk in (1e4, 2e4):
+        row = elastic(0.3)
+        row[1] = bulk
+        ke, fe = np.zeros((25, 25)), np.zeros(25)
+        element(
+            gradients[0], volumes[0], np.zeros((8, 3)), np.zeros((8, 6)), np.zeros(8), np.zeros(8),
+            step_weights(row, 1.0), row, np.zeros((8, 6)), ke, fe,
+        )  # fmt: skip
+        stiffness.append(np.linalg.eigvalsh(ke[:24, :24]))
+    assert np.sum(stiffness[1] > 1.5 * stiffness[0].clip(1e-6)) == 1
+    assert np.sum(np.abs(stiffness[0]) < 1e-9) == 6
+
+
+@pytest.mark.parametrize("indenter", [PYRAMID, CONE, Indenter("sphere", 0.0, 5e3)])
+def test_the_tangent_is_the_derivative_of_the_residual(indenter):
+    mesh = wedge_mesh(1.6 ** np.arange(4), shell(3))
+    law, tip = LAWS["nonlinear_burgers"].coefficients(BURGERS), tip_of(indenter)
+    rng = np.random.default_rng(7)
+    free = mesh.equations >= 0
+    base, depth = np.zeros(free.shape), 0.3
+    base[free] = 0.02 * rng.standard_normal(mesh.size)
+    touching = mesh.surface[:4]
+    base[mesh.surface[4:], 2] = -5.0
+    _, tangent, border, corner, _ = assembled(mesh, law, base, touching, tip, depth)
+    direction, change, part = rng.standard_normal(mesh.size), 0.7, 1e-6
+    direction[mesh.equations[touching, 2]] = 0.0
+    moved = []
+    for sign in (1, -1):
+        there = base.copy()
+        there[free] += sign * part * direction
+        there[mesh.surface[4:], 2] = base[mesh.surface[4:], 2]
+        found = assembled(mesh, law, there, touching, tip, depth + sign * part * change)
+        moved.append(np.append(found[0], -found[4].sum()))
+    direction[mesh.equations[mesh.surface[4:], 2]] = 0.0
+    expected = (moved[0] - moved[1]) / (2 * part)
+    stiffness = np.append(tangent @ direction + border * change, border @ direction + corner * change)
+    assert stiffness == pytest.approx(expected, rel=1e-5, abs=1e-5 * np.abs(expected).max())
+
+
+def test_the_law_does_not_see_the_axes():
+    """A history of tensors with six components is that of their rotated copies, rotated."""
+    law, rng = LAWS["nonlinear_burgers"].coefficients(BURGERS), np.random.default_rng(5)
+    turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+
+    def packed(tensor):
+        return np.array([tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[1, 2], tensor[2, 0]])
+
+    states = [np.zeros(state_size(law, 6)) for _ in range(2)]
+    for _ in range(3):
+        tensor = rng.standard_normal((3, 3))
+        tensor = tensor + tensor.T - 2 * np.trace(tensor) / 3 * np.eye(3)
+        rho = np.sqrt(0.5 * np.sum(tensor * tensor))
+        for state, strain in zip(states, (tensor, turn @ tensor @ turn.T), strict=True):
+            commit(state, packed(strain), 0.8 * rho, rho, step_weights(law, 0.2), law)
+    past = np.empty((2, 6))
+    for state, out in zip(states, past, strict=True):
+        history(state, step_weights(law, 0.2), law, out)
+    xx, yy, zz, xy, yz, zx = past[0]
+    rotated = turn @ np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]) @ turn.T
+    assert past[1] == pytest.approx(packed(rotated))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.4999])
+def test_a_shallow_cone_is_sneddons(ratio):
+    """Within what so coarse a mesh costs, incompressible or not: nothing locks."""
+    found = indent_3d(Specimen(elastic(ratio)), Indenter("cone", 89.0), LOADING, COARSE)
+    exact = sneddon.depth(LOADING.sample_load, 3.28, ratio, 89.0)
+    assert found.reason == ""
+    assert found.depth == pytest.approx(exact, rel=0.02)
+
+
+def test_a_cone_creeps_as_in_the_axisymmetric_solver():
+    protocol = trapezoid(1.0, 30.0, 10.0, 30.0, points=30)
+    specimen = Specimen(LAWS["nonlinear_burgers"].coefficients(BURGERS))
+    found = indent_3d(specimen, CONE, protocol, COARSE)
+    expected = indent(specimen, CONE, protocol, AXISYMMETRIC["fine"])
+    loaded = protocol.sample_load > 0.1
+    assert found.depth[loaded] == pytest.approx(expected.depth[loaded], rel=0.012)
+
+
+def test_a_sphere_presses_as_in_the_axisymmetric_solver():
+    specimen, sphere = Specimen(elastic(0.34)), Indenter("sphere", 0.0, 5e3)
+    found = indent_3d(specimen, sphere, LOADING, COARSE)
+    assert found.depth == pytest.approx(indent(specimen, sphere, LOADING, AXISYMMETRIC["fine"]).depth, rel=0.015)
+
+
+def test_a_pyramid_has_no_length():
+    """Depth grows as the root of the load, though the contact grows from node to node."""
+    found = indent_3d(Specimen(elastic(0.34)), PYRAMID, LOADING, COARSE)
+    ratio = found.depth / np.sqrt(LOADING.sample_load)
+    assert ratio == pytest.approx(np.full(len(ratio), ratio.mean()), rel=0.004)
+
+
+def test_the_contact_area_of_whole_shells_is_a_disc():
+    radii = 1.3 ** np.arange(6)
+    mesh = wedge_mesh(radii, shell(6))
+    inside = np.linalg.norm(mesh.nodes, axis=1) < 1.3**2.5
+    area = contact_area(mesh, np.zeros_like(mesh.nodes), inside & np.isin(np.arange(len(mesh.nodes)), mesh.surface))
+    assert area == pytest.approx(np.pi * radii[2] * radii[3])
+
+
+@pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
+def test_calculix_agrees_on_the_pyramid():
+    """Both on coarse meshes, which cost two or three per cent of the depth."""
+    mesh = Resolution(growth=1.35, sectors=3, far=100.0)
+    theirs, scatter = depth_at_one(Path(shutil.which("ccx")), PYRAMID, HOOKE, 370.0, mesh)
+    ours = indent_3d(Specimen(elastic(0.34)), PYRAMID, LOADING, COARSE).depth[-1]
+    assert scatter < 0.01
+    assert ours == pytest.approx(theirs, rel=0.025)

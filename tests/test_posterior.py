@@ -1,0 +1,54 @@
+"""Intervals of a diagnosis: draws that follow the likelihood, fits that noise does not draw down, slopes by secants."""
+
+import numpy as np
+import pytest
+from test_diagnosis import CONDITIONS, fitted, problem, recordings
+
+from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.fit import Correction, solve
+from palpate.diagnosis.posterior import posterior_draws
+from palpate.diagnosis.ripple import EDGE, without_ripple
+
+TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
+
+
+def refitted(task):
+    """Fit twice, so that the errors are in proportion to a simulated curve."""
+    rough = fitted(task)
+    return solve(task, (), errors(task, (), rough.residual, 0.01, 0.003), [rough.z])
+
+
+def test_draws_agree_with_the_first_order_covariance_where_the_likelihood_is_even():
+    fit = fitted(problem(recordings(np.random.default_rng(5))))
+    draws = posterior_draws(fit, np.random.default_rng(6))
+    assert draws.mean(axis=0) == pytest.approx(fit.z, abs=0.4 * np.sqrt(np.diag(fit.posterior)).max())
+    assert draws.std(axis=0) == pytest.approx(np.sqrt(np.diag(fit.posterior)), rel=0.3)
+
+
+def test_the_noise_of_the_recordings_does_not_draw_the_fit_to_smaller_depths():
+    """The bias of errors in proportion to recorded depths: D'Agostini, Nucl. Instrum. Methods A 346 (1994) 306."""
+    rng, bias = np.random.default_rng(8), []
+    for _ in range(16):
+        fit = refitted(problem(recordings(rng, sigma=3.0, memory=0.2, site=0.03)))
+        bias.append((fit.z - TRUTH) / np.sqrt(np.diag(fit.posterior)))
+    assert np.all(np.abs(np.mean(bias, axis=0)) < 2.6 / np.sqrt(16))
+
+
+def test_a_secant_correction_keeps_what_both_points_say():
+    rng = np.random.default_rng(2)
+    first = Correction(rng.random(3), rng.random(20), rng.random((20, 3)))
+    at, shift = rng.random(3), rng.random(20)
+    second = first.moved(at, shift)
+    assert second(at[None])[0] == pytest.approx(shift)
+    assert second(first.at[None])[0] == pytest.approx(first.shift)
+
+
+def test_ripple_is_removed_and_what_is_smooth_stays():
+    protocol = CONDITIONS[1].protocol
+    depth = 500.0 * np.sqrt(protocol.sample_load + 0.2)
+    smooth = depth * (0.01 + 1e-4 * protocol.sample_time)
+    ripple = 0.001 * depth * (-1.0) ** np.arange(len(depth))
+    assert without_ripple(protocol, smooth, depth) == pytest.approx(smooth, rel=1e-6)
+    left = without_ripple(protocol, smooth + ripple, depth) - smooth
+    inner = slice(EDGE, len(depth) // 4)
+    assert np.abs(left[inner]).mean() < 0.3 * np.abs(ripple[inner]).mean()

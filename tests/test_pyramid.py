@@ -1,0 +1,112 @@
+"""The shape `berkovich` from the outside: its geometry, what accepts it, and what refuses it by name."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate import model
+from palpate.analytic import berkovich, scaling
+from palpate.cli import main
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.fem.mesh import Resolution
+from palpate.fem3d import newton
+from palpate.indenters import Indenter
+from palpate.model import sensitivities, simulate, simulate_batch, specification_from, states_at
+from palpate.snapshots import address
+
+SPEC = {
+    "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
+    "indenter": {"shape": "berkovich"},
+    "protocol": {"max_load": 1.0, "loading_time": 1.0, "unloading_time": 1.0, "points": 4},
+}
+STUDY = {
+    "study": "pyramid",
+    "material": {"model": "elastic", "poisson_ratio": 0.34},
+    "parameters": {"youngs_modulus": [3.0, 3.5]},
+    "indenter": {"shape": "berkovich"},
+    "conditions": [{"name": "P1", "max_load": 1, "loading_time": 1, "unloading_time": 1, "role": "calibrate"}],
+    "diagnosis": {"enabled": False},
+}
+PYRAMID = specification_from(SPEC)
+
+
+def test_the_equivalent_cone_is_the_textbooks():
+    """Fischer-Cripps, Nanoindentation, 3rd ed. (2011), table 1.1: area 24.5 h^2, equivalent half-angle 70.3 degrees."""
+    indenter = Indenter.from_mapping({"shape": "berkovich"})
+    assert math.degrees(math.atan(1 / indenter.slope)) == pytest.approx(70.3, abs=0.02)
+    assert 3 * math.sqrt(3) / indenter.face_slope**2 == pytest.approx(24.5, abs=0.05)
+
+
+def test_a_specification_becomes_a_recording(tmp_path):
+    (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC))
+    assert main(["simulate", str(tmp_path / "spec.yaml"), "-o", str(tmp_path / "curve.csv")]) == 0
+    _, load, depth = np.loadtxt(tmp_path / "curve.csv", delimiter=",", skiprows=2, unpack=True)
+    peak = np.argmax(load)
+    assert load[peak] == pytest.approx(1.0)
+    assert depth[peak] == pytest.approx(berkovich.depth(1.0, 3.28, 0.34), rel=0.01)
+
+
+def test_load_scaling_is_exact_and_batches_are_single_runs(monkeypatch):
+    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    scaled, ratio = scaling.load_scaled(PYRAMID, 4.0)
+    one, other = simulate_batch([PYRAMID, scaled])
+    assert one.depth == pytest.approx(simulate(PYRAMID).depth)
+    assert other.depth[:2] == pytest.approx(ratio * one.depth[:2], rel=1e-3)
+
+
+def test_a_failure_is_reported_not_raised(monkeypatch):
+    monkeypatch.setattr(newton, "ITERATIONS", 1)
+    outcome = simulate(PYRAMID, radii=1.3 ** np.arange(20))
+    assert outcome.status == "failed"
+    assert "no equilibrium in 1 iterations" in outcome.reason
+    assert np.isnan(outcome.depth).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"kinematics": "large"}, "kinematics: a berkovich pyramid does not go with large strains"),
+        ({"indenter": {"shape": "berkovich", "friction": 0.2}}, "friction"),
+        ({"indenter": {"shape": "berkovich", "half_angle": 70.3}}, "half_angle"),
+        ({"indenter": {"shape": "berkovich", "face_angle": 95}}, "face_angle"),
+        ({"mechanisms": {"friction": {"coefficient": 0.2}}}, "friction"),
+        ({"mechanisms": {"adhesion": {"work": 50.0}}}, "adhesion"),
+        ({"mechanisms": {"tip_rounding": {"radius": 100.0}}}, "berkovich cannot be rounded"),
+        ({"mechanisms": {"tip_angle": {"half_angle": 71.0}}}, "berkovich has no half-angle"),
+        ({"mechanisms": {"film_on_substrate": {"thickness": 500.0, "substrate_modulus": 70.0}}}, "film"),
+    ],
+)
+def test_what_it_does_not_know_is_refused_in_one_line(tmp_path, capsys, change, words):
+    (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC | change))
+    assert main(["simulate", str(tmp_path / "spec.yaml"), "-o", str(tmp_path / "curve.csv")]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert words in lines[0]
+
+
+def test_derivatives_fields_and_decks_are_refused(tmp_path, capsys):
+    with pytest.raises(InputError, match="derivatives"):
+        sensitivities(PYRAMID, ["youngs_modulus"])
+    with pytest.raises(InputError, match="field"):
+        states_at(PYRAMID, [1.0])
+    (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC))
+    arguments = ["export", str(tmp_path / "spec.yaml"), "--format", "calculix", "-o", str(tmp_path / "deck.inp")]
+    assert main(arguments) == 2
+    assert "pyramid" in capsys.readouterr().err
+
+
+def test_a_study_takes_it_but_no_diagnosis(tmp_path):
+    path = tmp_path / "study.yaml"
+    path.write_text(yaml.safe_dump(STUDY))
+    study = load_study(path)
+    specification = study.specification(study.cells[0], study.conditions[0])
+    assert specification.indenter == PYRAMID.indenter
+    blunter = replace(specification, indenter=replace(specification.indenter, face_angle=66.0))
+    assert address(blunter) != address(specification)
+    path.write_text(yaml.safe_dump({key: value for key, value in STUDY.items() if key != "diagnosis"}))
+    with pytest.raises(InputError, match="diagnosis"):
+        load_study(path)
