@@ -12,7 +12,7 @@ def main(snakemake):
     rows = []
     for file in snakemake.input:
         with open(file, encoding="utf-8") as stream:
-            rows.append(json.load(stream))
+            rows += json.load(stream)
     table = pd.DataFrame(rows)
     table.to_csv(snakemake.output.cases, index=False)
     score.summary(table).to_csv(snakemake.output.summary, index=False)

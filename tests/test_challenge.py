@@ -62,12 +62,23 @@ def test_the_seal_is_the_checksum_of_the_truth(study, tmp_path):
 
 def test_recordings_tell_nothing_but_the_curve(study, tmp_path):
     case = next(case for case in draw(study) if "thermal_drift" in case.mechanisms and case.kind == "one")
-    write(study, case, tmp_path)
-    assert sorted(file.name for file in tmp_path.glob("*.csv")) == ["T010_1.csv", "T010_2.csv", "T010_3.csv"]
-    text = (tmp_path / "T010_1.csv").read_text()
+    write(study, [case], tmp_path)
+    folder = tmp_path / case.name
+    assert sorted(file.name for file in folder.iterdir()) == ["T010_1.csv", "T010_2.csv", "T010_3.csv"]
+    text = (folder / "T010_1.csv").read_text()
     assert "SYNTHETIC" in text
     assert "drift" not in text
-    assert len(read_recording(tmp_path / "T010_1.csv")) == 12
+    assert len(read_recording(folder / "T010_1.csv")) == 12
+
+
+def test_company_changes_no_recording(study, tmp_path):
+    """Cases are simulated together for speed; what each holds is its own."""
+    cases = [case for case in draw(study) if case.kind != "two"][:3]
+    write(study, cases, tmp_path / "together")
+    for case in cases:
+        write(study, [case], tmp_path / "alone")
+        together, alone = (read_recording(tmp_path / w / case.name / "T010_2.csv") for w in ("together", "alone"))
+        assert together.depth == pytest.approx(alone.depth, abs=1e-6)
 
 
 def test_noise_has_the_strength_and_memory_asked_for():
@@ -123,5 +134,5 @@ def test_the_rule_tells_right_from_wrong():
     table = score.summary(pd.DataFrame([right, wrong, either, silent, claimed])).set_index("figure")
     assert table.loc["claims on null cases", "count"] == 1
     assert table.loc["strong single effects covered", ["count", "of"]].tolist() == [2, 3]
-    assert table.loc["wrong single name on single effects", "count"] == 1
+    assert table.loc["wrong single name on any single effect", "count"] == 1
     assert table.loc["claims on null cases", "upper"] > 0.8, "two cases prove little"

@@ -1,7 +1,7 @@
 # The blind trial: the truth is sealed first, the diagnosis never reads it, and the score opens it last.
-from palpate.challenge.cases import draw
+from palpate.challenge.cases import divided, draw
 
-CASES = [case.name for case in draw(STUDY)] if "challenge" in config else []
+GROUPS = divided(draw(STUDY)) if "challenge" in config else {}
 TRIAL = f"{FOLDER}/trial"
 TRIAL_CODE = fingerprint(*PHYSICS, "challenge")
 
@@ -29,9 +29,9 @@ rule sealed_truth:
 
 rule trial_recordings:
     output:
-        directory(f"{TRIAL}/recordings/{{case}}"),
+        directory(f"{TRIAL}/recordings/{{group}}"),
     log:
-        f"{FOLDER}/logs/trial/{{case}}_recordings.log",
+        f"{FOLDER}/logs/trial/{{group}}_recordings.log",
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -42,16 +42,16 @@ rule trial_recordings:
         "../../scripts/challenge_recordings.py"
 
 
-rule trial_diagnosis:
+rule trial_diagnoses:
     input:
         checksum=f"{TRIAL}/checksum.txt",
-        recordings=f"{TRIAL}/recordings/{{case}}",
+        recordings=f"{TRIAL}/recordings/{{group}}",
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
-        f"{TRIAL}/{{case}}/diagnosis.json",
+        directory(f"{TRIAL}/diagnoses/{{group}}"),
     log:
-        f"{FOLDER}/logs/trial/{{case}}_diagnosis.log",
+        f"{FOLDER}/logs/trial/{{group}}_diagnoses.log",
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -60,20 +60,20 @@ rule trial_diagnosis:
         settings=[STUDY.diagnosis, STUDY.calibration],
         code=DIAGNOSIS_CODE,
     script:
-        "../../scripts/challenge_diagnosis.py"
+        "../../scripts/challenge_diagnoses.py"
 
 
-rule trial_row:
+rule trial_scores:
     input:
         truth=f"{TRIAL}/sealed.json",
-        diagnosis=f"{TRIAL}/{{case}}/diagnosis.json",
-        recordings=f"{TRIAL}/recordings/{{case}}",
+        diagnoses=f"{TRIAL}/diagnoses/{{group}}",
+        recordings=f"{TRIAL}/recordings/{{group}}",
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
-        f"{TRIAL}/{{case}}/row.json",
+        f"{TRIAL}/scores/{{group}}.json",
     log:
-        f"{FOLDER}/logs/trial/{{case}}_row.log",
+        f"{FOLDER}/logs/trial/{{group}}_scores.log",
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -81,12 +81,12 @@ rule trial_row:
         conditions=CALIBRATED,
         code=TRIAL_CODE + DIAGNOSIS_CODE,
     script:
-        "../../scripts/challenge_row.py"
+        "../../scripts/challenge_scores.py"
 
 
 rule trial_summary:
     input:
-        expand(f"{TRIAL}/{{case}}/row.json", case=CASES),
+        expand(f"{TRIAL}/scores/{{group}}.json", group=GROUPS),
     output:
         summary=f"{TRIAL}/summary.csv",
         cases=f"{TRIAL}/cases.csv",

@@ -17,6 +17,7 @@ from palpate.config import Study
 from palpate.mechanisms import MECHANISMS
 
 INNER = 0.1
+TOGETHER = 8
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
@@ -108,6 +109,14 @@ def draw(study: Study) -> list[Case]:
         drawn.append((kind, _material(study, rng), mechanisms, strange, _noise(rng), int(rng.integers(2**31))))
     order = rng.permutation(len(drawn))
     return [Case(f"case_{number:03d}", *drawn[k]) for number, k in enumerate(order)]
+
+
+def divided(cases: list[Case]) -> dict[str, list[Case]]:
+    """Divide the cases among jobs."""
+    return {
+        f"group_{number:02d}": cases[first : first + TOGETHER]
+        for number, first in enumerate(range(0, len(cases), TOGETHER))
+    }
 
 
 def seal(cases: list[Case], path: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,27 +14,36 @@ from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.laboratory import correlated_noise
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate
+from palpate.model import simulate_batch
 from palpate.recording import Recording
 
 REPLICATES = 3
 
 
-def body_depth(study: Study, case: Case, condition: Condition) -> np.ndarray:
-    """Simulate what acts on the body itself, without what varies between recordings [nm]."""
-    acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
-    specification = study.specification(case.parameters, condition, accuracy=study.challenge["accuracy"])
-    outcome = simulate(replace(specification, mechanisms=acting))
-    if outcome.status != "ok":
-        raise PalpateError(f"{case.name}, {condition.name}: {outcome.reason}")
-    return outcome.depth
+def body_depths(study: Study, cases: Sequence[Case], condition: Condition) -> list[np.ndarray]:
+    """Simulate what acts on the bodies themselves, without what varies between recordings [nm]; in lanes where it can.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation fails.
+    """
+    specifications = []
+    for case in cases:
+        acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
+        specification = study.specification(case.parameters, condition, accuracy=study.challenge["accuracy"])
+        specifications.append(replace(specification, mechanisms=acting))
+    outcomes = simulate_batch(specifications)
+    for case, outcome in zip(cases, outcomes, strict=True):
+        if outcome.status != "ok":
+            raise PalpateError(f"{case.name}, {condition.name}: {outcome.reason}")
+    return [outcome.depth for outcome in outcomes]
 
 
-def record(study: Study, case: Case, condition: Condition, rng: np.random.Generator) -> list[Recording]:
-    """Return the recordings of one condition."""
+def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.Generator) -> list[Recording]:
+    """Return the recordings of one condition under which the body is indented by `depth` (n,) [nm]."""
     protocol, noise = condition.protocol, case.noise
     time, load = protocol.sample_time, protocol.sample_load
-    depth = body_depth(study, case, condition)
     if case.unknown:
         test = Curve(time, load, depth, protocol)
         depth = UNKNOWN[case.unknown["key"]](test, case.unknown["strength"], rng)
@@ -51,13 +61,14 @@ def record(study: Study, case: Case, condition: Condition, rng: np.random.Genera
     return recordings
 
 
-def write(study: Study, case: Case, folder: Path) -> None:
-    """Write the recordings of one case."""
-    rng = np.random.default_rng(case.seed)
-    folder.mkdir(parents=True, exist_ok=True)
+def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
+    """Write the recordings of some cases, each into a folder of its own."""
+    generators = [np.random.default_rng(case.seed) for case in cases]
     for condition in study.conditions:
-        for recording in record(study, case, condition, rng):
-            recording.write(folder / f"{recording.name}.csv")
+        for case, depth, rng in zip(cases, body_depths(study, cases, condition), generators, strict=True):
+            (folder / case.name).mkdir(parents=True, exist_ok=True)
+            for recording in record(case, condition, depth, rng):
+                recording.write(folder / case.name / f"{recording.name}.csv")
 
 
 def first_order(points: int, memory: float, rng: np.random.Generator) -> np.ndarray:

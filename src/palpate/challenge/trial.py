@@ -1,4 +1,4 @@
-"""The steps of the trial: seal the truth, write recordings, diagnose, and only then open the seal and score."""
+"""The steps of the trial that follow the recordings: diagnose, and only then score with the truth."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
-from palpate.challenge.cases import Case, draw
-from palpate.challenge.laboratory import body_depth, write
+from palpate.challenge.cases import Case
+from palpate.challenge.laboratory import body_depths
 from palpate.challenge.score import row
 from palpate.config import Study
 from palpate.diagnosis.design import candidates
@@ -22,16 +22,6 @@ from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.steps import load_problem, run_diagnosis
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
-
-
-def case_called(study: Study, name: str) -> Case:
-    """Return one case."""
-    return next(case for case in draw(study) if case.name == name)
-
-
-def write_recordings(study: Study, name: str, folder: Path) -> None:
-    """Write the recordings of one case."""
-    write(study, case_called(study, name), folder)
 
 
 def diagnose_case(
@@ -66,7 +56,8 @@ def strength(
         if MECHANISMS[key].varies:
             parts.append(problem.recorded_effect(key, condition, values))
         else:
-            parts.append(body_depth(study, case, condition) - body_depth(study, bare, condition))
+            acting, without = body_depths(study, [case, bare], condition)
+            parts.append(acting - without)
     white = fit.whiten(np.concatenate(parts))
     size = float(np.linalg.norm(white - fit.tangent_space @ (fit.tangent_space.T @ white)))
     limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))

@@ -1,4 +1,4 @@
-"""Open the seal for one case and score its diagnosis."""
+"""Open the seal for some cases and score their diagnoses."""
 
 import json
 from pathlib import Path
@@ -14,9 +14,12 @@ def main(snakemake):
     base = dict(zip(names, snakemake.input.surrogates, strict=True))
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
-    case = Case(**next(truth for truth in truths if truth["name"] == snakemake.wildcards.case))
-    paths = Path(snakemake.input.diagnosis), Path(snakemake.input.recordings)
-    write_json(snakemake.output[0], score_case(study, case, *paths, base, effects))
+    rows = []
+    for diagnosis in sorted(Path(snakemake.input.diagnoses).glob("*.json")):
+        case = Case(**next(truth for truth in truths if truth["name"] == diagnosis.stem))
+        folder = Path(snakemake.input.recordings) / diagnosis.stem
+        rows.append(score_case(study, case, diagnosis, folder, base, effects))
+    write_json(snakemake.output[0], rows)
 
 
 if "snakemake" in globals():

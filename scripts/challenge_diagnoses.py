@@ -1,5 +1,6 @@
-"""Diagnose one case of the trial."""
+"""Diagnose some cases of the trial."""
 
+import time
 from pathlib import Path
 
 from palpate.challenge.trial import diagnose_case
@@ -12,9 +13,12 @@ def main(snakemake):
     base = dict(zip(names, snakemake.input.surrogates, strict=True))
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
-        folder = Path(snakemake.input.recordings)
-        content, _ = diagnose_case(study, folder, base, effects, lambda line: print(line, file=log))
-    write_json(snakemake.output[0], content)
+        for folder in sorted(Path(snakemake.input.recordings).iterdir()):
+            begin = time.process_time()
+            print(folder.name, file=log)
+            content, _ = diagnose_case(study, folder, base, effects, lambda line: print(line, file=log))
+            content["cpu_seconds"] = time.process_time() - begin
+            write_json(Path(snakemake.output[0]) / f"{folder.name}.json", content)
 
 
 if "snakemake" in globals():
