@@ -2,21 +2,29 @@
 
 import hashlib
 import json
+import sys
 from collections import Counter
+from pathlib import Path
 
+import joblib
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
+from palpate import snapshots
 from palpate.challenge import score
 from palpate.challenge.cases import AMPLITUDES, draw, seal
 from palpate.challenge.laboratory import background, first_order, write
+from palpate.challenge.trial import diagnose_case
 from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import load_study
+from palpate.diagnosis import design
+from palpate.diagnosis.effects import fit_effects
 from palpate.mechanisms import MECHANISMS
 from palpate.protocol import trapezoid
 from palpate.recording import read_recording
+from palpate.steps import fit_surrogate
 
 STUDY = {
     "study": "trial",
@@ -99,6 +107,44 @@ def test_unknown_effects_vanish_with_their_strength(key):
     changed = [UNKNOWN[key](test, s, np.random.default_rng(1)) - test.depth for s in (0.0, 0.5, 1.0)]
     assert changed[0] == pytest.approx(0.0, abs=1e-9)
     assert np.abs(changed[2]).max() > np.abs(changed[1]).max() > 1.0
+
+
+OPENED = []
+
+
+@pytest.fixture
+def trial(tmp_path):
+    """Write a trial whose diagnosis is quick: one material parameter, and mechanisms that need no simulations."""
+    levels = {name: values[:1] for name, values in STUDY["parameters"].items()} | {"youngs_modulus": [3.0, 3.3, 3.6]}
+    small = STUDY | {"parameters": levels, "diagnosis": {"mechanisms": ["thermal_drift", "frame_compliance"]}}
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(small))
+    study = load_study(tmp_path / "small.yaml")
+    (condition,) = study.conditions
+    learnt, acting = snapshots.plan(study, tmp_path), design.plan(study, tmp_path)
+    for batch in [*learnt, *acting]:
+        snapshots.compute(batch, tmp_path / "store")
+    surrogate, *_ = fit_surrogate(study, [file for batch in learnt for file in batch.files])
+    effects = fit_effects(study, condition, Path(acting[0].files[0]).parent)
+    files = {condition.name: tmp_path / "surrogate"}, {condition.name: tmp_path / "effects.joblib"}
+    joblib.dump(surrogate, tmp_path / "surrogate")
+    joblib.dump(effects, tmp_path / "effects.joblib")
+    cases = draw(study)
+    seal(cases, tmp_path / "sealed.json")
+    return study, next(case for case in cases if "thermal_drift" in case.mechanisms), files, tmp_path
+
+
+def test_the_diagnosis_never_opens_the_seal(trial):
+    """Every file that Python opens is noted; nor does the diagnosis miss the truth once it is gone."""
+    study, case, files, folder = trial
+    write(study, [case], folder / "recordings")
+    sys.addaudithook(lambda event, details: OPENED.append(str(details[0])) if event == "open" else None)
+    told, _ = diagnose_case(study, folder / "recordings" / case.name, *files, lambda line: None)
+    opened = list(OPENED)
+    assert any(file.endswith("_1.csv") for file in opened), "the hook works"
+    assert not [file for file in opened if "sealed" in file]
+    (folder / "sealed.json").unlink()
+    blind, _ = diagnose_case(study, folder / "recordings" / case.name, *files, lambda line: None)
+    assert blind == told
 
 
 def answer(verdict, candidates=(), truth=("friction",), kind="one"):

@@ -16,7 +16,7 @@ from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.refine import refine
 from palpate.errors import PalpateError
 
-CLOSE = np.log(20.0)
+CLOSE = np.log(100.0)
 SCREENED = 40.0
 LEAST_REFINED, MOST_REFINED = 3, 5
 MOST_SETS = 12
@@ -128,7 +128,8 @@ def diagnose(
     The base model is tested first. If it fails, every mechanism is fitted together with the material; those whose
     evidence is near the best go to the forward model and are tested in turn. If none of them leaves only noise, sets
     with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Among the smallest
-    explanations that pass, those within a likelihood ratio of 20 stand. One that contradicts an exact law never passes.
+    explanations that pass, those within a likelihood ratio of 100 stand, so that a name given alone should be wrong in
+    less than one case of a hundred. One that contradicts an exact law never passes.
     Without replicates part of the noise is assumed, and no explanation is given alone.
 
     Parameters

@@ -98,7 +98,8 @@ class Mechanism:
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
     solver_scatter
-        Scatter of its simulated effect between meshes, at `accuracy: standard`, relative to the effect.
+        Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
+        differs from `fine`. Below a hundredth it is left out.
     shortcut
         What it makes of a known depth curve, with the arguments of `record`; close enough to search with, so that
         no simulations are needed to learn its effect.
