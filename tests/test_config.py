@@ -287,3 +287,13 @@ def test_a_load_history_that_is_none_is_refused_with_its_place(tmp_path, conditi
     with pytest.raises(InputError) as caught:
         load(tmp_path, conditions=[{"name": "P", **condition}])
     assert caught.value.place.endswith(place)
+
+
+def test_snapshots_may_fill_the_ranges_instead_of_the_levels(tmp_path):
+    levels = {"youngs_modulus": [3.0, 3.5], "retardation_time": [0.25]}
+    study = load(tmp_path, parameters={**STUDY["parameters"], **levels}, design={"kind": "sobol", "points": 32})
+    cells = study.cells
+    moduli = np.array([cell["youngs_modulus"] for cell in cells])
+    assert len(cells) == len(np.unique(moduli)) == 32
+    assert {cell["retardation_time"] for cell in cells} == {0.25}
+    assert np.all(np.histogram(moduli, 8, (3.0, 3.5))[0] == 4), "Sobol's points balance"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from palpate.design import factorial, sobol
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.load_history import KEYS, protocol_from
@@ -61,6 +61,9 @@ class Study:
         Material parameters that are not on the grid.
     levels
         Levels of the snapshot grid for each parameter, in order; one level holds a parameter constant.
+    design
+        How the snapshots lie: `kind` ``factorial`` takes every combination of the levels, ``sobol`` as many `points` of
+        a Sobol sequence between the lowest and the highest ones.
     indenter, kinematics, accuracy, points
         How a snapshot is simulated.
     conditions
@@ -79,6 +82,7 @@ class Study:
     model: str
     fixed: Mapping[str, float]
     levels: Mapping[str, tuple[float, ...]]
+    design: Mapping[str, Any]
     indenter: Indenter
     kinematics: str
     accuracy: str
@@ -102,8 +106,12 @@ class Study:
 
     @property
     def cells(self) -> list[dict[str, float]]:
-        """Every combination of the levels, the last parameter running fastest."""
-        return [dict(zip(self.levels, cell, strict=True)) for cell in itertools.product(*self.levels.values())]
+        """Material parameters of the snapshots."""
+        if self.design["kind"] == "factorial":
+            return factorial(self.levels)
+        constant = {name: levels[0] for name, levels in self.levels.items()}
+        bounds = {name: (min(self.levels[name]), max(self.levels[name])) for name in self.free_parameters}
+        return [{**constant, **point} for point in sobol(bounds, self.design["points"], self.seed)]
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`."""
@@ -185,6 +193,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         model=model,
         fixed=material,
         levels=levels,
+        design=settings["design"],
         indenter=indenter,
         kinematics=settings["kinematics"],
         accuracy=settings["accuracy"],
