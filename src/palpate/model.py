@@ -223,6 +223,21 @@ def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
-def _case(solid: Specification) -> Case:
+def simulate_smoothly(specification: Specification) -> Simulation:
+    """Simulate one indentation on two meshes half a ring apart, and take the mean of the depths.
+
+    The depth ripples as the edge of contact passes from node to node, by about a thousandth at ``accuracy: standard``;
+    in the mean the first harmonic of that cancels. The two share SIMD lanes, so that under a sharp frictionless cone
+    they cost little more than one.
+    """
+    if not specification.indenter.of_revolution:
+        return simulate(specification)
+    solid = acting(specification)
+    first, second = (_simulation(specification, h) for h in indent_batch([_case(solid), _case(solid, shift=0.5)]))
+    worse = second if second.status == "failed" else first
+    return replace(worse, depth=0.5 * (first.depth + second.depth))
+
+
+def _case(solid: Specification, shift: float = 0.0) -> Case:
     resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
-    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large)
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, shift)

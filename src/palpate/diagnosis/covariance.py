@@ -151,12 +151,13 @@ def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) ->
 
 
 def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:
-    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, and in the middle of the grid."""
+    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, in time, and mid-grid."""
     blocks = []
     for condition in problem.conditions:
         found = [problem.base[condition.name].loo_error_]
         effects: Mapping = problem.effects[condition.name]
-        found += [effects[key].error for key in explanation if key in effects]
+        for key in explanation:
+            found += [effects[key].error, effects[key].unresolved] if key in effects else []
         if condition.name in problem.interior:
             found.append(problem.interior[condition.name][None])
         blocks.append(sum(error.T @ error / len(error) for error in found))

@@ -11,9 +11,13 @@ point noise AR(1) of its own strength and memory for each condition, and varianc
     ...      M = c c^T          a mechanism whose value differs between recordings, with its column c(t)
 
 Orthonormal contrasts of the replicates have this covariance and do not know h, so they fix the noise whatever the model
-lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Without replicates, what remains of the residual after a
-cubic in each segment takes their place, and the variances of the components are assumed. The point noise is then taken
-to forget within ten points: slower misfit is no noise, or a missing effect would pass for it.
+lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Few replicates often put a variance at zero that is not; a
+prior proportional to the deviation keeps site scatter and wander off the boundary, by a standard error at most (Chung
+et al., Psychometrika 78 (2013) 685-709).
+
+Without replicates, what remains of the residual after a cubic in each segment takes their place, and the variances of
+the components are assumed. The point noise is then taken to forget within ten points: slower misfit is no noise, or a
+missing effect would pass for it.
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
 FURTHEST = 2.0
 AT_BOUND = 1e-4
+NEVER_ZERO = ("site", "wander")
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,12 +179,16 @@ def fit_noise(
             if replicated:
                 for j, name in enumerate(names):
                     slope[2 * count + j] += variances[name] * np.sum(weight * parts[2 + j])
+        for j in never_zero:
+            value, slope[j] = value - 0.5 * x[j], slope[j] - 0.5
         return value, slope
 
+    never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
     found = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60})
     sigma, memory, variances = unpack(found.x)
     covariance = _fisher(replicates, sigma, memory, variances, replicated)
-    return NoiseModel(sigma, memory, variances, -float(found.fun), covariance, replicated)
+    log_likelihood = -float(found.fun) - 0.5 * float(found.x[never_zero].sum())
+    return NoiseModel(sigma, memory, variances, log_likelihood, covariance, replicated)
 
 
 def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:

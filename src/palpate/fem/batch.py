@@ -30,13 +30,14 @@ from palpate.specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The arguments of `palpate.fem.indent.indent`."""
+    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh."""
 
     specimen: Specimen
     indenter: Indenter
     protocol: Protocol
     resolution: Resolution
     large: bool = False
+    shift: float = 0.0
 
     @property
     def suits(self) -> bool:
@@ -56,7 +57,12 @@ class Case:
     @cached_property
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
-        return mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
+        usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
+        return usual * self.resolution.growth**self.shift
+
+    def alone(self) -> History:
+        """Simulate it by itself."""
+        return indent(self.specimen, self.indenter, self.protocol, self.resolution, self.large, self.radii)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -97,10 +103,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
             if len(chosen) > 1:
                 found = run_lanes([cases[number] for number in chosen])
                 histories |= {number: history for number, history in zip(chosen, found, strict=True) if history}
-    return [
-        histories.get(number) or indent(case.specimen, case.indenter, case.protocol, case.resolution, case.large)
-        for number, case in enumerate(cases)
-    ]
+    return [histories.get(number) or case.alone() for number, case in enumerate(cases)]
 
 
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:
