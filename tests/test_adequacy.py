@@ -7,7 +7,7 @@ import pytest
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
 from palpate.calibration.space import Space
-from palpate.diagnosis.covariance import noise_of
+from palpate.diagnosis.covariance import components, noise_of
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.noise import SINGLE_MEMORY
 
@@ -36,11 +36,25 @@ def test_a_parameter_held_by_its_bound(null, bounds):
 
 
 def test_noise_of_single_recordings_never_grows_slow():
-    """A ramp that no cubic in a segment removes at once would be noise of long memory; drawn models keep it short."""
+    """A wave that no cubic in a segment removes at once would be noise of long memory; what is simulated forgets."""
     rng = np.random.default_rng(4)
     task = problem(recordings(rng, replicates=1))
     slow = np.concatenate([8.0 * np.sin(np.linspace(0, 9, 60)) for _ in CONDITIONS])
     noise = noise_of(task, (), slow, 0.01)
-    drawn = [noise.drawn(rng) for _ in range(200)]
-    assert max(model.memory.max() for model in drawn) <= SINGLE_MEMORY
-    assert np.percentile([model.sigma.max() for model in drawn], 99) < 2.0 * noise.sigma.max()
+    assert noise.memory.max() <= SINGLE_MEMORY
+    still = [{"site": np.zeros((60, 60))} for _ in CONDITIONS]
+    quiet = replace(
+        noise, variances={"site": 0.0}, covariance=noise.covariance[: 2 * len(still) + 1, : 2 * len(still) + 1]
+    )
+    drawn = np.array(quiet.simulated(still, 400, rng))
+    assert np.percentile(np.abs(drawn), 99.9) < 6.0 * noise.sigma.max()
+
+
+def test_simulated_noise_has_the_covariance_of_its_model(null):
+    rng = np.random.default_rng(5)
+    noise = noise_of(null, (), np.zeros(len(null.mean)), 0.01)
+    parts = components(null, (), null.mean)
+    known = replace(noise, covariance=1e-12 * np.eye(len(noise.covariance)))
+    for k, drawn in enumerate(known.simulated(parts, 20000, rng)):
+        expected = noise.matrix(k, parts[k])
+        assert np.cov(drawn) == pytest.approx(expected, abs=0.05 * np.diag(expected).max())

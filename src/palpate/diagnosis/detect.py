@@ -94,12 +94,9 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
     """Return whitened noise of the mean curves (n_all, count), the noise model drawn anew for each column."""
     model = cholesky(fit.errors.model + 1e-9 * np.eye(len(fit.errors.model)), lower=True)
     columns = model @ rng.standard_normal((len(model), count))
-    sizes = [len(item) for item in fit.problem.split(fit.problem.mean).values()]
-    ends = np.concatenate([[0], np.cumsum(sizes)])
-    for b in range(count):
-        for first, last, block in zip(ends, ends[1:], fit.errors.blocks(fit.errors.noise.drawn(rng)), strict=False):
-            columns[first:last, b] += cholesky(block, lower=True) @ rng.standard_normal(last - first)
-    return fit.whiten(columns)
+    noise = fit.errors.noise.simulated(fit.errors.components, count, rng)
+    means = [part / np.sqrt(n) for part, n in zip(noise, fit.errors.counts, strict=True)]
+    return fit.whiten(columns + np.concatenate(means))
 
 
 def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> float:

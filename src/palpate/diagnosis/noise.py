@@ -90,21 +90,29 @@ class NoiseModel:
         """Return K (n, n) of condition number k [nm^2]."""
         return _matrix(self.sigma[k], self.memory[k], self.variances, components)
 
-    def drawn(self, rng: np.random.Generator) -> NoiseModel:
-        """Return a model drawn from the uncertainty of this one."""
-        count = len(self.sigma)
+    def simulated(
+        self, components: Sequence[Mapping[str, np.ndarray]], count: int, rng: np.random.Generator
+    ) -> list[np.ndarray]:
+        """Return noise (n, count) of one recording of each condition, each column from a model drawn anew [nm].
+
+        The model is drawn from its uncertainty: `covariance`, within the bounds.
+        """
+        conditions = len(self.sigma)
         mean = np.concatenate([np.log(self.sigma), _logit(self.memory), list(self.variances.values())])
-        draw = rng.multivariate_normal(mean, self.covariance, method="svd")
-        draw[: 2 * count] = np.clip(draw[: 2 * count], mean[: 2 * count] - FURTHEST, mean[: 2 * count] + FURTHEST)
-        variances = {name: max(v, 0.0) for name, v in zip(self.variances, draw[2 * count :], strict=True)}
-        return NoiseModel(
-            np.exp(draw[:count]),
-            np.minimum(_memory(draw[count : 2 * count]), largest_memory(self.replicated)),
-            variances,
-            np.nan,
-            self.covariance,
-            self.replicated,
-        )
+        draws = rng.multivariate_normal(mean, self.covariance, size=count, method="svd")
+        points = slice(0, 2 * conditions)
+        draws[:, points] = np.clip(draws[:, points], mean[points] - FURTHEST, mean[points] + FURTHEST)
+        sigma = np.exp(draws[:, :conditions])
+        memory = np.minimum(_memory(draws[:, conditions : 2 * conditions]), largest_memory(self.replicated))
+        deviations = np.sqrt(np.maximum(draws[:, 2 * conditions :], 0.0))
+        noise = []
+        for k, parts in enumerate(components):
+            size = len(next(iter(parts.values())))
+            total = sigma[:, k] * _first_order(memory[:, k], size, rng)
+            for deviation, name in zip(deviations.T, self.variances, strict=True):
+                total += deviation * (_root(parts[name]) @ rng.standard_normal((size, count)))
+            noise.append(total)
+        return noise
 
 
 def largest_memory(replicated: bool) -> float:
@@ -232,6 +240,21 @@ def _derivatives(sigma: float, memory: float, r: Replicates) -> list[np.ndarray]
     slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
     parts = [2 * point, slope, *r.components.values()]
     return [r.basis @ part @ r.basis.T for part in parts] if len(r.basis) < size else parts
+
+
+def _first_order(memory: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:
+    """Return stationary autoregressive noise (size, m) of unit variance, a column for each `memory` (m,)."""
+    noise = rng.standard_normal((size, len(memory)))
+    fresh = np.sqrt(1.0 - memory**2)
+    for i in range(1, size):
+        noise[i] = memory * noise[i - 1] + fresh * noise[i]
+    return noise
+
+
+def _root(matrix: np.ndarray) -> np.ndarray:
+    """Return the symmetric square root of a matrix that is at least positive semidefinite."""
+    values, vectors = np.linalg.eigh(matrix)
+    return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
 
 
 def _logit(p: np.ndarray) -> np.ndarray:
