@@ -1,5 +1,6 @@
 """The workflow from a tiny study to its report, and what it must never do: recompute, lose, or start on bad input."""
 
+import hashlib
 import json
 import os
 import shutil
@@ -104,6 +105,18 @@ def test_estimates_hold_the_truth(finished):
     free = table[(table["condition_set"] == "all") & table["identified"]]
     assert len(free) >= 1
     assert ((free["lower"] <= free["truth"]) & (free["truth"] <= free["upper"])).all()
+
+
+def test_a_blind_trial_goes_from_the_seal_to_its_summary(finished):
+    trial = TINY | {"challenge": {"seed": 4, "none": 1, "one": 2, "two": 0, "unknown": 0, "accuracy": "standard"}}
+    run = snakemake(finished, "challenge", study=trial)
+    assert run.returncode == 0, run.stderr[-3000:]
+    folder = finished / "results/tiny/trial"
+    checksum = (folder / "checksum.txt").read_text().split()[0]
+    assert checksum == hashlib.sha256((folder / "sealed.json").read_bytes()).hexdigest()
+    assert sorted(pd.read_csv(folder / "cases.csv")["kind"]) == ["none", "one", "one"]
+    assert (folder / "power.png").stat().st_size > 10_000
+    assert pd.read_csv(folder / "summary.csv").loc[0, "of"] == 1
 
 
 def test_every_surrogate_and_fit_is_a_run_under_one_parent(finished):
