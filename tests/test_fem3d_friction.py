@@ -1,6 +1,8 @@
 """Friction under a pyramid: its own law at every node, exact laws, bounds, and independent solutions."""
 
+import shutil
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,10 +17,12 @@ from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen
+from palpate.verification.calculix_pyramid import depth_at_one
 
 COARSE = Resolution(growth=1.3, sectors=6, far=300.0)
+COARSER = Resolution(growth=1.35, sectors=3, far=100.0)
 CYCLE = Protocol(np.array([0.0, 10, 20, 30, 40]), np.array([0.0, 0.6, 0.1, 1.0, 0.01]), np.arange(2.0, 41.0, 2.0))
-LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.1, 1.0, 19))
+LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.2, 1.0, 9))
 BURGERS = Specimen(
     LAWS["nonlinear_burgers"].coefficients(
         {
@@ -100,22 +104,34 @@ def test_two_faces_hold_back_more_than_one_along_the_edge():
 
 def test_load_scaling():
     """h(t; kP) = sqrt(k) h(t; P): friction has no length."""
-    one, other = (depth(BURGERS, pyramid(0.25), trapezoid(load, 30.0, 5.0, 30.0)) for load in (1.0, 2.7))
-    assert other == pytest.approx(np.sqrt(2.7) * one, rel=2e-3)
+    one, other = (
+        depth(BURGERS, pyramid(0.25), trapezoid(load, 30.0, 5.0, 30.0, points=16), COARSER) for load in (1.0, 2.7)
+    )
+    assert other == pytest.approx(np.sqrt(2.7) * one, rel=1e-3)
+
+
+@pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
+def test_calculix_agrees_on_what_friction_does():
+    """On meshes so coarse that they move the effect itself, 0.8 % of the depth, by a fifth of it."""
+    program, law = Path(shutil.which("ccx")), {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
+    smooth, rough = (depth_at_one(program, pyramid(mu), law, 370.0, COARSER)[0] for mu in (0.0, 0.25))
+    curves = [depth(elastic(0.34), pyramid(mu), resolution=COARSER) for mu in (0.0, 0.25)]
+    assert np.mean(curves[1] / curves[0]) == pytest.approx(rough / smooth, abs=0.003)
 
 
 def test_a_cone_is_held_back_as_in_the_axisymmetric_solver():
-    protocol = trapezoid(1.0, 30.0, 0.0, 30.0, points=30)
+    protocol = trapezoid(1.0, 30.0, 0.0, 30.0, points=20)
     cones = [Indenter("cone", 70.3, friction=mu) for mu in (0.0, 0.25)]
     loaded = protocol.sample_load > 0.1
     slick, rough = (depth(BURGERS, cone, protocol)[loaded] for cone in cones)
     other, expected = (indent(BURGERS, cone, protocol, AXISYMMETRIC["standard"]).depth[loaded] for cone in cones)
-    assert rough / slick == pytest.approx(expected / other, abs=0.002)
+    assert rough / slick == pytest.approx(expected / other, abs=0.004)
+    assert np.mean(rough / slick) == pytest.approx(np.mean(expected / other), abs=0.001)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.34])
 def test_a_shallow_pyramid_stays_below_full_stick(ratio):
-    """Contact without any slip is stiffer by (1 - nu) ln(3 - 4 nu) / (1 - 2 nu) (Mossakovskii, PMM 18 (1954) 187-196)."""
+    """Contact without slip is stiffer by (1 - nu) ln(3 - 4 nu) / (1 - 2 nu) (Mossakovskii, PMM 18 (1954) 187-196)."""
     bound = (1 - ratio) * np.log(3 - 4 * ratio) / (1 - 2 * ratio)
     gains = [
         float(np.mean((depth(elastic(ratio), pyramid(0.0, 88.0)) / depth(elastic(ratio), pyramid(mu, 88.0))) ** 2))

@@ -1,8 +1,8 @@
 """A deck for CalculiX: an elastic wedge, one sixth of a body, pressed by one face of a rigid pyramid.
 
 The wedge has the nodes of `palpate.fem3d.mesh` but CalculiX' own elements (C3D8I: incompatible modes), contact
-(penalty, surface to surface) and mirror planes. The indenter is one stiff element whose lowest face lies on the
-pyramid's; it is moved, so that the load is a reaction.
+(penalty, surface to surface), friction and mirror planes. The indenter is one stiff element whose lowest face lies on
+the pyramid's; it is moved, so that the load is a reaction.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from palpate.fem3d.shell import WEDGE
 
 INCREMENTS = 8
 PENETRATION = 2e-4  # of the depth, under a pressure of a fifth of Young's modulus
-STICKING = 0.1  # stiffness against slip before the limit, over that against penetration
+STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 FACES = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: (2, 6, 7, 3), 6: (3, 7, 4, 0)}
 
 
@@ -43,7 +43,7 @@ def deck(
     youngs_modulus, poisson_ratio
         [GPa], [-]
     friction
-        Coulomb coefficient; before the limit a force moves the surface as far along the indenter as into it.
+        Coulomb coefficient; before the limit a force moves the surface ten times as far along the indenter as into it.
     increments
         How many equal ones the way is taken in, at least.
     """
