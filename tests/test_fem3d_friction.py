@@ -71,7 +71,7 @@ def test_law_holds_at_every_node_and_dissipates():
         pressing, force = contact.pressure(after.force), after.force[mesh.surface]
         touches = after.contact[mesh.surface] & (np.arange(len(mesh.surface)) > 0)
         normal = pressing * np.sqrt(1 + slope**2) / (1 + np.sum(along**2, axis=1))
-        tangential = (force[:, :2] + contact.slope * force[:, 2:]) * contact.friction.across[:, None] ** [[0, 1]]
+        tangential = contact.friction.along(force[:, :2] + contact.slope * force[:, 2:])
         metric = np.eye(2) + along[:, :, None] * along[:, None, :]
         size = np.sqrt(np.einsum("ki,kij,kj->k", tangential, np.linalg.inv(metric), tangential))
         assert normal[touches].min() > -1e-7
