@@ -26,7 +26,7 @@ from palpate.fem.newton import LinearSystem
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.element import CURVATURE_11, CURVATURE_22
 
-ACCURACY = 1e-4
+ACCURACY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
