@@ -1,6 +1,7 @@
 """The solver in three dimensions: exact states, the tangent, and the axisymmetric solver on the same indenters."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,11 @@ from palpate.fem.indent import RESOLUTIONS as AXISYMMETRIC
 from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.contact import Contact
+from palpate.fem3d.coupled import Coupling
 from palpate.fem3d.element import assemble, element
 from palpate.fem3d.indent import indent_3d
 from palpate.fem3d.mesh import CORNERS, integration, wedge_mesh
-from palpate.fem3d.newton import Workspace
+from palpate.fem3d.newton import Problem, State, Workspace
 from palpate.fem3d.shell import WEDGE, shell
 from palpate.fem3d.tip import tip_of
 from palpate.indenters import Indenter
@@ -43,22 +45,38 @@ def elastic(ratio):
     return LAWS["elastic"].coefficients({"youngs_modulus": 3.28, "poisson_ratio": ratio})
 
 
-def assembled(mesh, coefficients, displacement, touching=(), tip=FACE, depth=0.0, step=0.3):
-    """Return residual, the lower half of the tangent as a full matrix, border and corner at given displacements."""
-    work, contact = Workspace.of(mesh), Contact.resume(mesh, tip, np.isin(np.arange(len(mesh.nodes)), touching))
+def posed(mesh, law, tip=FACE, friction=0.0, touching=()):
+    """Return a problem and its unloaded state, with nodes that touch all the same."""
+    problem = Problem(mesh, tip, Specimen(law), friction)
+    return problem, replace(State.initial(problem), contact=np.isin(np.arange(len(mesh.nodes)), touching))
+
+
+def assembled(problem, state, displacement, depth=0.0, step=0.3):
+    """Return residual, the lower half of the tangent as a full matrix, border, corner, force, and what friction adds.
+
+    That is a matrix too, one row and column longer, or none.
+    """
+    mesh, law = problem.mesh, problem.specimen.coefficients
+    work, contact = Workspace.of(problem), Contact.resume(problem, state, state)
     contact.follow(displacement, depth)
     work.past[:], work.alpha[:] = 0.0, 0.0
-    force, guesses = np.empty(len(mesh.nodes)), np.zeros((len(mesh.elements), 8))
+    force, guesses = np.empty((len(mesh.nodes), 3)), np.zeros((len(mesh.elements), 8))
     corner = assemble(
-        displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, coefficients,
-        step_weights(coefficients, step), work.past, work.alpha, guesses, work.local, contact.touching, contact.rule,
-        work.band, work.residual, work.border[:, 0], force,
+        displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, law,
+        step_weights(law, step), work.past, work.alpha, guesses, work.local, contact.touching, contact.rule, work.slot,
+        work.band, work.residual, work.border[:, 0], force, work.pressing,
     )  # fmt: skip
+    coupled = None
+    if problem.friction > 0.0:
+        assert contact.pressure(force)[contact.touching[mesh.surface]].min() > 0.0
+        coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
+        coupled = np.stack([coupling.forces(coupling.pressed(unit)) for unit in np.eye(mesh.size + 1)], axis=1)
     full = np.zeros((mesh.size, mesh.size))
     for j in range(mesh.size):
         rows = work.band[j, : mesh.size - j]
         full[j : j + len(rows), j] = rows
-    return work.residual.copy(), np.tril(full) + np.tril(full, -1).T, work.border[:, 0].copy(), corner, force
+    tangent = np.tril(full) + np.tril(full, -1).T
+    return work.residual.copy(), tangent, work.border[:, 0].copy(), corner, force, coupled
 
 
 def along_axes(mesh, field):
@@ -85,7 +103,7 @@ def test_uniform_compression_is_exact(ratio):
     mesh, strain = wedge_mesh(1.3 ** np.arange(6), shell(6)), -0.01
     field = mesh.nodes * [-ratio * strain, -ratio * strain, strain]
     forces, free = np.zeros((len(mesh.nodes), 3)), mesh.equations >= 0
-    forces[free] = assembled(mesh, elastic(ratio), along_axes(mesh, field))[0]
+    forces[free] = assembled(*posed(mesh, elastic(ratio)), along_axes(mesh, field))[0]
     inside = np.ones(len(mesh.nodes), dtype=bool)
     inside[mesh.surface] = False
     assert np.abs(forces[inside]).max() < 1e-12
@@ -124,19 +142,45 @@ def test_the_tangent_is_the_derivative_of_the_residual(indenter):
     base[free] = 0.02 * rng.standard_normal(mesh.size)
     touching = mesh.surface[:4]
     base[mesh.surface[4:], 2] = -5.0
-    _, tangent, border, corner, _ = assembled(mesh, law, base, touching, tip, depth)
-    direction, change, part = rng.standard_normal(mesh.size), 0.7, 1e-6
-    direction[mesh.equations[touching, 2]] = 0.0
+    check_tangent(*posed(mesh, law, tip, touching=touching), base, depth, rng.standard_normal(mesh.size))
+
+
+def test_the_tangent_with_friction_is_the_derivative_of_the_residual():
+    """Nodes stick and slip, inside, under the middle of the face and under the edge, where the mesh is turned."""
+    mesh, rng, depth = wedge_mesh(1.6 ** np.arange(4), shell(3)), np.random.default_rng(11), 1.0
+    surface, free = mesh.surface, mesh.equations >= 0
+    base = np.zeros(free.shape)
+    base[free] = 0.002 * rng.standard_normal(mesh.size)
+    base[surface, 2] = np.minimum(0.0, FACE(*mesh.nodes[surface, :2].T)[0] - depth) - 0.01
+    problem, state = posed(mesh, LAWS["nonlinear_burgers"].coefficients(BURGERS), FACE, 0.3, surface[:7])
+    contact = Contact.resume(problem, state, state)
+    way = contact.friction.reach[:, None] * rng.uniform(-1, 1, (len(surface), 2)) * (free[surface, :2])
+    way[1::2] *= 4.0
+    place = contact.place + base[surface, :2]
+    state = replace(state, anchor=place - way)
+    sizes = contact.friction.size(way / contact.friction.reach[:, None], FACE(*place.T)[1])[1:7]
+    assert sizes.min() < 0.9 and sizes.max() > 1.1
+    check_tangent(problem, state, base, depth, rng.standard_normal(mesh.size), part=1e-7)
+
+
+def check_tangent(problem, state, base, depth, direction, change=0.7, part=1e-6):
+    """Compare the tangent with differences along a direction; nodes that do not touch stay at their height."""
+    mesh = problem.mesh
+    free, touching = mesh.equations >= 0, np.flatnonzero(state.contact)
+    apart = np.setdiff1d(mesh.surface, touching)
+    _, tangent, border, corner, _, coupled = assembled(problem, state, base.copy(), depth)
+    direction[mesh.equations[mesh.surface, 2]] = 0.0
     moved = []
     for sign in (1, -1):
         there = base.copy()
         there[free] += sign * part * direction
-        there[mesh.surface[4:], 2] = base[mesh.surface[4:], 2]
-        found = assembled(mesh, law, there, touching, tip, depth + sign * part * change)
-        moved.append(np.append(found[0], -found[4].sum()))
-    direction[mesh.equations[mesh.surface[4:], 2]] = 0.0
+        there[apart, 2] = base[apart, 2]
+        found = assembled(problem, state, there, depth + sign * part * change)
+        moved.append(np.append(found[0], -found[4][:, 2].sum()))
     expected = (moved[0] - moved[1]) / (2 * part)
     stiffness = np.append(tangent @ direction + border * change, border @ direction + corner * change)
+    if coupled is not None:
+        stiffness += coupled @ np.append(direction, change)
     assert stiffness == pytest.approx(expected, rel=1e-5, abs=1e-5 * np.abs(expected).max())
 
 

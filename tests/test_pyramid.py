@@ -58,6 +58,17 @@ def test_load_scaling_is_exact_and_batches_are_single_runs(monkeypatch):
     assert other.depth[:2] == pytest.approx(ratio * one.depth[:2], rel=1e-3)
 
 
+def test_friction_is_the_indenters_or_a_mechanisms(monkeypatch):
+    """The same either way, and less deep than without."""
+    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    slick = simulate(PYRAMID)
+    rough = simulate(specification_from(SPEC | {"indenter": {"shape": "berkovich", "friction": 0.3}}))
+    added = simulate(specification_from(SPEC | {"mechanisms": {"friction": {"coefficient": 0.3}}}))
+    assert rough.status == "ok"
+    assert np.array_equal(rough.depth, added.depth)
+    assert np.all(rough.depth[:2] < slick.depth[:2])
+
+
 def test_a_failure_is_reported_not_raised(monkeypatch):
     monkeypatch.setattr(newton, "ITERATIONS", 1)
     outcome = simulate(PYRAMID, radii=1.3 ** np.arange(20))
@@ -70,10 +81,12 @@ def test_a_failure_is_reported_not_raised(monkeypatch):
     ("change", "words"),
     [
         ({"kinematics": "large"}, "kinematics: a berkovich pyramid does not go with large strains"),
-        ({"indenter": {"shape": "berkovich", "friction": 0.2}}, "friction"),
+        ({"indenter": {"shape": "berkovich", "friction": 0.7}}, "friction"),
+        ({"indenter": {"shape": "berkovich", "friction": -0.1}}, "friction"),
+        ({"indenter": {"shape": "berkovich", "friction": "rough"}}, "friction"),
         ({"indenter": {"shape": "berkovich", "half_angle": 70.3}}, "half_angle"),
         ({"indenter": {"shape": "berkovich", "face_angle": 95}}, "face_angle"),
-        ({"mechanisms": {"friction": {"coefficient": 0.2}}}, "friction"),
+        ({"mechanisms": {"friction": {"coefficient": 0.7}}}, "mechanisms.friction.coefficient"),
         ({"mechanisms": {"adhesion": {"work": 50.0}}}, "adhesion"),
         ({"mechanisms": {"tip_rounding": {"radius": 100.0}}}, "berkovich cannot be rounded"),
         ({"mechanisms": {"tip_angle": {"half_angle": 71.0}}}, "berkovich has no half-angle"),

@@ -92,7 +92,6 @@ def _check_pyramid(specification: Specification) -> None:
     """Refuse what the solver in three dimensions does not know."""
     for place, present, lacking in (
         ("kinematics", specification.kinematics == "large", "large strains"),
-        ("indenter.friction", specification.indenter.friction > 0.0, "friction"),
         ("mechanisms.film_on_substrate", math.isfinite(specification.film_thickness), "a film on a substrate"),
         ("mechanisms.adhesion", specification.adhesion > 0.0, "adhesion"),
     ):

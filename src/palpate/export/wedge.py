@@ -1,8 +1,8 @@
 """A deck for CalculiX: an elastic wedge, one sixth of a body, pressed by one face of a rigid pyramid.
 
 The wedge has the nodes of `palpate.fem3d.mesh` but CalculiX' own elements (C3D8I: incompatible modes), contact
-(penalty, surface to surface) and mirror planes. The indenter is one stiff element whose lowest face lies on the
-pyramid's; it is moved, so that the load is a reaction.
+(penalty, surface to surface), friction and mirror planes. The indenter is one stiff element whose lowest face lies on
+the pyramid's; it is moved, so that the load is a reaction.
 """
 
 from __future__ import annotations
@@ -16,10 +16,20 @@ from palpate.fem3d.shell import WEDGE
 
 INCREMENTS = 8
 PENETRATION = 2e-4  # of the depth, under a pressure of a fifth of Young's modulus
+STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 FACES = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: (2, 6, 7, 3), 6: (3, 7, 4, 0)}
 
 
-def deck(mesh: Mesh, reach: float, slope: float, depth: float, youngs_modulus: float, poisson_ratio: float) -> str:
+def deck(
+    mesh: Mesh,
+    reach: float,
+    slope: float,
+    depth: float,
+    youngs_modulus: float,
+    poisson_ratio: float,
+    friction: float = 0.0,
+    increments: int = INCREMENTS,
+) -> str:
     """Return the text of the deck, which prints the reaction along z of the wedge [mN] after each of its increments.
 
     Parameters
@@ -32,6 +42,10 @@ def deck(mesh: Mesh, reach: float, slope: float, depth: float, youngs_modulus: f
         Of the pyramid's face along its middle.
     youngs_modulus, poisson_ratio
         [GPa], [-]
+    friction
+        Coulomb coefficient; before the limit a force moves the surface ten times as far along the indenter as into it.
+    increments
+        How many equal ones the way is taken in, at least.
     """
     body, tip = len(mesh.elements), len(mesh.nodes) + np.arange(1, 9)
     degenerate = (mesh.elements[:, 0] == mesh.elements[:, 1]).sum()
@@ -60,6 +74,7 @@ def deck(mesh: Mesh, reach: float, slope: float, depth: float, youngs_modulus: f
             "*SURFACE INTERACTION, NAME=CONTACT",
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
             f"{stiffness:.6g}",
+            *(["*FRICTION", f"{friction:.6g}, {STICKING * stiffness:.6g}"] if friction > 0.0 else []),
             "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
             "SURFACE, FACE",
             *_held(mesh),
@@ -68,7 +83,7 @@ def deck(mesh: Mesh, reach: float, slope: float, depth: float, youngs_modulus: f
             "TIP, 1, 2",
             "*STEP, INC=500",
             "*STATIC",
-            f"{1 / INCREMENTS}, 1., 1e-4, {1 / INCREMENTS}",
+            f"{1 / increments}, 1., 1e-4, {1 / increments}",
             "*BOUNDARY",
             f"TIP, 3, 3, {-depth:.12g}",
             "*NODE PRINT, NSET=TIP, TOTALS=ONLY",

@@ -1,17 +1,22 @@
-"""Frictionless contact of surface nodes with a rigid indenter, along its true normal.
+"""Contact of surface nodes with a rigid indenter, along its true normal, with friction or without.
 
-A node that touches lies on the indenter, u_z = f(x + u_x, y + u_y) - depth, and slides freely along it. One that an
+A node that touches lies on the indenter, u_z = f(x + u_x, y + u_y) - depth, and slides along it. One that an
 iteration finds inside it joins by the linearised constraint: the next change of displacements closes its gap.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.fem3d.friction import Friction
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
+
+if TYPE_CHECKING:
+    from palpate.fem3d.newton import Problem, State
 
 PENETRATION = 1e-9  # of the depth, below which a node counts as outside
 
@@ -22,51 +27,135 @@ class Contact:
 
     Attributes
     ----------
+    place, start, drift : ndarray, shape (k, 2)
+        Where the surface nodes lie undeformed and at the start of the step, and how far they are expected to move in
+        it, along the axes of each node [um].
+    opening : ndarray, shape (k,)
+        Gaps at the start of the step [um].
     touching : ndarray of bool, shape (n,)
         Nodes that touch.
+    anchor : ndarray, shape (k, 2)
+        Anchors of friction [um]; NaN where a node did not touch.
     rule : ndarray, shape (n, 6)
         What holds there, along the axes of each node: df/d1, df/d2, their derivatives (11, 12, 22), and the gap that
         the next change of displacements closes.
+    slip : ndarray, shape (k, 2)
+        Slip since the anchor, in units of the friction's reach.
     joined
         Whether some gap is still to be closed.
     """
 
     mesh: Mesh
     tip: Tip
+    friction: Friction
+    place: np.ndarray
+    start: np.ndarray
+    drift: np.ndarray
+    opening: np.ndarray
     touching: np.ndarray
+    anchor: np.ndarray
     rule: np.ndarray
+    slip: np.ndarray
     joined: bool = False
 
     @classmethod
-    def resume(cls, mesh: Mesh, tip: Tip, touching: np.ndarray) -> Contact:
-        """Begin a step with the nodes (n,) that touched at the end of the last one."""
-        return cls(mesh, tip, touching.copy(), np.zeros((len(mesh.nodes), 6)))
+    def resume(cls, problem: Problem, state: State, guess: State) -> Contact:
+        """Begin a step at a `state`, with another that guesses its end."""
+        mesh, tip = problem.mesh, problem.tip
+        surface = mesh.surface
+        (x, y, _), (cos, sin), u = mesh.nodes[surface].T, mesh.turn[surface].T, state.displacement[surface]
+        place = np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
+        start = place + u[:, :2]
+        return cls(
+            mesh,
+            tip,
+            Friction.of(problem.friction, tip(x, y)[0], mesh.equations[surface, 1] >= 0),
+            place,
+            start,
+            drift=guess.displacement[surface, :2] - u[:, :2],
+            opening=_indenter(mesh, tip, start)[0] - state.depth - u[:, 2],
+            touching=state.contact.copy(),
+            anchor=state.anchor.copy(),
+            rule=np.zeros((len(mesh.nodes), 6)),
+            slip=np.zeros_like(place),
+        )
 
-    def follow(self, displacement: np.ndarray, depth: float) -> None:
-        """Put the nodes that touch onto the indenter, changing `displacement` (n, 3), find new ones, write the rule."""
+    @property
+    def slope(self) -> np.ndarray:
+        """Slopes (k, 2) of the indenter where the surface nodes lie."""
+        return self.rule[self.mesh.surface, :2]
+
+    def follow(self, displacement: np.ndarray, depth: float) -> bool:
+        """Put the nodes that touch onto the indenter, changing `displacement` (n, 3), find new ones, write the rule.
+
+        A new node is anchored where it was when its gap first closed, by linear interpolation within the step.
+
+        Returns
+        -------
+        bool
+            True where the same nodes touch, and the same of them slip, as in the iteration before.
+        """
         surface = self.mesh.surface
         touched = self.touching[surface]
-        (cos, sin), (one, two, vertical) = self.mesh.turn[surface].T, displacement[surface].T
-        x = self.mesh.nodes[surface, 0] + cos * one - sin * two
-        y = self.mesh.nodes[surface, 1] + sin * one + cos * two
-        height, slope, curvature = self.tip(x, y)
-        gap = height - depth - vertical
+        if self.friction.coefficient > 0.0:
+            self._turn_back(displacement)
+        place = self.place + displacement[surface, :2]
+        height, slope, curvature = _indenter(self.mesh, self.tip, place)
+        gap = height - depth - displacement[surface, 2]
         displacement[surface, 2] += np.where(touched, gap, 0.0)
         joining = ~touched & (gap < -PENETRATION * abs(depth))
         self.touching[surface] |= joining
         self.joined = bool(joining.any())
-        axes = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=1)
-        turned = axes @ curvature @ axes.transpose(0, 2, 1)
-        self.rule[surface, :2] = np.einsum("kij,kj->ki", axes, slope)
-        self.rule[surface, 2:5] = turned[:, [0, 0, 1], [0, 1, 1]]
+        new = joining & np.isnan(self.anchor[:, 0])
+        closing = np.clip(self.opening[new] / (self.opening - gap)[new], 0.0, 1.0)
+        self.anchor[new] = self.start[new] + closing[:, None] * self.drift[new]
+        self.rule[surface, :2] = slope
+        self.rule[surface, 2:5] = curvature[:, [0, 0, 1], [0, 1, 1]]
         self.rule[surface, 5] = np.where(joining, gap, 0.0)
+        slipped = self._slips(self.slip)
+        self.slip = self.friction.slip(place, self.anchor)
+        return not self.joined and np.array_equal(slipped, self._slips(self.slip))
+
+    def _slips(self, slip: np.ndarray) -> np.ndarray:
+        return self.friction.coefficient * self.friction.size(slip, self.slope) > self.friction.coefficient
+
+    def _turn_back(self, displacement: np.ndarray) -> None:
+        """Put nodes whose slip reverses within one iteration back to where they stuck."""
+        surface, slope = self.mesh.surface, self.slope
+        slip = self.friction.slip(self.place + displacement[surface, :2], self.anchor)
+        turned = np.einsum("ki,ki->k", slip, self.slip) < 0.0
+        turned &= (self.friction.size(slip, slope) > 1.0) & (self.friction.size(self.slip, slope) > 1.0)
+        displacement[surface[turned], :2] = (self.anchor - self.place)[turned]
+
+    def pressure(self, force: np.ndarray) -> np.ndarray:
+        """Return f_i F_i - F_z (k,) [mN] of the indenter's `force` (n, 3), see `palpate.fem3d.friction`."""
+        along = self.friction.along(self.slope)
+        return np.einsum("ki,ki->k", along, force[self.mesh.surface, :2]) - force[self.mesh.surface, 2]
 
     def pulled(self, force: np.ndarray, tolerance: float) -> np.ndarray:
-        """Return which nodes (n,) the indenter would have to pull, by `force` (n,) along z [mN]."""
-        return self.touching & (force > tolerance)
+        """Return which nodes (n,) the indenter would have to pull, by `force` (n, 3) [mN]."""
+        surface, pulled = self.mesh.surface, np.zeros(len(self.touching), dtype=bool)
+        steep = 1.0 + np.sum(self.friction.along(self.slope) ** 2, axis=1)
+        pulled[surface] = self.touching[surface] & (self.pressure(force) < -tolerance * steep)
+        return pulled
 
     def release(self, pulled: np.ndarray) -> None:
         """Let go the nodes that are `pulled`, but keep the tip."""
         self.touching &= ~pulled
         if not self.touching.any():
             self.touching[0] = True
+
+    def anchors(self, displacement: np.ndarray) -> np.ndarray:
+        """Return the anchors (k, 2) at the end of the step."""
+        place = self.place + displacement[self.mesh.surface, :2]
+        dragged = self.friction.dragged(place, self.anchor, self.slope)
+        return np.where(self.touching[self.mesh.surface, None], dragged, np.nan)
+
+
+def _indenter(mesh: Mesh, tip: Tip, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return f (k,), its slopes (k, 2) and curvatures (k, 2, 2), at places (k, 2) along the axes of the nodes."""
+    cos, sin = mesh.turn[mesh.surface].T
+    one, two = place.T
+    height, slope, curvature = tip(cos * one - sin * two, sin * one + cos * two)
+    axes = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=1)
+    return height, np.einsum("kij,kj->ki", axes, slope), axes @ curvature @ axes.transpose(0, 2, 1)

@@ -9,7 +9,8 @@ the displacements i of node a and j of node b is a sum over the Gauss points,
 so all that must be summed is g_ai g_bj and v_ai v_bj with their weights.
 
 Where a surface node is in contact, u_z = f(x + u_x, y + u_y) - depth is eliminated element by element: what is left of
-its forces is balance along the indenter, F_i + f_i F_z = 0. The system stays symmetric.
+its forces is balance along the indenter, F_i + f_i F_z = 0 without friction. The system stays symmetric. Friction needs
+to know besides how its P = f_i F_i - F_z changes with the displacements, see `palpate.fem3d.coupled`.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
 @njit(cache=True)
 def assemble(
     displacement, elements, equations, turn, gradients, volumes, coefficients, weights, past, alpha, guesses, local,
-    contact, rule, band, residual, border, force,
+    contact, rule, slot, band, residual, border, force, pressing,
 ):  # fmt: skip
-    """Assemble the constrained system at the given displacements.
+    """Assemble the constrained system, still without friction, at the given displacements.
 
     Parameters
     ----------
@@ -47,14 +48,19 @@ def assemble(
         Nodes in contact.
     rule : ndarray, shape (n, 6)
         Slopes, curvatures and gap there, see `palpate.fem3d.contact.Contact`.
+    slot : ndarray of int, shape (n,)
+        Row of `pressing` that a surface node takes.
     band : ndarray, shape (size, bandwidth + 1)
         Out: ``band[j, i - j]`` holds the entry (i, j), i >= j.
     residual : ndarray, shape (size,)
         Out: internal forces.
     border : ndarray, shape (size,)
         Out: derivative of the residual by the depth.
-    force : ndarray, shape (n,)
-        Out: force of the indenter on the nodes in contact along z.
+    force : ndarray, shape (n, 3)
+        Out: force of the indenter on the nodes in contact, along the axes of each node.
+    pressing : ndarray, shape (k, 2 bandwidth + 2) or (0, any)
+        Out: derivatives of each P by the displacements, the one along z in the middle, and by the depth; none asked for
+        without friction. The curvature of the indenter is not in them.
 
     Returns
     -------
@@ -65,10 +71,12 @@ def assemble(
     residual[:] = 0.0
     border[:] = 0.0
     force[:] = 0.0
-    corner = 0.0
+    pressing[:] = 0.0
+    corner, bandwidth = 0.0, band.shape[1] - 1
     ke = np.zeros((DEPTH + 1, DEPTH + 1))
     fe = np.zeros(DEPTH + 1)
     u = np.empty((8, 3))
+    rows = np.zeros((8, DEPTH + 1))
     equation = np.empty(DEPTH, dtype=np.int64)
     for e in range(elements.shape[0]):
         for a in range(8):
@@ -94,10 +102,13 @@ def assemble(
                 if contact[node] and rule[node, GAP] != 0.0:
                     for i in range(DEPTH):
                         fe[i] += ke[i, 3 * a + 2] * rule[node, GAP]
+            if len(pressing) > 0:
+                _press(ke, elements[e], equation, contact, rule, slot, rows, bandwidth, pressing)
             for a in range(8):
                 node = elements[e, a]
                 if contact[node]:
-                    force[node] += fe[3 * a + 2]
+                    for i in range(3):
+                        force[node, i] += fe[3 * a + i]
                     _follow_indenter(ke, fe, 3 * a, rule[node])
             corner += ke[DEPTH, DEPTH]
         for a in range(DEPTH):
@@ -188,6 +199,30 @@ def _turn(ke, fe, x, cos, sin):
         ke[x, i], ke[y, i] = cos * ke[x, i] + sin * ke[y, i], cos * ke[y, i] - sin * ke[x, i]
     for i in range(DEPTH):
         ke[i, x], ke[i, y] = cos * ke[i, x] + sin * ke[i, y], cos * ke[i, y] - sin * ke[i, x]
+
+
+@njit(cache=True)
+def _press(ke, nodes, equation, contact, rule, slot, rows, bandwidth, pressing):
+    """Add what an element's stiffness gives to the derivatives of P, with u_z = f - depth put in place of each u_z."""
+    for a in range(8):
+        if contact[nodes[a]]:
+            x, held = 3 * a, equation[3 * a + 1] < 0
+            one, two = rule[nodes[a], SLOPE_1], 0.0 if held else rule[nodes[a], SLOPE_2]
+            for i in range(DEPTH):
+                rows[a, i] = one * ke[x, i] + two * ke[x + 1, i] - ke[x + 2, i]
+            rows[a, DEPTH] = 0.0
+            for b in range(8):
+                if contact[nodes[b]]:
+                    y, z = 3 * b + 1, 3 * b + 2
+                    rows[a, y - 1] += rule[nodes[b], SLOPE_1] * rows[a, z]
+                    rows[a, y] += rule[nodes[b], SLOPE_2] * rows[a, z]
+                    rows[a, DEPTH] -= rows[a, z]
+                    rows[a, z] = 0.0
+            row, middle = pressing[slot[nodes[a]]], bandwidth - equation[x + 2]
+            for i in range(DEPTH):
+                if equation[i] >= 0:
+                    row[middle + equation[i]] += rows[a, i]
+            row[2 * bandwidth + 1] += rows[a, DEPTH]
 
 
 @njit(cache=True)

@@ -35,7 +35,7 @@ def indent_3d(
     radii: np.ndarray | None = None,
     observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
-    """Simulate an indentation at small strains, without friction, by any indenter with three mirror planes.
+    """Simulate an indentation at small strains by any indenter with three mirror planes.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def indent_3d(
     began = clock.perf_counter()
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = wedge_mesh(radii, shell(resolution.sectors))
-    problem, work = Problem(mesh, tip_of(indenter), specimen), Workspace.of(mesh)
+    problem = Problem(mesh, tip_of(indenter), specimen, indenter.friction)
+    work = Workspace.of(problem)
     step = partial(advance, problem, work, protocol.max_load)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)

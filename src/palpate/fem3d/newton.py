@@ -10,6 +10,7 @@ from palpate.errors import ConvergenceError
 from palpate.fem import banded
 from palpate.fem.newton import TOLERANCE, Search, newton_direction
 from palpate.fem3d.contact import Contact
+from palpate.fem3d.coupled import Coupling, coupled_direction
 from palpate.fem3d.element import COMPONENTS, CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
@@ -22,11 +23,12 @@ SIXTH = 6.0  # of the load acts on the wedge
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What does not change during a simulation: mesh, indenter and specimen."""
+    """What does not change during a simulation: mesh, indenter, specimen, and the friction between them."""
 
     mesh: Mesh
     tip: Tip
     specimen: Specimen
+    friction: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +46,10 @@ class State:
     contact : ndarray of bool, shape (n,)
     guesses : ndarray, shape (m, 8)
         Last q at each Gauss point, where the next search begins.
-    force : ndarray, shape (n,)
-        Force of the indenter on the nodes of the wedge along z [mN].
+    force : ndarray, shape (n, 3)
+        Force of the indenter on the nodes of the wedge, along the axes of each node [mN].
+    anchor : ndarray, shape (k, 2)
+        Where each surface node sticks, see `palpate.fem3d.contact.Contact` [um]; NaN where it does not touch.
     """
 
     time: float
@@ -55,13 +59,16 @@ class State:
     contact: np.ndarray
     guesses: np.ndarray
     force: np.ndarray
+    anchor: np.ndarray
 
     @classmethod
     def initial(cls, problem: Problem) -> State:
         """Return the unloaded body that the apex just touches."""
         n, m = len(problem.mesh.nodes), len(problem.mesh.elements)
         material = np.zeros((m, 8, state_size(problem.specimen.coefficients, COMPONENTS)))
-        return cls(0.0, 0.0, np.zeros((n, 3)), material, np.arange(n) == 0, np.zeros((m, 8)), np.zeros(n))
+        anchor = np.full((len(problem.mesh.surface), 2), np.nan)
+        guesses, still = np.zeros((m, 8)), np.zeros((n, 3))
+        return cls(0.0, 0.0, still, material, np.arange(n) == 0, guesses, np.zeros((n, 3)), anchor)
 
 
 @dataclass
@@ -74,12 +81,17 @@ class Workspace:
     past: np.ndarray
     alpha: np.ndarray
     local: np.ndarray
+    slot: np.ndarray
+    pressing: np.ndarray
     iterations: int = 0
 
     @classmethod
-    def of(cls, mesh: Mesh) -> Workspace:
-        """Allocate for `mesh`."""
-        m = len(mesh.elements)
+    def of(cls, problem: Problem) -> Workspace:
+        """Allocate for `problem`."""
+        mesh = problem.mesh
+        m, k = len(mesh.elements), len(mesh.surface)
+        slot = np.full(len(mesh.nodes), -1)
+        slot[mesh.surface] = np.arange(k)
         return cls(
             banded.allocate(mesh.size, mesh.bandwidth, symmetric=True),
             np.empty(mesh.size),
@@ -87,6 +99,8 @@ class Workspace:
             np.empty((m, 8, COMPONENTS)),
             np.empty((m, 8)),
             np.empty((m, 8, COMPONENTS)),
+            slot,
+            np.empty((k if problem.friction > 0.0 else 0, 2 * mesh.bandwidth + 2)),
         )
 
 
@@ -111,35 +125,41 @@ def advance(
     weights = step_weights(coefficients, time - state.time)
     begin_step(state.material, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
-    contact = Contact.resume(mesh, problem.tip, state.contact)
-    force, forces = np.empty(len(mesh.nodes)), np.empty(mesh.size + 1)
-    free, search, curved = mesh.equations >= 0, None, True
+    contact = Contact.resume(problem, state, guess)
+    force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
+    free, search, curved, coupling = mesh.equations >= 0, None, True, None
     for iteration in range(ITERATIONS):
-        contact.follow(displacement, depth)
+        same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= curved
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, coefficients, weights,
-            work.past, work.alpha, guesses, work.local, contact.touching, contact.rule, work.band, work.residual,
-            work.border[:, 0], force,
+            work.past, work.alpha, guesses, work.local, contact.touching, contact.rule, work.slot, work.band,
+            work.residual, work.border[:, 0], force, work.pressing,
         )  # fmt: skip
         work.border[:, 1] = work.border[:, 0]
+        if problem.friction > 0.0:
+            coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
         work.iterations += 1
         pulled = contact.pulled(force, TOLERANCE * part)
         if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
             contact.release(pulled)
             search = None
             continue
-        forces[:-1], forces[-1] = work.residual, -force.sum() - share
+        forces[:-1], forces[-1] = work.residual, -force[:, 2].sum() - share
         norm = np.abs(forces).max() / part
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
             end_step(work.local, guesses, coefficients, weights, material)
-            return State(time, depth, displacement, material, contact.touching, guesses, force)
-        if search is not None and not contact.joined and (shorter := search.shorten(forces)) != 0.0:
+            anchor = contact.anchors(displacement)
+            return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
+        if search is not None and same and (shorter := search.shorten(forces)) != 0.0:
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
-        direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=False)
+        if coupling is None:
+            direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=False)
+        else:
+            direction = coupled_direction(work, coupling, forces, corner)
         if direction is None:
             if not curved:
                 raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)

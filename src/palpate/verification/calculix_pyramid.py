@@ -1,15 +1,16 @@
-"""The elastic pyramid in CalculiX: its own elements, contact and mirror planes on a wedge of the same size."""
+"""The elastic pyramid in CalculiX: its own elements, contact, friction, mirror planes, on a wedge of the same size."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from palpate.analytic import berkovich
 from palpate.errors import PalpateError
-from palpate.export.wedge import deck
+from palpate.export.wedge import INCREMENTS, deck
 from palpate.fem.indent import mesh_radii
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.mesh import wedge_mesh
@@ -30,11 +31,21 @@ LATER = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([0.5, 1.0]
 COUNTS_FROM = 0.7  # of the way: before that the contact lies on few of its elements
 MESH = Resolution(growth=1.12, sectors=9)
 WITHIN = {"standard": 0.008, "medium": 0.006}
+FRICTION = 0.25
+ROUGH_MESH = Resolution(growth=1.2, sectors=6, far=100.0)  # friction takes CalculiX many more iterations
+ROUGH_INCREMENTS = 16  # what slips in an increment counts from its start, before a new node has touched
+ROUGH_WITHIN = 0.002
+SMOOTHLY = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(1 / 16, 1.0, 16) ** 2)
 REACH = 9.0  # of the depth: the contact ends at 3.5 of it, under the edges
 
 
 def depth_at_one(
-    program: Path, indenter: Indenter, law: dict[str, float], guess: float, resolution: Resolution
+    program: Path,
+    indenter: Indenter,
+    law: dict[str, float],
+    guess: float,
+    resolution: Resolution,
+    increments: int = INCREMENTS,
 ) -> tuple[float, float]:
     """Return the depth [nm] under 1 mN and how far the values of single increments lie apart, relatively.
 
@@ -47,7 +58,10 @@ def depth_at_one(
     """
     specimen, depth = Specimen(LAWS["elastic"].coefficients(law)), 1e-3 * guess
     mesh = wedge_mesh(mesh_radii(specimen, indenter, LATER, resolution), shell(resolution.sectors))
-    found = PRINTED.findall(printed(program, deck(mesh, REACH * depth, indenter.face_slope, depth, **law)))
+    text = deck(
+        mesh, REACH * depth, indenter.face_slope, depth, **law, friction=indenter.friction, increments=increments
+    )
+    found = PRINTED.findall(printed(program, text))
     part, force = np.array([[float(number) for number in row] for row in found]).reshape(-1, 2).T
     counts = part >= COUNTS_FROM
     if not np.any(part >= 1.0):
@@ -60,13 +74,30 @@ def run(settings: Settings) -> Outcome:
     """Compare the depth under 1 mN, or say why there is nothing to compare."""
     if settings.calculix is None:
         return Outcome([], notes=["CalculiX (ccx) was not run: it is not on the PATH, or a quick run was asked for."])
-    theirs, scatter = depth_at_one(settings.calculix, PYRAMID, HOOKE, float(berkovich.depth(1.0, **HOOKE)), MESH)
+    guess = float(berkovich.depth(1.0, **HOOKE))
+    theirs, scatter = depth_at_one(settings.calculix, PYRAMID, HOOKE, guess, MESH)
     note = f"single increments of CalculiX' differ by {100 * scatter:.1f} %"
     rows = []
     for accuracy, allowed in WITHIN.items():
         found = depth(Specification("elastic", HOOKE, PYRAMID, LATER, accuracy=accuracy))[-1]
         rows.append(Row(f"pyramid, elastic: depth, {accuracy} [nm]", theirs, float(found), allowed, note))
+    rows.append(_held_back(settings.calculix, guess))
     return Outcome(rows)
+
+
+def _held_back(program: Path, guess: float) -> Row:
+    """Compare what friction does to the depth; errors that both runs of a program share drop out."""
+    tips = PYRAMID, replace(PYRAMID, friction=FRICTION)
+    smooth, rough = (depth_at_one(program, tip, HOOKE, guess, ROUGH_MESH, ROUGH_INCREMENTS)[0] for tip in tips)
+    curves = [depth(Specification("elastic", HOOKE, tip, SMOOTHLY)) for tip in tips]
+    later = SMOOTHLY.sample_load >= COUNTS_FROM**2
+    return Row(
+        f"pyramid, elastic: depth with friction {FRICTION:g} over that without, standard",
+        rough / smooth,
+        float(np.mean((curves[1] / curves[0])[later])),
+        ROUGH_WITHIN,
+        "both of CalculiX' curves on a coarser mesh",
+    )
 
 
 CASE = Case("calculix_pyramid", "Berkovich pyramid: CalculiX", run)
