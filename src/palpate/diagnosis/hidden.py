@@ -10,7 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from palpate.diagnosis.fit import NORMAL_95, PRIOR_VARIANCE, Fit
+from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
+from palpate.diagnosis.law import NORMAL_95
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import unchanged_specification
 

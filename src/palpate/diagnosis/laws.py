@@ -1,61 +1,25 @@
 """Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
 
-A hold at low load shows the drift; unloadings from several loads within a test show the frame. An explanation whose
-amplitude differs from such a law's beyond both intervals is wrong, however well it fits; without the mechanism its
-amplitude is zero.
+A hold at low load shows the drift; unloadings from several loads within a test show the frame; a hold at any load bounds
+the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as long as the
+two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong, however
+well it fits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from palpate.classical.frame import frame_of
-from palpate.diagnosis.covariance import BACKGROUND
-from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
+from palpate.diagnosis.law import UNNAMED, Law
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
 from palpate.survey import survey
-
-UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
-
-
-@dataclass(frozen=True)
-class Law:
-    """The amplitude of one mechanism by an exact law.
-
-    Parameters
-    ----------
-    key, parameter
-        Mechanism and its only parameter.
-    estimate, lower, upper
-        In the parameter's unit; 95 % interval.
-    source
-        Where it comes from, in words.
-    """
-
-    key: str
-    parameter: str
-    estimate: float
-    lower: float
-    upper: float
-    source: str
-
-    def __post_init__(self) -> None:
-        if not self.lower <= self.estimate <= self.upper:
-            raise InputError(
-                f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
-            )
-
-    def allows(self, value: float, deviation: float) -> bool:
-        """Return whether a value with the given standard deviation agrees within 95 %."""
-        side = self.upper - self.estimate if value > self.estimate else self.estimate - self.lower
-        return bool(abs(value - self.estimate) <= np.hypot(side, NORMAL_95 * deviation))
-
 
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
@@ -98,19 +62,24 @@ def zero_points(recordings: Mapping[str, Iterable[Recording]]) -> list[dict[str,
 
 
 def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
-    """Return the laws that the amplitudes of an explanation contradict."""
+    """Return the laws that the amplitudes which the curves give an explanation contradict."""
     return [law for law in laws if not law.allows(*_amplitude(fit, law))]
 
 
 def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
-    """Return the amplitude that an explanation gives a mechanism, and its standard deviation.
+    """Return the amplitude that the curves alone give a mechanism, and its standard deviation.
 
-    Without the mechanism it is zero, to within what counts as background.
+    Where laws took part in the fit, theirs is taken out again to first order. Without the mechanism the amplitude is
+    zero, to within what counts as background.
     """
     if law.key not in fit.explanation:
         return 0.0, UNNAMED[law.key]
     problem, z = fit.problem, fit.z
+    white = fit.whiten(fit.tangent)
+    covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
+    if fit.laws:
+        z = np.clip(z + covariance @ white.T @ fit.white, 0.0, 1.0)
     (place,) = problem.parts(fit.explanation, np.arange(len(z)))[1][law.key]
     ends = [np.where(np.arange(len(z)) == place, end, z) for end in (0.0, 1.0)]
     value, low, high = (problem.amplitudes(fit.explanation, at)[law.key][law.parameter] for at in (z, *ends))
-    return value, (high - low) * float(np.sqrt(fit.posterior[place, place]))
+    return value, (high - low) * float(np.sqrt(covariance[place, place]))

@@ -12,7 +12,8 @@ from palpate.calibration import Observation
 from palpate.calibration.noise import model_covariance
 from palpate.config import Study
 from palpate.diagnosis.covariance import varying
-from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.law import NORMAL_95
 from palpate.diagnosis.refine import curve_under
 
 
