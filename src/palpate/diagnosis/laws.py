@@ -16,6 +16,7 @@ import numpy as np
 from palpate.classical.frame import frame_of
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
+from palpate.drift_rate import fastest_in
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
@@ -24,10 +25,11 @@ from palpate.survey import survey
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
-    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. For
-    the frame, tests with four unloadings whose loads span a factor of three are taken together.
+    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where no
+    test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads span
+    a factor of three are taken together.
     """
-    drifts, tests = [], []
+    drifts, fastest, tests = [], [], []
     for recording in recordings:
         try:
             found = survey(recording)
@@ -35,11 +37,18 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
             continue
         if found.drift is not None:
             drifts.append((found.drift.rate, found.drift.lower, found.drift.upper))
-        tests.append((recording.load - found.contact.load, recording.depth, found.parts))
+        load = recording.load - found.contact.load
+        bound = fastest_in(recording.time, load, recording.depth, found.parts)
+        if bound is not None:
+            fastest.append(bound)
+        tests.append((load, recording.depth, found.parts))
     laws = []
     if drifts:
         rate, lower, upper = np.mean(drifts, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}"))
+    elif fastest:
+        rate, upper = np.mean(fastest, axis=0).tolist()
+        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
     frame = frame_of(tests)
     if frame is not None:
         source = f"tops of unloadings, {frame.unloadings}"
@@ -47,17 +56,28 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     return laws
 
 
-def zero_points(recordings: Mapping[str, Iterable[Recording]]) -> list[dict[str, Any]]:
+def zero_points(
+    recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()
+) -> list[dict[str, Any]]:
     """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
 
-    No law to judge by: a blunt tip, a yielding frame and creep shift the origin, too.
+    A blunt tip, a yielding frame and creep shift the origin, too. The frame that a law shows is taken off for
+    ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval. Differences between
+    tests on one material are free of all that.
     """
+    frames = [(law.estimate, law.lower, law.upper) for law in laws if law.key == "frame_compliance"]
     rows = []
     for condition, tests in recordings.items():
         for number, test in enumerate(tests, 1):
-            origin = dict(zip(("estimate", "lower", "upper"), sharp_origin(test.load, test.depth), strict=True))
-            if np.isfinite(origin["estimate"]):
-                rows.append({"condition": condition, "number": number, **origin})
+            origin = sharp_origin(test.load, test.depth)
+            if not np.isfinite(origin[0]):
+                continue
+            row = {"condition": condition, "number": number}
+            rows.append(row | dict(zip(("estimate", "lower", "upper"), origin, strict=True)))
+            for frame in frames:
+                found = np.array([sharp_origin(test.load, test.depth - value * test.load) for value in frame])
+                ends = {"frame_off_lower": found[:, 1].min(), "frame_off_upper": found[:, 2].max()}
+                rows[-1] |= {"frame_off": float(found[0, 0])} | {name: float(end) for name, end in ends.items()}
     return rows
 
 

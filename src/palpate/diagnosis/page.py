@@ -60,12 +60,14 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
     if content["laws"]:
         words = (
             "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the "
-            "material and the shape of the tip. An explanation that contradicts them does not stand."
+            "material and the shape of the tip; without a lower end, a law is a bound. They are data beside the curves, "
+            "and an explanation to which the curves give an amplitude that contradicts them does not stand."
         )
         found.append(("What exact laws say", [report.paragraph(words), report.table(pd.DataFrame(content["laws"]))]))
     if content["zero_points"]:
         words = (
-            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test."
+            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
+            "with frame_off, once the frame that the unloadings show is taken off."
         )
         table = report.table(pd.DataFrame(content["zero_points"]))
         found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))

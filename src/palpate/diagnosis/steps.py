@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +58,6 @@ def run_diagnosis(
     stands = found.standing[0] if found.standing else found.base
     content["may_hide"] = may_hide(stands.fit, keys) if found.verdict != "unexplained" else {}
     content |= {"study": study.name, "recordings": recordings}
-    content["laws"] = [asdict(law) for law in laws]
-    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows})
+    content["laws"] = [law.row() for law in laws]
+    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows}, laws)
     return content | {"sentence": sentence(content)}, curves
