@@ -25,6 +25,7 @@ from palpate.classical.oliver_pharr import fit_unloading
 from palpate.errors import InputError
 from palpate.segments import Segment
 
+LOWEST = 0.01
 STARTS = (0.0, 0.05, 0.1, 0.2)
 MAIN = 0.05
 SPAN = 3.0
@@ -33,6 +34,8 @@ MANY = 6
 POINTS = 8
 TOP = 0.95
 ROUNDS = 3
+LEVELS = 24
+LEAST, MOST_MEMORY = 1e-300, 0.98
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class FrameCompliance:
     compliance, lower, upper
         Estimate and 95 % interval [nm/mN].
     unloadings
-        Number of unloadings that it rests on.
+        Number of unloadings, or of loads at which the stiffness was measured continuously, that it rests on.
     """
 
     compliance: float
@@ -101,12 +104,41 @@ def frame_of(tests: Sequence[tuple[np.ndarray, np.ndarray, Sequence[Segment]]]) 
     return found
 
 
+def frame_by_oscillation(tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> FrameCompliance | None:
+    """Return the frame's compliance from the stiffness measured by a small oscillation while the load grows.
+
+    P/S^2 without the frame's part is then the same at every depth. Points are taken from a hundredth of the largest
+    load on, as medians over 24 equal steps of sqrt(P), because neighbours share their error. The oscillation may see
+    another frame than the slow load does: it moves less of the instrument.
+
+    Parameters
+    ----------
+    tests
+        Load [mN] and measured stiffness [mN/nm] (n,) of each test; NaN where none was measured.
+    """
+    seen = []
+    for load, stiffness in tests:
+        peak = int(np.argmax(load))
+        rising = np.flatnonzero(np.isfinite(stiffness) & (stiffness > 0) & (load > LOWEST * load[peak]))
+        rising = rising[rising <= peak]
+        if len(rising) < LEVELS * FEWEST:
+            continue
+        root = np.sqrt(load[rising])
+        step = np.minimum((LEVELS * (root - root.min()) / np.ptp(root)).astype(int), LEVELS - 1)
+        blocks = [rising[step == k] for k in np.unique(step)]
+        values = [(np.median(load[block]), np.median(1.0 / stiffness[block])) for block in blocks]
+        loads, compliances = np.array(values).T
+        if _tells(loads):
+            seen.append((loads, compliances))
+    return frame_compliance(seen) if seen else None
+
+
 def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> FrameCompliance:
     """Return the frame's compliance from the tops (loads [mN], compliances [nm/mN]) of tests that can tell.
 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
-    fitted together, and the interval is Student's. Either is widened to how the slope moves when loads below 5, 10 or
+    fitted together, and the interval is Student's, for residuals that are correlated as theirs are. Either is widened to how the slope moves when loads below 5, 10 or
     20 % of each test's largest are left out or all are kept: where hardness depends on depth, it shows there.
     """
     found = {start: _from_start(tops_of_tests, start) for start in STARTS}
@@ -134,7 +166,9 @@ def _from_start(
         return (*hodges_lehmann(slopes), count)
     x, y = (np.concatenate(part) for part in zip(*lines, strict=True))
     slope, freedom = float(x @ y / (x @ x)), count - len(lines) - 1
-    deviation = float(np.sqrt(np.sum((y - slope * x) ** 2) / freedom / (x @ x)))
+    left = y - slope * x
+    memory = float(np.clip(left[1:] @ left[:-1] / max(left @ left, LEAST), 0.0, MOST_MEMORY))
+    deviation = float(np.sqrt(left @ left / freedom / (x @ x) * (1 + memory) / (1 - memory)))
     half = float(stats.t.ppf(0.975, freedom)) * deviation
     return slope, slope - half, slope + half, count
 

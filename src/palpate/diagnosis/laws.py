@@ -1,6 +1,7 @@
 """Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
 
-A hold at low load shows the drift; unloadings from several loads within a test show the frame; a hold at any load bounds
+A hold at low load shows the drift; unloadings from several loads within a test, or the stiffness measured by an oscillation
+while the load grows, show the frame; a hold at any load bounds
 the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as long as the
 two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong, however
 well it fits.
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.classical.frame import frame_of
+from palpate.classical.frame import frame_by_oscillation, frame_of
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
 from palpate.drift_rate import fastest_in
@@ -22,6 +23,7 @@ from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
 from palpate.survey import survey
 
+
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
@@ -29,7 +31,7 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads span
     a factor of three are taken together.
     """
-    drifts, fastest, tests = [], [], []
+    drifts, fastest, tests, oscillated = [], [], [], []
     for recording in recordings:
         try:
             found = survey(recording)
@@ -42,6 +44,8 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
         if bound is not None:
             fastest.append(bound)
         tests.append((load, recording.depth, found.parts))
+        if recording.stiffness is not None:
+            oscillated.append((load, recording.stiffness))
     laws = []
     if drifts:
         rate, lower, upper = np.mean(drifts, axis=0).tolist()
@@ -49,23 +53,26 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     elif fastest:
         rate, upper = np.mean(fastest, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
-    frame = frame_of(tests)
-    if frame is not None:
-        source = f"tops of unloadings, {frame.unloadings}"
+    for frame, words in (
+        (frame_of(tests), "tops of unloadings"),
+        (frame_by_oscillation(oscillated), "stiffness by oscillation, levels of load"),
+    ):
+        if frame is None:
+            continue
+        source = f"{words}, {frame.unloadings}"
         laws.append(Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source))
     return laws
 
 
-def zero_points(
-    recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()
-) -> list[dict[str, Any]]:
+def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
     """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
 
-    A blunt tip, a yielding frame and creep shift the origin, too. The frame that a law shows is taken off for
-    ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval. Differences between
+    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several do, is
+    taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval. Differences between
     tests on one material are free of all that.
     """
-    frames = [(law.estimate, law.lower, law.upper) for law in laws if law.key == "frame_compliance"]
+    shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
+    shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
     rows = []
     for condition, tests in recordings.items():
         for number, test in enumerate(tests, 1):
@@ -74,8 +81,9 @@ def zero_points(
                 continue
             row = {"condition": condition, "number": number}
             rows.append(row | dict(zip(("estimate", "lower", "upper"), origin, strict=True)))
-            for frame in frames:
-                found = np.array([sharp_origin(test.load, test.depth - value * test.load) for value in frame])
+            for law in shown:
+                frames = (law.estimate, law.lower, law.upper)
+                found = np.array([sharp_origin(test.load, test.depth - frame * test.load) for frame in frames])
                 ends = {"frame_off_lower": found[:, 1].min(), "frame_off_upper": found[:, 2].max()}
                 rows[-1] |= {"frame_off": float(found[0, 0])} | {name: float(end) for name, end in ends.items()}
     return rows
