@@ -10,7 +10,8 @@ An error of the depth counts the more, the smaller the load: C sqrt(P) scatters 
 That also keeps the lowest loads, where a blunt tip breaks the law, from deciding.
 
 Sources: D.L. Joslin and W.C. Oliver, J. Mater. Res. 5 (1990) 123-126 (P/S^2 holds no area); W.C. Oliver and G.M. Pharr,
-J. Mater. Res. 7 (1992) 1564-1583, equations (8) and (9); J.L. Hodges and E.L. Lehmann, Ann. Math. Stat. 34 (1963) 598-611.
+J. Mater. Res. 7 (1992) 1564-1583, equations (8) and (9); J.L. Hodges and E.L. Lehmann, Ann. Math. Stat. 34
+(1963) 598-611.
 """
 
 from __future__ import annotations
@@ -138,8 +139,9 @@ def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
-    fitted together, and the interval is Student's, for residuals that are correlated as theirs are. Either is widened to how the slope moves when loads below 5, 10 or
-    20 % of each test's largest are left out or all are kept: where hardness depends on depth, it shows there.
+    fitted together, and the interval is Student's, for residuals that are correlated as theirs are. Either is widened
+    to how the slope moves when loads below 5, 10 or 20 % of each test's largest are left out or all are kept: where
+    hardness depends on depth, it shows there.
     """
     found = {start: _from_start(tops_of_tests, start) for start in STARTS}
     slope, lower, upper, count = found[MAIN] or found[STARTS[0]] or (np.nan, np.nan, np.nan, 0)
@@ -167,7 +169,7 @@ def _from_start(
     x, y = (np.concatenate(part) for part in zip(*lines, strict=True))
     slope, freedom = float(x @ y / (x @ x)), count - len(lines) - 1
     left = y - slope * x
-    memory = float(np.clip(left[1:] @ left[:-1] / max(left @ left, LEAST), 0.0, MOST_MEMORY))
+    memory = float(np.clip(left[1:] @ left[:-1] / max(float(left @ left), LEAST), 0.0, MOST_MEMORY))
     deviation = float(np.sqrt(left @ left / freedom / (x @ x) * (1 + memory) / (1 - memory)))
     half = float(stats.t.ppf(0.975, freedom)) * deviation
     return slope, slope - half, slope + half, count

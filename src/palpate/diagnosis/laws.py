@@ -1,10 +1,9 @@
 """Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
 
-A hold at low load shows the drift; unloadings from several loads within a test, or the stiffness measured by an oscillation
-while the load grows, show the frame; a hold at any load bounds
-the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as long as the
-two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong, however
-well it fits.
+A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
+oscillation while the load grows, show the frame. A hold at any load bounds the drift, because creep only adds to the
+depth. Laws are data beside the curves (`palpate.diagnosis.law`), as long as the two agree: an explanation to which the
+curves alone give another amplitude, beyond both intervals, is wrong, however well it fits.
 """
 
 from __future__ import annotations
@@ -27,9 +26,9 @@ from palpate.survey import survey
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
-    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where no
-    test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads span
-    a factor of three are taken together.
+    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
+    no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
+    span a factor of three are taken together.
     """
     drifts, fastest, tests, oscillated = [], [], [], []
     for recording in recordings:
@@ -67,9 +66,9 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
 def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
     """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
 
-    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several do, is
-    taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval. Differences between
-    tests on one material are free of all that.
+    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several
+    do, is taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval.
+    Differences between tests on one material are free of all that.
     """
     shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
     shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
