@@ -22,6 +22,7 @@ from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import unchanged_specification
 
 EVEN = 1.0 / 3.0
+COARSE = 0.01
 REMEDIES = {
     "thermal_drift": "a hold of a minute or more at a tenth of the load after unloading",
     "frame_compliance": "four or more unloadings from loads that span a factor of ten, within each test,",
@@ -82,20 +83,16 @@ def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def not_fixed(amplitudes: Mapping[str, Mapping[str, Any]], known: Iterable[str]) -> list[str]:
-    """Say which amplitudes that an exact law could give, had it a test to speak from, are open, and which test that is.
+def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Say which of the `amplitudes` from `open_amplitudes` are open though a test would give them exactly, and which.
 
-    Parameters
-    ----------
-    amplitudes
-        From `open_amplitudes`.
-    known
-        Mechanisms that a law gives.
+    An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth.
     """
-    said = []
+    said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
     for name, entry in amplitudes.items():
         key = name.split(".")[0]
-        if key in REMEDIES and key not in known:
+        half = 0.5 * (entry["upper"] - entry["lower"])
+        if key in REMEDIES and half * float(np.abs(_unit_column(fit, key)).max()) > least:
             unit = MECHANISMS[key].parameters[0].unit
             said.append(
                 f"If all effects considered may act at once, {MECHANISMS[key].title} lies between "

@@ -59,8 +59,8 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         found.append(("What may still hide", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["open_amplitudes"]:
         words = (
-            "What each effect on the recorded depth, named or not, may amount to if all effects considered act at once. "
-            "Where this is much wider than under one explanation, these recordings do not fix the amplitude."
+            "What each effect on the recorded depth, named or not, may amount to if all effects considered act at "
+            "once. Where this is much wider than under one explanation, these recordings do not fix the amplitude."
         )
         rows = [{"parameter": name, **values} for name, values in content["open_amplitudes"].items()]
         found.append(("If all effects act at once", [report.paragraph(words), report.table(pd.DataFrame(rows))]))

@@ -62,7 +62,7 @@ def run_diagnosis(
     explained = found.verdict != "unexplained"
     content["may_hide"] = may_hide(stands.fit, keys) if explained else {}
     content["open_amplitudes"] = open_amplitudes(stands.fit, keys) if explained else {}
-    content["limits"] += not_fixed(content["open_amplitudes"], [law.key for law in laws if np.isfinite(law.lower)])
+    content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
     content |= {"study": study.name, "recordings": recordings}
     content["laws"] = [law.row() for law in laws]
     content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows}, laws)
