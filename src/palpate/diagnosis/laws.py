@@ -1,9 +1,10 @@
 """Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
 
 A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
-oscillation while the load grows, show the frame. A hold at any load bounds the drift, because creep only adds to the
-depth. Laws are data beside the curves (`palpate.diagnosis.law`), as long as the two agree: an explanation to which the
-curves alone give another amplitude, beyond both intervals, is wrong, however well it fits.
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. A hold at any load
+bounds the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as
+long as the two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong,
+however well it fits.
 """
 
 from __future__ import annotations
@@ -13,7 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from palpate.classical.area import AreaFunction
 from palpate.classical.frame import frame_by_oscillation, frame_of
+from palpate.classical.reference import Reference, frame_of_reference
+from palpate.config import Study
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
 from palpate.drift_rate import fastest_in
@@ -61,6 +65,19 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
         source = f"{words}, {frame.unloadings}"
         laws.append(Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source))
     return laws
+
+
+def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
+    """Return what unloadings say of the frame where the study's solid and tip are a reference; else nothing."""
+    given = study.diagnosis.get("reference")
+    if given is None:
+        return []
+    solid = (1.0 - given["poisson_ratio"] ** 2) / given["youngs_modulus"]
+    reduced = 1.0 / (solid + study.indenter.compliance)
+    reference = Reference(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
+    frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
+    source = f"unloadings of a solid of known modulus, {frame.unloadings}"
+    return [Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source)]
 
 
 def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:

@@ -16,7 +16,7 @@ from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
-from palpate.diagnosis.laws import laws_of, zero_points
+from palpate.diagnosis.laws import law_of_reference, laws_of, zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
 from palpate.diagnosis.words import sentence
@@ -52,7 +52,8 @@ def run_diagnosis(
     rng = np.random.default_rng([study.seed, 1])
     recorded = check(study, recordings)
     problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
-    laws = laws_of(recording for name in problem.base for recording in recorded[name])
+    taken = [recording for name in problem.base for recording in recorded[name]]
+    laws = [*laws_of(taken), *law_of_reference(taken, study)]
     keys = list(candidates(study))
     found = diagnose(study, problem, keys, rng, report, laws)
     vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
