@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.classical.frame import frame_of
+from palpate.classical.frame import frame_by_oscillation, frame_of, hodges_lehmann
 from palpate.segments import segments
 
 PEAKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -54,3 +54,59 @@ def test_the_interval_holds_the_truth_under_noise():
 def test_nothing_is_said_without_different_loads(peaks):
     time, load = cycles(peaks)
     assert frame_of([(load, 80.0 * np.sqrt(load), segments(time, load))]) is None
+
+
+def rough(rng, compliance=0.8, sites=1, points=40, noise=0.2):
+    """Tests at sites of different hardness, with a noise of the depth that hides the smallest tops."""
+    time, load = cycles(points=points)
+    depths = (rng.normal(80.0, 2.0) * np.sqrt(load) + compliance * load for _ in range(sites))
+    return [(load, depth + noise * rng.standard_normal(len(load)), segments(time, load)) for depth in depths]
+
+
+def test_sites_may_differ_and_one_may_be_bad():
+    tests = rough(np.random.default_rng(3), sites=8)
+    good = frame_of(tests)
+    load, depth, parts = tests[0]
+    bad = frame_of([(load, depth + 3.0 * load, parts), *tests[1:]])
+    assert good.lower <= 0.8 <= good.upper
+    assert bad.lower <= 0.8 <= bad.upper
+    assert abs(bad.compliance - good.compliance) < 0.05
+
+
+def test_more_tests_make_the_interval_narrower():
+    one, eight = (frame_of(rough(np.random.default_rng(4), sites=count)) for count in (1, 8))
+    assert eight.upper - eight.lower < 0.7 * (one.upper - one.lower)
+
+
+def test_hodges_and_lehmanns_interval_holds_the_centre():
+    rng, held = np.random.default_rng(6), 0
+    for _ in range(400):
+        centre, lower, upper = hodges_lehmann(rng.standard_cauchy(9) + 2.0)
+        assert lower <= centre <= upper
+        held += lower <= 2.0 <= upper
+    assert 0.93 <= held / 400 <= 0.985
+
+
+def oscillated(rng, compliance, memory, sites):
+    """Stiffness by an oscillation under a load that grows exponentially, its error correlated along the test."""
+    load = 100.0 * np.exp(0.1 * np.linspace(-60.0, 0.0, 400))
+    error = np.empty(len(load))
+    error[0] = rng.standard_normal()
+    for k in range(1, len(error)):
+        error[k] = memory * error[k - 1] + np.sqrt(1 - memory**2) * rng.standard_normal()
+    return [(load, 1.0 / (compliance + rng.normal(38.0, 0.5) * (1 + 0.01 * error) / np.sqrt(load)))] * sites
+
+
+@pytest.mark.parametrize(("sites", "memory"), [(1, 0.0), (1, 0.9), (7, 0.9)])
+def test_stiffness_by_oscillation_shows_the_frame(sites, memory):
+    rng, held = np.random.default_rng(11), 0
+    for _ in range(20):
+        tests = [oscillated(rng, 0.2, memory, 1)[0] for _ in range(sites)]
+        found = frame_by_oscillation(tests)
+        held += found.lower <= 0.2 <= found.upper
+    assert held >= 17
+
+
+def test_an_oscillation_over_a_narrow_range_says_nothing():
+    load = np.linspace(40.0, 100.0, 300)
+    assert frame_by_oscillation([(load, np.sqrt(load) / 38.0)]) is None

@@ -6,7 +6,8 @@ from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
 from palpate.diagnosis.hidden import may_hide
-from palpate.diagnosis.laws import Law, contradicted, laws_of, zero_points
+from palpate.diagnosis.law import Law
+from palpate.diagnosis.laws import contradicted, laws_of, zero_points
 from palpate.errors import InputError
 from palpate.recording import Recording
 

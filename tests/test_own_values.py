@@ -12,6 +12,7 @@ from palpate.config import Condition
 from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.design import longest_rise
 from palpate.diagnosis.fit import solve
+from palpate.diagnosis.law import Law
 from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.problem import Problem
 from palpate.mechanisms import Scale
@@ -66,3 +67,15 @@ def test_loading_in_many_corners_lasts_as_long_as_loading_in_one():
     load = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 4.0, 1.0, 2.0])
     assert longest_rise(Protocol(time, load, time[1:])) == 20.0
     assert longest_rise(CONDITION.protocol) == 20.0
+
+
+def test_a_recordings_own_law_weighs_in():
+    observed, fit = solved(("zero_offset",))
+    sharp = [[Law("zero_offset", "offset", 60.0, 59.99, 60.01, "a test")], [], [], []]
+    bound = [[], [], [], [Law("zero_offset", "offset", 150.0, -np.inf, 150.01, "a test")]]
+    rows = recording_values(STUDY, observed, fit, {"a": sharp})["zero_offset.offset"]
+    assert rows[0]["estimate"] == pytest.approx(60.0, abs=0.1)
+    assert rows[1]["estimate"] == pytest.approx(52.0, abs=1.5)
+    rows = recording_values(STUDY, observed, fit, {"a": bound})["zero_offset.offset"]
+    assert rows[3]["estimate"] == pytest.approx(150.0, abs=0.1), "above the bound, where the curve alone says 161"
+    assert rows[0]["estimate"] == pytest.approx(48.0, abs=1.5)

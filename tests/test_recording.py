@@ -86,3 +86,17 @@ def test_a_history_under_load_from_the_start_is_refused():
 def test_notes_stay_on_their_line(tmp_path):
     Recording([0.0, 1.0], [0.0, 1.0], [0.0, 5.0], notes=("two\nlines",)).write(tmp_path / "a.csv")
     assert read_recording(tmp_path / "a.csv").notes == ("two lines",)
+
+
+def test_a_measured_stiffness_travels_with_the_recording(tmp_path):
+    time, load = np.linspace(1.0, 5.0, 9), np.linspace(0.5, 2.5, 9)
+    stiffness = np.where(time > 2.0, 0.1 * np.sqrt(load), np.nan)
+    recording = Recording(time, load, 80.0 * np.sqrt(load), stiffness=stiffness)
+    recording.write(tmp_path / "a_1.csv")
+    again = read_recording(tmp_path / "a_1.csv")
+    assert again.stiffness == pytest.approx(stiffness, rel=1e-6, nan_ok=True)
+    begun = again.from_contact()
+    assert len(begun.stiffness) == len(begun.time)
+    assert len(again.at(slice(3, None)).stiffness) == 6
+    with pytest.raises(InputError, match="stiffness differ in length"):
+        Recording(time, load, load, stiffness=stiffness[1:])

@@ -41,5 +41,4 @@ def time_shift(recording: Recording, protocol: Protocol) -> float:
 def aligned(recording: Recording, protocol: Protocol) -> Recording:
     """Return the recording on the protocol's clock."""
     time = recording.time - time_shift(recording, protocol)
-    kept = time > 0.0
-    return replace(recording, time=time[kept], load=recording.load[kept], depth=recording.depth[kept])
+    return replace(recording, time=time).at(time > 0.0)

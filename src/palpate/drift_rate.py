@@ -61,6 +61,26 @@ def measured_in(time: np.ndarray, depth: np.ndarray, segments: Iterable[Segment]
     return drift_rate(time[inside], depth[inside])
 
 
+def fastest_in(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, segments: Iterable[Segment]
+) -> tuple[float, float] | None:
+    """Return the fastest drift [nm/s] that a test's holds under load admit, and its upper 95 % limit, or None without.
+
+    Under a constant load creep only adds to the depth, so no drift is faster than what is recorded late in a hold: in
+    its second half. What a falling load gives back is allowed for, at most depth / load for each mN.
+    """
+    found = []
+    for part in segments:
+        first = (part.first + part.last) // 2
+        if part.kind == "hold" and part.last - first >= FEWEST + CORNER:
+            inside = slice(first, part.last + 1 - CORNER)
+            seen = drift_rate(time[inside], depth[inside])
+            falling = max(-float(np.polyfit(time[inside] - time[first], load[inside], 1)[0]), 0.0)
+            given_back = falling * abs(float(np.median(depth[inside] / load[inside])))
+            found.append((seen.rate + given_back, seen.upper + given_back))
+    return min(found, key=lambda pair: pair[1]) if found else None
+
+
 def drift_rate(time: np.ndarray, depth: np.ndarray) -> DriftRate:
     """Return the rate of drift in a hold.
 

@@ -11,6 +11,7 @@ import numpy as np
 from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
+WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 BARELY_LOADED = 1e-3
 RATE_SPAN = 0.05
 
@@ -27,6 +28,9 @@ class Recording:
         Such as ``P1.00_T030_1``.
     notes
         Lines kept as comments at the head of the CSV.
+    stiffness : ndarray, shape (n,), optional
+        dP/dh [mN/nm] that the instrument measured by a small oscillation, with the corrections that the depth has; NaN
+        where it measured none.
     """
 
     time: np.ndarray
@@ -34,12 +38,15 @@ class Recording:
     depth: np.ndarray
     name: str = ""
     notes: tuple[str, ...] = field(default=())
+    stiffness: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         for key in ("time", "load", "depth"):
             object.__setattr__(self, key, np.asarray(getattr(self, key), dtype=float))
         if not len(self.time) == len(self.load) == len(self.depth):
             raise InputError("time, load and depth differ in length", remedy="give one value of each a point")
+        if self.stiffness is not None and len(self.stiffness) != len(self.time):
+            raise InputError("time and stiffness differ in length", remedy="give one value of each a point")
         for key, values in (("time_s", self.time), ("load_mN", self.load), ("depth_nm", self.depth)):
             if not np.all(np.isfinite(values)):
                 row = int(np.flatnonzero(~np.isfinite(values))[0])
@@ -60,6 +67,11 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def at(self, kept: slice | np.ndarray) -> Recording:
+        """Return the recording at some of its points."""
+        stiffness = None if self.stiffness is None else self.stiffness[kept]
+        return replace(self, time=self.time[kept], load=self.load[kept], depth=self.depth[kept], stiffness=stiffness)
 
     def from_contact(self) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.
@@ -88,10 +100,11 @@ class Recording:
             begin -= self.load[0] / rate
         if abs(begin) <= interval:
             begin = 0.0
-        time, load, depth = self.time - begin, self.load, self.depth
+        time, load, depth, stiffness = self.time - begin, self.load, self.depth, self.stiffness
         if time[0] > 0:
             time, load, depth = (np.append(0.0, values) for values in (time, load, depth))
-        return replace(self, time=time, load=load, depth=depth)
+            stiffness = None if stiffness is None else np.append(np.nan, stiffness)
+        return replace(self, time=time, load=load, depth=depth, stiffness=stiffness)
 
     def write(self, path: str | Path) -> None:
         """Write the recording as CSV; the file appears whole or not at all."""
@@ -99,8 +112,10 @@ class Recording:
         text = io.StringIO()
         for note in self.notes:
             text.write(f"# {' '.join(note.split())}\n")
-        text.write(HEADER + "\n")
-        np.savetxt(text, np.column_stack([self.time, self.load, self.depth]), fmt="%.9g", delimiter=",")
+        channels = [self.time, self.load, self.depth]
+        text.write((HEADER if self.stiffness is None else WITH_STIFFNESS) + "\n")
+        channels += [] if self.stiffness is None else [self.stiffness]
+        np.savetxt(text, np.column_stack(channels), fmt="%.9g", delimiter=",")
         partial = path.with_name(path.name + ".partial")
         partial.write_text(text.getvalue(), encoding="utf-8")
         partial.replace(path)
@@ -126,29 +141,29 @@ def read_recording(path: str | Path) -> Recording:
     if not body:
         raise InputError("the recording is empty", remedy="export the test again", file=path)
     number, header = body[0]
-    if header.strip() != HEADER:
+    if header.strip() not in (HEADER, WITH_STIFFNESS):
         raise InputError(
             f"header is {header.strip()[:60]!r}, expected {HEADER!r}",
             remedy="rename the columns, with these units",
             file=path,
             place=f"line {number}",
         )
-    rows = []
+    rows, width = [], len(header.split(","))
     for number, line in body[1:]:
         try:
             row = [float(cell) for cell in line.split(",")]
         except ValueError:
             row = []
-        if len(row) != 3:
+        if len(row) != width:
             raise InputError(
-                f"{line.strip()[:40]!r} is not three numbers",
+                f"{line.strip()[:40]!r} is not {'three' if width == 3 else 'four'} numbers",
                 remedy="write time, load and depth with decimal points",
                 file=path,
                 place=f"line {number}",
             )
         rows.append(row)
     try:
-        time, load, depth = np.reshape(rows, (-1, 3)).T
-        return Recording(time, load, depth, name=path.stem, notes=notes)
+        time, load, depth, *stiffness = np.reshape(rows, (-1, width)).T
+        return Recording(time, load, depth, path.stem, notes, stiffness[0] if stiffness else None)
     except InputError as error:
         raise error.located(file=path) from None

@@ -4,10 +4,14 @@ r"""The frame's compliance from the tops of unloadings at several loads, whateve
 
 Contact area is load over hardness, so the area function does not enter, nor does the zero point: both only move depths.
 Hardness and modulus must not depend on depth. For a sharp tip on a body without a length that holds exactly, plasticity
-and creep included, when the cycles take equal times.
+and creep included, when the cycles take equal times. Each test has a k of its own, because sites differ.
+
+An error of the depth counts the more, the smaller the load: C sqrt(P) scatters as 1 / sqrt(P) does, and is weighed so.
+That also keeps the lowest loads, where a blunt tip breaks the law, from deciding.
 
 Sources: D.L. Joslin and W.C. Oliver, J. Mater. Res. 5 (1990) 123-126 (P/S^2 holds no area); W.C. Oliver and G.M. Pharr,
-J. Mater. Res. 7 (1992) 1564-1583, equations (8) and (9).
+J. Mater. Res. 7 (1992) 1564-1583, equations (8) and (9); J.L. Hodges and E.L. Lehmann, Ann. Math. Stat. 34
+(1963) 598-611.
 """
 
 from __future__ import annotations
@@ -22,13 +26,17 @@ from palpate.classical.oliver_pharr import fit_unloading
 from palpate.errors import InputError
 from palpate.segments import Segment
 
+LOWEST = 0.01
 STARTS = (0.0, 0.05, 0.1, 0.2)
 MAIN = 0.05
 SPAN = 3.0
 FEWEST = 4
+MANY = 6
 POINTS = 8
 TOP = 0.95
 ROUNDS = 3
+LEVELS = 24
+LEAST, MOST_MEMORY = 1e-300, 0.98
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,7 @@ class FrameCompliance:
     compliance, lower, upper
         Estimate and 95 % interval [nm/mN].
     unloadings
-        Number of unloadings that it rests on.
+        Number of unloadings, or of loads at which the stiffness was measured continuously, that it rests on.
     """
 
     compliance: float
@@ -78,54 +86,110 @@ def tops(load: np.ndarray, depth: np.ndarray, parts: Iterable[Segment]) -> tuple
     return np.array(loads), np.array(compliances)
 
 
-def frame_compliance(loads: np.ndarray, compliances: np.ndarray) -> FrameCompliance | None:
-    """Return the frame's compliance from the unloadings of all tests on one material, or None where they cannot tell.
-
-    C sqrt(P) is a straight line in sqrt(P) with the slope C_f; its points have about equal errors. The interval is
-    Student's, widened to how the slope moves when loads below 5, 10 or 20 % of the largest are left out or all are
-    kept: where hardness depends on depth, as it does for a shallow contact of a blunt tip, it shows there. At least
-    four unloadings whose loads differ by a factor of three are needed.
-
-    Parameters
-    ----------
-    loads, compliances : ndarray, shape (n,)
-        From `tops` [mN], [nm/mN].
-    """
-    if len(loads) < FEWEST or loads.max() < SPAN * loads.min():
-        return None
-    slopes = {}
-    for start in STARTS:
-        kept = loads >= start * loads.max()
-        if kept.sum() >= FEWEST and loads.max() >= SPAN * loads[kept].min():
-            slopes[start] = _slope(np.sqrt(loads[kept]), compliances[kept] * np.sqrt(loads[kept])), int(kept.sum())
-    (slope, half), count = slopes.get(MAIN, slopes[STARTS[0]])
-    others = [value for (value, _), _ in slopes.values()]
-    return FrameCompliance(slope, min(slope - half, *others), max(slope + half, *others), count)
-
-
 def frame_of(tests: Sequence[tuple[np.ndarray, np.ndarray, Sequence[Segment]]]) -> FrameCompliance | None:
     """Return the frame's compliance from whole tests (load [mN], depth [nm], segments) on one material.
 
     Unloading follows a power law once the frame's deflection is taken off: what was found is taken off, and found anew.
-
-    Tests whose own unloadings cannot tell are left out.
+    Tests whose own unloadings cannot tell are left out; each of the others has four or more, from loads that differ by
+    a factor of three.
     """
     known, found = 0.0, None
     for _ in range(ROUNDS):
         seen = [tops(load, depth - known * load, parts) for load, depth, parts in tests]
-        telling = [pair for pair in seen if frame_compliance(*pair) is not None]
+        telling = [pair for pair in seen if _tells(pair[0])]
         if not telling:
             return None
-        loads, compliances = (np.concatenate(channel) for channel in zip(*telling, strict=True))
-        left = frame_compliance(loads, compliances)
-        if left is None:
-            return None
+        left = frame_compliance(telling)
         known, lower, upper = (known + value for value in (left.compliance, left.lower, left.upper))
         found = FrameCompliance(known, lower, upper, left.unloadings)
     return found
 
 
-def _slope(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """Return the slope of a straight line and half its 95 % interval."""
-    line = stats.linregress(x, y)
-    return float(line.slope), float(stats.t.ppf(0.975, len(x) - 2) * line.stderr)
+def frame_by_oscillation(tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> FrameCompliance | None:
+    """Return the frame's compliance from the stiffness measured by a small oscillation while the load grows.
+
+    P/S^2 without the frame's part is then the same at every depth. Points are taken from a hundredth of the largest
+    load on, as medians over 24 equal steps of sqrt(P), because neighbours share their error. The oscillation may see
+    another frame than the slow load does: it moves less of the instrument.
+
+    Parameters
+    ----------
+    tests
+        Load [mN] and measured stiffness [mN/nm] (n,) of each test; NaN where none was measured.
+    """
+    seen = []
+    for load, stiffness in tests:
+        peak = int(np.argmax(load))
+        rising = np.flatnonzero(np.isfinite(stiffness) & (stiffness > 0) & (load > LOWEST * load[peak]))
+        rising = rising[rising <= peak]
+        if len(rising) < LEVELS * FEWEST:
+            continue
+        root = np.sqrt(load[rising])
+        step = np.minimum((LEVELS * (root - root.min()) / np.ptp(root)).astype(int), LEVELS - 1)
+        blocks = [rising[step == k] for k in np.unique(step)]
+        values = [(np.median(load[block]), np.median(1.0 / stiffness[block])) for block in blocks]
+        loads, compliances = np.array(values).T
+        if _tells(loads):
+            seen.append((loads, compliances))
+    return frame_compliance(seen) if seen else None
+
+
+def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> FrameCompliance:
+    """Return the frame's compliance from the tops (loads [mN], compliances [nm/mN]) of tests that can tell.
+
+    C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
+    combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
+    fitted together, and the interval is Student's, for residuals that are correlated as theirs are. Either is widened
+    to how the slope moves when loads below 5, 10 or 20 % of each test's largest are left out or all are kept: where
+    hardness depends on depth, it shows there.
+    """
+    found = {start: _from_start(tops_of_tests, start) for start in STARTS}
+    slope, lower, upper, count = found[MAIN] or found[STARTS[0]] or (np.nan, np.nan, np.nan, 0)
+    others = [entry[0] for entry in found.values() if entry]
+    return FrameCompliance(slope, min(lower, *others), max(upper, *others), count)
+
+
+def _tells(loads: np.ndarray, start: float = 0.0) -> bool:
+    """Return whether the loads (n,) from a share of the largest on are enough and different enough."""
+    kept = loads[loads >= start * loads.max()] if len(loads) else loads
+    return len(kept) >= FEWEST and kept.max() >= SPAN * kept.min()
+
+
+def _from_start(
+    tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]], start: float
+) -> tuple[float, float, float, int] | None:
+    """Return slope, 95 % interval and number of points from a share of the largest load on, or None without enough."""
+    lines = [_line(loads, values, start) for loads, values in tops_of_tests if _tells(loads, start)]
+    if not lines:
+        return None
+    count = sum(len(x) for x, _ in lines)
+    slopes = np.array([float(x @ y / (x @ x)) for x, y in lines])
+    if len(lines) >= MANY:
+        return (*hodges_lehmann(slopes), count)
+    x, y = (np.concatenate(part) for part in zip(*lines, strict=True))
+    slope, freedom = float(x @ y / (x @ x)), count - len(lines) - 1
+    left = y - slope * x
+    memory = float(np.clip(left[1:] @ left[:-1] / max(float(left @ left), LEAST), 0.0, MOST_MEMORY))
+    deviation = float(np.sqrt(left @ left / freedom / (x @ x) * (1 + memory) / (1 - memory)))
+    half = float(stats.t.ppf(0.975, freedom)) * deviation
+    return slope, slope - half, slope + half, count
+
+
+def _line(loads: np.ndarray, compliances: np.ndarray, start: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return sqrt(P) and C sqrt(P) of one test (k,), weighed by sqrt(P), each less what its constant k explains."""
+    kept = loads >= start * loads.max()
+    root = np.sqrt(loads[kept])
+    constant = root / np.linalg.norm(root)
+    x, y = root * root, root * root * compliances[kept]
+    return x - constant * (constant @ x), y - constant * (constant @ y)
+
+
+def hodges_lehmann(values: np.ndarray) -> tuple[float, float, float]:
+    """Return the median of the means of all pairs of `values` (n,), and Wilcoxon's 95 % interval."""
+    first, second = np.triu_indices(len(values))
+    means = np.sort(0.5 * (values[first] + values[second]))
+    ways = np.ones(1)
+    for rank in range(1, len(values) + 1):
+        ways = np.append(ways, np.zeros(rank)) + np.append(np.zeros(rank), ways)
+    out = max(int(np.searchsorted(np.cumsum(ways) / ways.sum(), 0.025)) - 1, 0)
+    return float(np.median(means)), float(means[out]), float(means[-1 - out])

@@ -11,7 +11,8 @@ from palpate.config import Study
 from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.detect import examine, gains
 from palpate.diagnosis.fit import Fit, solve, starting_points
-from palpate.diagnosis.laws import Law, contradicted
+from palpate.diagnosis.law import Law
+from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.refine import refine
 from palpate.errors import PalpateError
@@ -88,15 +89,16 @@ class Search:
         middle = [np.full(problem.space.dimensions, 0.5)]
         first = self._errors((), np.zeros(len(problem.mean)))
         rough = solve(problem, (), first, middle)
-        return solve(problem, (), self._errors((), rough.residual), [rough.z, *middle])
+        return solve(problem, (), self._errors((), rough.residual), [rough.z, *middle], laws=self._laws)
 
     def extended(self, fit: Fit, key: str) -> Fit:
         """Fit an explanation and one more mechanism; what the forward model corrected in the first stays corrected."""
         wider: Explanation = (*fit.explanation, key)
         correction = fit.correction.widened(self._problem.dimensions(wider))
         found = self._errors(wider, fit.residual)
-        best = solve(self._problem, wider, found, starting_points(fit, key), correction)
-        return solve(self._problem, wider, self._errors(wider, best.residual, best.z), [best.z], correction)
+        best = solve(self._problem, wider, found, starting_points(fit, key), correction, laws=self._laws)
+        weighed = self._errors(wider, best.residual, best.z)
+        return solve(self._problem, wider, weighed, [best.z], correction, laws=self._laws)
 
     def refined(self, fit: Fit) -> Candidate:
         """Put a fit on the forward model, where that runs, and examine what it leaves."""
@@ -181,13 +183,14 @@ def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable
 def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str]]:
     """Return the sets with one mechanism more that promise the greatest evidence.
 
-    What a set promises is the evidence of the smaller one, plus what filters see of the mechanism that joins it.
+    What a set promises is the evidence of the smaller one, plus what filters and laws see of the mechanism that joins.
     """
     promised: dict[frozenset[str], tuple[float, Fit, str]] = {}
     for candidate in tried:
         fit, promise = candidate.fit, gains(candidate.fit, keys)
         for key in [key for key in keys if key not in fit.explanation]:
-            score = fit.log_evidence + 0.5 * promise[key]
+            asked = sum(off**2 for law, off in zip(fit.laws, fit.from_laws(fit.z), strict=True) if law.key == key)
+            score = fit.log_evidence + 0.5 * (promise[key] + asked)
             wider = frozenset((*fit.explanation, key))
             if wider not in promised or score > promised[wider][0]:
                 promised[wider] = score, fit, key

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,11 +13,12 @@ from scipy.stats import qmc
 
 from palpate.diagnosis.covariance import Errors, varying
 from palpate.diagnosis.design import mechanism_dimensions
+from palpate.diagnosis.law import Law, departures
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 PRIOR_VARIANCE = 1.0 / 12.0
-NORMAL_95 = 1.96
+STEP = 1e-4
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
 TRIALS = 32
 
@@ -78,6 +79,8 @@ class Fit:
         Errors of the mean curves.
     correction
         What the forward model adds to the surrogates' curves near z.
+    laws
+        What exact laws say about amplitudes: data, too.
     """
 
     problem: Problem
@@ -85,6 +88,7 @@ class Fit:
     z: np.ndarray
     errors: Errors
     correction: Correction
+    laws: tuple[Law, ...] = ()
 
     @cached_property
     def factor(self) -> np.ndarray:
@@ -124,27 +128,46 @@ class Fit:
         """Whitened residual (n_all,)."""
         return self.whiten(self.residual)
 
+    def from_laws(self, z: np.ndarray) -> np.ndarray:
+        """Return by how many standard deviations the amplitudes at z (k,) depart from the laws."""
+        return departures(self.laws, self.problem.amplitudes(self.explanation, z))
+
+    @cached_property
+    def law_tangent(self) -> np.ndarray:
+        """Slope (n_laws, k) of the departures from the laws."""
+        slope = np.zeros((len(self.laws), len(self.z)))
+        if self.laws:
+            for k in range(self.problem.space.dimensions, len(self.z)):
+                step = np.where(np.arange(len(self.z)) == k, STEP, 0.0)
+                slope[:, k] = (self.from_laws(self.z + step) - self.from_laws(self.z - step)) / (2 * STEP)
+        return slope
+
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves."""
-        return float(self.white @ self.white)
+        """Chi-square of the mean curves and of the laws."""
+        off = self.from_laws(self.z)
+        return float(self.white @ self.white + off @ off)
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Of contrasts and means."""
+        """Of contrasts, means and laws."""
         return self.errors.noise.log_likelihood - 0.5 * self.misfit - float(np.log(np.diag(self.factor)).sum())
 
     @cached_property
     def posterior(self) -> np.ndarray:
         """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand."""
+        return np.linalg.inv(self.information + np.eye(len(self.z)) / PRIOR_VARIANCE)
+
+    @cached_property
+    def information(self) -> np.ndarray:
+        """What curves and laws tell about the coordinates (k, k), to first order."""
         white = self.whiten(self.tangent)
-        return np.linalg.inv(white.T @ white + np.eye(len(self.z)) / PRIOR_VARIANCE)
+        return white.T @ white + self.law_tangent.T @ self.law_tangent
 
     @cached_property
     def log_evidence(self) -> float:
         """Laplace's approximation with priors that are even over the ranges."""
-        white = self.whiten(self.tangent)
-        sharpened = np.eye(len(self.z)) + PRIOR_VARIANCE * white.T @ white
+        sharpened = np.eye(len(self.z)) + PRIOR_VARIANCE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
 
 
@@ -155,10 +178,11 @@ def solve(
     starts: Iterable[np.ndarray],
     correction: Correction | None = None,
     radius: float = 1.0,
+    laws: Sequence[Law] = (),
 ) -> Fit:
     """Find the best coordinates within `radius` of any of the given starts by bounded least squares."""
     correction = correction or Correction.none(len(problem.mean), problem.dimensions(explanation))
-    found = [_minimised(Fit(problem, explanation, z, errors, correction), radius) for z in starts]
+    found = [_minimised(Fit(problem, explanation, z, errors, correction, tuple(laws)), radius) for z in starts]
     return spread_own_values(min(found, key=lambda fit: fit.misfit), radius)
 
 
@@ -172,9 +196,9 @@ def _minimised(fit: Fit, radius: float) -> Fit:
 
     start = np.clip(fit.z, 1e-4, 1 - 1e-4)
     found = least_squares(
-        lambda z: -at(z).white,
+        lambda z: np.concatenate([-at(z).white, fit.from_laws(z)]),
         start,
-        lambda z: fit.whiten(at(z).tangent),
+        lambda z: np.vstack([fit.whiten(at(z).tangent), at(z).law_tangent]),
         bounds=(np.maximum(start - radius, 0.0), np.minimum(start + radius, 1.0)),
         max_nfev=40,
         xtol=1e-5,

@@ -1,34 +1,168 @@
-"""What may still hide behind an explanation that stands: amplitudes of effects on the recorded depth that it lacks.
+"""What may still hide behind an explanation that stands: amplitudes of effects on the recorded depth.
 
-Each joins alone, by generalised least squares together with the parameters of the explanation, to first order about
-the best point. A wide interval says that these recordings neither show the effect nor rule it out.
+By generalised least squares together with the parameters of the explanation, to first order about the best point; where
+an exact law speaks of the effect, with that law. `may_hide` lets each effect that is not named join alone. A wide
+interval says that these recordings neither show the effect nor rule it out. `open_amplitudes` lets all effects of the
+list act at once, named or not: an amplitude that then may be anything is not known from these recordings, however
+narrow its interval under one explanation, and what it trades with says why.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from palpate.diagnosis.fit import NORMAL_95, PRIOR_VARIANCE, Fit
+from palpate.diagnosis.design import mechanism_dimensions
+from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
+from palpate.diagnosis.law import NORMAL_95
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import unchanged_specification
+
+EVEN = 1.0 / 3.0
+COARSE = 0.01
+REMEDIES = {
+    "thermal_drift": "a hold of a minute or more at a tenth of the load after unloading",
+    "frame_compliance": "four or more unloadings from loads that span a factor of ten, within each test,",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Extra:
+    """An effect that joins an explanation in proportion to a coefficient.
+
+    Parameters
+    ----------
+    key
+        Its mechanism.
+    column : ndarray, shape (n_all,)
+        What one unit adds to the depth [nm].
+    variance
+        Of the coefficient beforehand.
+    """
+
+    key: str
+    column: np.ndarray
+    variance: float
 
 
 def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
-    slopes = fit.whiten(fit.problem.jacobian(fit.explanation, fit.z))
     found = {}
-    for key in keys:
-        mechanism = MECHANISMS[key]
-        if key in fit.explanation or mechanism.simulate is not unchanged_specification:
-            continue
-        (parameter,) = mechanism.parameters
-        column = np.concatenate([fit.problem.unit_effect(key, c) for c in fit.problem.conditions])
-        design = np.column_stack([slopes, fit.whiten(column)])
-        prior = np.append(np.full(slopes.shape[1], 1.0 / PRIOR_VARIANCE), 0.0)
-        covariance = np.linalg.inv(design.T @ design + np.diag(prior))
-        estimate = float((covariance @ design.T @ fit.white)[-1])
-        half = NORMAL_95 * float(np.sqrt(covariance[-1, -1]))
-        found[f"{key}.{parameter.name}"] = {"estimate": estimate, "lower": estimate - half, "upper": estimate + half}
+    for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
+        change, covariance = _joined(fit, [Extra(key, _unit_column(fit, key), np.inf)])
+        found[_named(key)] = _interval(float(change[-1]), float(covariance[-1, -1]))
     return found
+
+
+def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all of `keys` may act.
+
+    Each has beforehand the variance of an even distribution over its range. ``trades_with`` is the coordinate with the
+    largest posterior ``correlation``.
+    """
+    keys = list(keys)
+    extras = [_extra(fit, key) for key in keys if key not in fit.explanation]
+    change, covariance = _joined(fit, extras)
+    names = _coordinates(fit) + [extra.key for extra in extras]
+    deviation = np.sqrt(np.diag(covariance))
+    found: dict[str, dict[str, Any]] = {}
+    for key in filter(_only_adds, keys):
+        place = names.index(key)
+        value, slope = _amplitude(fit, key, place) if key in fit.explanation else (0.0, 1.0)
+        correlation = covariance[place] / (deviation * deviation[place])
+        correlation[place] = 0.0
+        other = int(np.argmax(np.abs(correlation)))
+        found[_named(key)] = {
+            **_interval(value + slope * float(change[place]), (slope * float(deviation[place])) ** 2),
+            "trades_with": names[other],
+            "correlation": float(np.sign(slope) * correlation[other]),
+        }
+    return found
+
+
+def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Say which of the `amplitudes` from `open_amplitudes` are open though a test would give them exactly, and which.
+
+    An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth.
+    """
+    said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
+    for name, entry in amplitudes.items():
+        key = name.split(".")[0]
+        half = 0.5 * (entry["upper"] - entry["lower"])
+        if key in REMEDIES and half * float(np.abs(_unit_column(fit, key)).max()) > least:
+            unit = MECHANISMS[key].parameters[0].unit
+            said.append(
+                f"If all effects considered may act at once, {MECHANISMS[key].title} lies between "
+                f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
+                f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}). "
+                f"{REMEDIES[key][0].upper()}{REMEDIES[key][1:]} would fix it whatever else acts."
+            )
+    return said
+
+
+def _joined(fit: Fit, extras: list[Extra]) -> tuple[np.ndarray, np.ndarray]:
+    """Return how all coordinates change from the best point when effects join, and their covariance.
+
+    The coordinates are those of the explanation, then the coefficients of the effects.
+    """
+    own = len(fit.z)
+    slopes = fit.problem.jacobian(fit.explanation, fit.z)
+    design = fit.whiten(np.column_stack([slopes, *(extra.column for extra in extras)]))
+    prior = np.append(np.full(own, 1.0 / PRIOR_VARIANCE), [1.0 / extra.variance for extra in extras])
+    precision, pull = design.T @ design + np.diag(prior), design.T @ fit.white
+    precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
+    pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
+    for place, extra in enumerate(extras, own):
+        for law in [law for law in fit.laws if law.key == extra.key]:
+            precision[place, place] += law.weight(0.0) ** 2
+            pull[place] -= law.weight(0.0) * law.departure(0.0)
+    covariance = np.linalg.inv(precision)
+    return covariance @ pull, covariance
+
+
+def _extra(fit: Fit, key: str) -> Extra:
+    """Return a mechanism as an effect that joins; one that acts on the body is taken at the middle of its range."""
+    if _only_adds(key):
+        (plausible,) = MECHANISMS[key].plausible(fit.problem.scale).values()
+        return Extra(key, _unit_column(fit, key), EVEN * plausible.upper**2)
+    u = fit.problem.parts(fit.explanation, fit.z)[0]
+    middle = np.full(mechanism_dimensions(MECHANISMS[key], fit.problem.scale), 0.5)
+    return Extra(key, fit.problem.effect(key, u, middle)[0], EVEN)
+
+
+def _unit_column(fit: Fit, key: str) -> np.ndarray:
+    return np.concatenate([fit.problem.unit_effect(key, condition) for condition in fit.problem.conditions])
+
+
+def _amplitude(fit: Fit, key: str, place: int) -> tuple[float, float]:
+    """Return the amplitude that an explanation gives a mechanism, and its slope by its coordinate."""
+    ends = [np.where(np.arange(len(fit.z)) == place, end, fit.z) for end in (0.0, 1.0)]
+    name = MECHANISMS[key].parameters[0].name
+    value, low, high = (fit.problem.amplitudes(fit.explanation, z)[key][name] for z in (fit.z, *ends))
+    return value, high - low
+
+
+def _coordinates(fit: Fit) -> list[str]:
+    """Return the name of each coordinate: a material parameter, or a mechanism."""
+    space = fit.problem.space
+    names = [name for name, free in zip(space.bounds, space.free, strict=True) if free]
+    return names + [
+        key for key in fit.explanation for _ in range(mechanism_dimensions(MECHANISMS[key], fit.problem.scale))
+    ]
+
+
+def _only_adds(key: str) -> bool:
+    return MECHANISMS[key].simulate is unchanged_specification
+
+
+def _named(key: str) -> str:
+    (parameter,) = MECHANISMS[key].parameters
+    return f"{key}.{parameter.name}"
+
+
+def _interval(estimate: float, variance: float) -> dict[str, float]:
+    half = NORMAL_95 * float(np.sqrt(variance))
+    return {"estimate": estimate, "lower": estimate - half, "upper": estimate + half}

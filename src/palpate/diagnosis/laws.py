@@ -1,69 +1,40 @@
 """Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
 
-A hold at low load shows the drift; unloadings from several loads within a test show the frame. An explanation whose
-amplitude differs from such a law's beyond both intervals is wrong, however well it fits; without the mechanism its
-amplitude is zero.
+A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. A hold at any load
+bounds the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as
+long as the two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong,
+however well it fits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from palpate.classical.frame import frame_of
-from palpate.diagnosis.covariance import BACKGROUND
-from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.classical.area import AreaFunction
+from palpate.classical.frame import frame_by_oscillation, frame_of
+from palpate.classical.reference import Reference, frame_of_reference
+from palpate.config import Study
+from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
+from palpate.diagnosis.law import UNNAMED, Law
+from palpate.drift_rate import fastest_in
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
 from palpate.survey import survey
 
-UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
-
-
-@dataclass(frozen=True)
-class Law:
-    """The amplitude of one mechanism by an exact law.
-
-    Parameters
-    ----------
-    key, parameter
-        Mechanism and its only parameter.
-    estimate, lower, upper
-        In the parameter's unit; 95 % interval.
-    source
-        Where it comes from, in words.
-    """
-
-    key: str
-    parameter: str
-    estimate: float
-    lower: float
-    upper: float
-    source: str
-
-    def __post_init__(self) -> None:
-        if not self.lower <= self.estimate <= self.upper:
-            raise InputError(
-                f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
-            )
-
-    def allows(self, value: float, deviation: float) -> bool:
-        """Return whether a value with the given standard deviation agrees within 95 %."""
-        side = self.upper - self.estimate if value > self.estimate else self.estimate - self.lower
-        return bool(abs(value - self.estimate) <= np.hypot(side, NORMAL_95 * deviation))
-
 
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
-    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. For
-    the frame, tests with four unloadings whose loads span a factor of three are taken together.
+    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
+    no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
+    span a factor of three are taken together.
     """
-    drifts, tests = [], []
+    drifts, fastest, tests, oscillated = [], [], [], []
     for recording in recordings:
         try:
             found = survey(recording)
@@ -71,46 +42,88 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
             continue
         if found.drift is not None:
             drifts.append((found.drift.rate, found.drift.lower, found.drift.upper))
-        tests.append((recording.load - found.contact.load, recording.depth, found.parts))
+        load = recording.load - found.contact.load
+        bound = fastest_in(recording.time, load, recording.depth, found.parts)
+        if bound is not None:
+            fastest.append(bound)
+        tests.append((load, recording.depth, found.parts))
+        if recording.stiffness is not None:
+            oscillated.append((load, recording.stiffness))
     laws = []
     if drifts:
         rate, lower, upper = np.mean(drifts, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}"))
-    frame = frame_of(tests)
-    if frame is not None:
-        source = f"tops of unloadings, {frame.unloadings}"
+    elif fastest:
+        rate, upper = np.mean(fastest, axis=0).tolist()
+        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
+    for frame, words in (
+        (frame_of(tests), "tops of unloadings"),
+        (frame_by_oscillation(oscillated), "stiffness by oscillation, levels of load"),
+    ):
+        if frame is None:
+            continue
+        source = f"{words}, {frame.unloadings}"
         laws.append(Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source))
     return laws
 
 
-def zero_points(recordings: Mapping[str, Iterable[Recording]]) -> list[dict[str, Any]]:
+def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
+    """Return what unloadings say of the frame where the study's solid and tip are a reference; else nothing."""
+    given = study.diagnosis.get("reference")
+    if given is None:
+        return []
+    solid = (1.0 - given["poisson_ratio"] ** 2) / given["youngs_modulus"]
+    reduced = 1.0 / (solid + study.indenter.compliance)
+    reference = Reference(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
+    frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
+    source = f"unloadings of a solid of known modulus, {frame.unloadings}"
+    return [Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source)]
+
+
+def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
     """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
 
-    No law to judge by: a blunt tip, a yielding frame and creep shift the origin, too.
+    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several
+    do, is taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval.
+    Differences between tests on one material are free of all that.
     """
+    shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
+    shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
     rows = []
     for condition, tests in recordings.items():
         for number, test in enumerate(tests, 1):
-            origin = dict(zip(("estimate", "lower", "upper"), sharp_origin(test.load, test.depth), strict=True))
-            if np.isfinite(origin["estimate"]):
-                rows.append({"condition": condition, "number": number, **origin})
+            origin = sharp_origin(test.load, test.depth)
+            if not np.isfinite(origin[0]):
+                continue
+            row = {"condition": condition, "number": number}
+            rows.append(row | dict(zip(("estimate", "lower", "upper"), origin, strict=True)))
+            for law in shown:
+                frames = (law.estimate, law.lower, law.upper)
+                found = np.array([sharp_origin(test.load, test.depth - frame * test.load) for frame in frames])
+                ends = {"frame_off_lower": found[:, 1].min(), "frame_off_upper": found[:, 2].max()}
+                rows[-1] |= {"frame_off": float(found[0, 0])} | {name: float(end) for name, end in ends.items()}
     return rows
 
 
 def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
-    """Return the laws that the amplitudes of an explanation contradict."""
+    """Return the laws that the amplitudes which the curves give an explanation contradict."""
     return [law for law in laws if not law.allows(*_amplitude(fit, law))]
 
 
 def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
-    """Return the amplitude that an explanation gives a mechanism, and its standard deviation.
+    """Return the amplitude that the curves alone give a mechanism, and its standard deviation.
 
-    Without the mechanism it is zero, to within what counts as background.
+    Where laws took part in the fit, theirs is taken out again to first order. Without the mechanism the amplitude is
+    zero, to within what counts as background.
     """
     if law.key not in fit.explanation:
         return 0.0, UNNAMED[law.key]
     problem, z = fit.problem, fit.z
+    white = fit.whiten(fit.tangent)
+    covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
+    if fit.laws:
+        z = np.clip(z + covariance @ white.T @ fit.white, 0.0, 1.0)
     (place,) = problem.parts(fit.explanation, np.arange(len(z)))[1][law.key]
     ends = [np.where(np.arange(len(z)) == place, end, z) for end in (0.0, 1.0)]
     value, low, high = (problem.amplitudes(fit.explanation, at)[law.key][law.parameter] for at in (z, *ends))
-    return value, (high - low) * float(np.sqrt(fit.posterior[place, place]))
+    return value, (high - low) * float(np.sqrt(covariance[place, place]))

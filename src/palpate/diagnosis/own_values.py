@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,16 +12,28 @@ from palpate.calibration import Observation
 from palpate.calibration.noise import model_covariance
 from palpate.config import Study
 from palpate.diagnosis.covariance import varying
-from palpate.diagnosis.fit import NORMAL_95, Fit
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.law import NORMAL_95, Law
 from palpate.diagnosis.refine import curve_under
 
 
-def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit) -> dict[str, list[dict[str, Any]]]:
+def recording_values(
+    study: Study,
+    observed: Mapping[str, Observation],
+    fit: Fit,
+    own_laws: Mapping[str, Sequence[Sequence[Law]]] | None = None,
+) -> dict[str, list[dict[str, Any]]]:
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
     By generalised least squares of what a recording departs from the forward model's curve, given the common material
     and the common mean; its point noise, site scatter and the model's error are weighed, the uncertainty of the mean
-    is added. Where several mechanisms vary they are found together.
+    is added. Where several mechanisms vary they are found together. What exact laws say about a recording by itself,
+    such as the drift in its own hold, joins as data.
+
+    Parameters
+    ----------
+    own_laws
+        Laws of each recording of each condition.
     """
     keys = varying(fit.explanation)
     if not keys:
@@ -37,9 +49,9 @@ def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit
         covariance += model_covariance({condition.name: curve}, study.calibration["solver_error"])
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)
-        spread = np.linalg.inv(design.T @ weighed)
         for number, depth in enumerate(item.depth, 1):
-            departures = spread @ weighed.T @ (depth - curve)
+            laws = own_laws[condition.name][number - 1] if own_laws else ()
+            departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), keys, best, laws)
             for key, departure, variance in zip(keys, departures, np.diag(spread), strict=True):
                 ((name, mean),) = best[key].items()
                 half = NORMAL_95 * float(np.sqrt(variance))
@@ -47,3 +59,27 @@ def recording_values(study: Study, observed: Mapping[str, Observation], fit: Fit
                 row = {"condition": condition.name, "number": number, "estimate": value}
                 found.setdefault(f"{key}.{name}", []).append(row | {"lower": value - half, "upper": value + half})
     return found
+
+
+def _with_laws(
+    precision: np.ndarray,
+    pull: np.ndarray,
+    keys: Sequence[str],
+    means: Mapping[str, Mapping[str, float]],
+    laws: Sequence[Law],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the departures (k,) from the common means and their covariance, from a recording and its own laws.
+
+    A second pass lets a law weigh by the side on which the first has put the value.
+    """
+    places = [(keys.index(law.key), law) for law in laws if law.key in keys]
+    departures = np.linalg.solve(precision, pull)
+    for _ in range(2):
+        weighed, pulled = precision.copy(), pull.copy()
+        for place, law in places:
+            mean = means[law.key][law.parameter]
+            weight = law.weight(mean + float(departures[place])) ** 2
+            weighed[place, place] += weight
+            pulled[place] += weight * (law.estimate - mean)
+        departures = np.linalg.solve(weighed, pulled)
+    return departures, np.linalg.inv(weighed)

@@ -57,15 +57,24 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         )
         rows = [{"parameter": name, **values} for name, values in content["may_hide"].items()]
         found.append(("What may still hide", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
+    if content["open_amplitudes"]:
+        words = (
+            "What each effect on the recorded depth, named or not, may amount to if all effects considered act at "
+            "once. Where this is much wider than under one explanation, these recordings do not fix the amplitude."
+        )
+        rows = [{"parameter": name, **values} for name, values in content["open_amplitudes"].items()]
+        found.append(("If all effects act at once", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["laws"]:
         words = (
             "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the "
-            "material and the shape of the tip. An explanation that contradicts them does not stand."
+            "material and the shape of the tip; a law without a lower end is a bound. They are data beside the curves, "
+            "and an explanation to which the curves give an amplitude that contradicts them does not stand."
         )
         found.append(("What exact laws say", [report.paragraph(words), report.table(pd.DataFrame(content["laws"]))]))
     if content["zero_points"]:
         words = (
-            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test."
+            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
+            "with frame_off, once the frame that the unloadings show is taken off."
         )
         table = report.table(pd.DataFrame(content["zero_points"]))
         found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))

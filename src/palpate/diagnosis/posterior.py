@@ -36,6 +36,8 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
         if inside.any():
             white = fit.whiten((fit.problem.mean - fit.curves(z[inside])).T)
             found[inside] = -0.5 * np.sum(white**2, axis=0)
+            if fit.laws:
+                found[inside] -= 0.5 * np.array([np.sum(fit.from_laws(row) ** 2) for row in z[inside]])
         return found
 
     start = rng.multivariate_normal(fit.z, fit.posterior, size=walkers, method="svd")

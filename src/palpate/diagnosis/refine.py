@@ -62,7 +62,7 @@ def refine(study: Study, fit: Fit) -> Fit:
     best = replace(fit, z=z, correction=start, errors=replace(fit.errors, model=without, surrogate=0.0 * without))
     radius, enough = RADIUS, HOPELESS * len(fit.residual)
     for _ in range(ROUNDS):
-        proposed = solve(fit.problem, fit.explanation, best.errors, [best.z], best.correction, radius)
+        proposed = solve(fit.problem, fit.explanation, best.errors, [best.z], best.correction, radius, best.laws)
         if best.misfit - proposed.misfit < SETTLED * max(1.0, best.misfit / len(fit.residual)):
             return proposed
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.law import Law
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.own_values import recording_values
@@ -137,8 +138,15 @@ def to_mapping(
     observed: Mapping[str, Observation],
     diagnosis: Diagnosis,
     rng: np.random.Generator,
+    own_laws: Mapping[str, Sequence[Sequence[Law]]] | None = None,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Return the content of `diagnosis.json` and the table of curves before and after."""
+    """Return the content of `diagnosis.json` and the table of curves before and after.
+
+    Parameters
+    ----------
+    own_laws
+        What exact laws say about each recording of each condition.
+    """
     base = diagnosis.base
     best = diagnosis.standing[0].fit if diagnosis.standing else base.fit
     table = curves(study, observed, base.fit, best)
@@ -154,7 +162,7 @@ def to_mapping(
             "confirmed": candidate.confirmed,
             "parameters": mechanism_parameters(candidate.fit, drawn),
             "p_value": candidate.p_value,
-            "recordings": recording_values(study, observed, candidate.fit),
+            "recordings": recording_values(study, observed, candidate.fit, own_laws),
         }
         for candidate, probability, drawn in zip(diagnosis.standing, diagnosis.probabilities, draws, strict=True)
     ]

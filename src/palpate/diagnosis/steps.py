@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +12,11 @@ import pandas as pd
 
 from palpate.calibration import Observation
 from palpate.config import Study
+from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
-from palpate.diagnosis.hidden import may_hide
-from palpate.diagnosis.laws import laws_of, zero_points
+from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
+from palpate.diagnosis.laws import law_of_reference, laws_of, zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
 from palpate.diagnosis.words import sentence
@@ -52,13 +52,19 @@ def run_diagnosis(
     rng = np.random.default_rng([study.seed, 1])
     recorded = check(study, recordings)
     problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
-    laws = laws_of(recording for name in problem.base for recording in recorded[name])
+    taken = [recording for name in problem.base for recording in recorded[name]]
+    laws = [*laws_of(taken), *law_of_reference(taken, study)]
     keys = list(candidates(study))
     found = diagnose(study, problem, keys, rng, report, laws)
-    content, curves = to_mapping(study, problem.observed, found, rng)
+    vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
+    own_laws = {name: [laws_of([test]) for test in tests] for name, tests in recorded.items()} if vary else None
+    content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
     stands = found.standing[0] if found.standing else found.base
-    content["may_hide"] = may_hide(stands.fit, keys) if found.verdict != "unexplained" else {}
+    explained = found.verdict != "unexplained"
+    content["may_hide"] = may_hide(stands.fit, keys) if explained else {}
+    content["open_amplitudes"] = open_amplitudes(stands.fit, keys) if explained else {}
+    content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
     content |= {"study": study.name, "recordings": recordings}
-    content["laws"] = [asdict(law) for law in laws]
-    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows})
+    content["laws"] = [law.row() for law in laws]
+    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows}, laws)
     return content | {"sentence": sentence(content)}, curves

@@ -4,6 +4,9 @@ The vendor's formulas, with everything counted from the surface marker (where ``
 
     depth = displacement - drift * time - raw load / frame stiffness
     load  = raw load - support spring * displacement
+
+The stiffness by the oscillation has the frame taken off in "Harmonic Contact Stiffness", and not in "Harmonic
+Stiffness".
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from palpate.readers.vendor import Corrections, Reader, VendorTest, corrected, r
 DEPTH, LOAD, TIME = "Displacement Into Surface", "Load On Sample", "Time On Sample"
 RAW = ("Raw Displacement", "Raw Load", "Frame Stiffness")
 DRIFT = "Drift Correction [nm/s]"
+STIFFNESS = {True: "Harmonic Contact Stiffness", False: "Harmonic Stiffness"}
 
 
 def matches(source: Source) -> bool:
@@ -54,7 +58,11 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
                 compliance=1e6 / raw[RAW[2]][surface],
                 corrections=corrections,
             )  # fmt: skip
-        recording = recording_from(source, sheet, sheet, time, load, depth)
+        measured = STIFFNESS[corrections is None or "frame" in corrections]
+        stiffness = None
+        if measured in map(str, source.sheet(sheet)[0]):
+            stiffness = 1e-6 * source.columns(sheet, (measured,))[measured]
+        recording = recording_from(source, sheet, sheet, time, load, depth, stiffness)
         tests.append(VendorTest(sheet, recording, metadata))
     return tests
 

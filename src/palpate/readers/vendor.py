@@ -102,7 +102,13 @@ def contact(load: np.ndarray) -> int:
 
 
 def recording_from(
-    source: Source, place: str, name: str, time: np.ndarray, load: np.ndarray, depth: np.ndarray
+    source: Source,
+    place: str,
+    name: str,
+    time: np.ndarray,
+    load: np.ndarray,
+    depth: np.ndarray,
+    stiffness: np.ndarray | None = None,
 ) -> Recording:
     """Return a recording less its invalid points and repeated times (a segment's last point is often written twice).
 
@@ -113,6 +119,8 @@ def recording_from(
         is no recording.
     """
     valid = np.isfinite(time) & np.isfinite(load) & np.isfinite(depth)
+    if stiffness is not None:
+        stiffness = stiffness[valid]
     if valid.any():
         ends = np.flatnonzero(valid)[[0, -1]]
         time, load, depth, valid = (values[ends[0] : ends[1] + 1] for values in (time, load, depth, valid))
@@ -127,6 +135,8 @@ def recording_from(
             place=place,
         )
     try:
-        return Recording(time[later], load[later], depth[later], name=name, notes=(f"from {source.path.name}",))
+        notes = (f"from {source.path.name}",)
+        stiffness = None if stiffness is None else stiffness[later]
+        return Recording(time[later], load[later], depth[later], name, notes, stiffness)
     except InputError as error:
         raise error.located(file=source.path, place=place) from None

@@ -34,10 +34,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     if contact == "file":
-        later = slice(int(np.argmax(r.time >= 0)), None)
-        return replace(
-            test, recording=until_retreat(replace(r, time=r.time[later], load=r.load[later], depth=r.depth[later]))
-        )
+        return replace(test, recording=until_retreat(r.at(slice(int(np.argmax(r.time >= 0)), None))))
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     try:
@@ -63,7 +60,9 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
         f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and "
         f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN"
     )
-    return replace(recording, time=time, load=load, depth=depth, notes=(*recording.notes, note))
+    stiffness = None if recording.stiffness is None else np.append(np.nan, recording.stiffness[later])
+    notes = (*recording.notes, note)
+    return replace(recording, time=time, load=load, depth=depth, notes=notes, stiffness=stiffness)
 
 
 def until_retreat(recording: Recording) -> Recording:
@@ -71,5 +70,4 @@ def until_retreat(recording: Recording) -> Recording:
     loaded = np.flatnonzero(recording.load > 6 * noise_of(recording.load))
     last = int(loaded[-1]) if len(loaded) else len(recording) - 1
     free = np.flatnonzero(recording.load[last:] < 0)
-    end = last + int(free[0]) if len(free) else len(recording)
-    return replace(recording, time=recording.time[:end], load=recording.load[:end], depth=recording.depth[:end])
+    return recording.at(slice(last + int(free[0]) if len(free) else None))

@@ -1,0 +1,84 @@
+r"""What an exact law says of one mechanism's amplitude, as a datum beside the curves.
+
+A law measures the amplitude :math:`a` apart from the curves' shape, with a likelihood of its own,
+
+    -2 log p = ((a - estimate) / sigma)^2,
+
+which joins that of the curves in the fit, in the posterior and in the evidence: an explanation without the mechanism
+has a = 0 and pays for it. The interval may be wider on one side than on the other; sigma is that of the side on which a
+lies. A bound speaks of one side only: below it the recordings say nothing, above it the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.diagnosis.covariance import BACKGROUND
+from palpate.errors import InputError
+
+NORMAL_95 = 1.96
+LEAST = 1e-9
+UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
+
+
+@dataclass(frozen=True)
+class Law:
+    """The amplitude of one mechanism by an exact law.
+
+    Parameters
+    ----------
+    key, parameter
+        Mechanism and its only parameter.
+    estimate, lower, upper
+        In the parameter's unit; 95 % interval. Of a bound, the estimate is the bound and `lower` is minus infinity.
+    source
+        Where it comes from, in words.
+    """
+
+    key: str
+    parameter: str
+    estimate: float
+    lower: float
+    upper: float
+    source: str
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.estimate <= self.upper:
+            raise InputError(
+                f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
+            )
+
+    def weight(self, value: float) -> float:
+        """Return 1 / sigma of the side on which `value` lies; zero below a bound."""
+        side = self.upper - self.estimate if value > self.estimate else self.estimate - self.lower
+        return NORMAL_95 / max(side, LEAST)
+
+    def departure(self, value: float, background: float = 0.0) -> float:
+        """Return (value - estimate) / sigma, where sigma holds what counts as `background`, too; zero below a bound."""
+        weight = self.weight(value)
+        return (value - self.estimate) * weight / float(np.hypot(1.0, background * weight)) if weight else 0.0
+
+    def allows(self, value: float, deviation: float) -> bool:
+        """Return whether a value with the given standard deviation agrees within 95 %."""
+        return abs(self.departure(value, deviation)) <= NORMAL_95
+
+    def row(self) -> dict[str, Any]:
+        """Return its content for tables; an end that a bound does not have is None."""
+        return {name: None if value == -np.inf else value for name, value in asdict(self).items()}
+
+
+def departures(laws: Sequence[Law], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
+    """Return by how many standard deviations an explanation's amplitudes depart from each law.
+
+    Without the mechanism its amplitude is zero, to within what counts as background.
+    """
+    found = [
+        law.departure(amplitudes[law.key][law.parameter]) if law.key in amplitudes
+        else law.departure(0.0, UNNAMED[law.key])
+        for law in laws
+    ]  # fmt: skip
+    return np.array(found)

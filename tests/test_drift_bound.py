@@ -1,0 +1,69 @@
+"""Holds under load bound the drift: creep only adds to the depth."""
+
+import numpy as np
+import pytest
+
+from palpate.diagnosis.laws import laws_of
+from palpate.drift_rate import fastest_in
+from palpate.recording import Recording
+from palpate.segments import segments
+
+LOADING, HOLD = 10.0, 20.0
+
+
+def held(drift, creep, seed=0, noise=0.1, relaxing=0.0):
+    """Loading to 3 mN, a hold in which the depth grows by `creep` (s -> nm), and unloading; in 0.05 s steps."""
+    time = np.arange(0.0, 2 * LOADING + HOLD, 0.05)
+    load = np.interp(time, [0, LOADING, LOADING + HOLD, 2 * LOADING + HOLD], [0, 3, 3 * (1 - relaxing), 0])
+    since = np.clip(time - LOADING, 0.0, HOLD)
+    noise = noise * np.random.default_rng(seed).standard_normal(len(time))
+    return time, load, 80.0 * np.sqrt(load) + creep(since) + drift * time + noise
+
+
+CREEPS = {
+    "none": lambda s: 0.0 * s,
+    "exponential": lambda s: 5.0 * (1.0 - np.exp(-s / 1.5)),
+    "logarithm": lambda s: 2.0 * np.log1p(s / 0.5),
+    "power law": lambda s: 3.0 * s**0.3,
+}
+
+
+@pytest.mark.parametrize("creep", CREEPS)
+@pytest.mark.parametrize("drift", [-0.4, 0.0, 0.5])
+def test_the_bound_lies_above_the_drift_whatever_the_creep(creep, drift):
+    time, load, depth = held(drift, CREEPS[creep])
+    rate, upper = fastest_in(time, load, depth, segments(time, load))
+    assert rate <= upper
+    assert upper >= drift
+    late = np.gradient(CREEPS[creep](np.linspace(0.0, HOLD, 401)), HOLD / 400)[300]
+    assert upper <= drift + late + 0.05, "and it is no looser than the creep late in the hold"
+
+
+def test_a_load_that_falls_in_the_hold_loosens_the_bound():
+    """The depth given back would hide drift; the recording is one of relaxing load and no creep."""
+    time, load, depth = held(0.3, CREEPS["none"], relaxing=0.02)
+    assert fastest_in(time, load, depth, segments(time, load))[1] >= 0.3
+
+
+def test_the_bound_is_a_law_without_a_lower_end():
+    (law,) = laws_of([Recording(*held(0.5, CREEPS["logarithm"]))])
+    assert law.key == "thermal_drift"
+    assert law.lower == -np.inf
+    assert law.row()["lower"] is None
+    assert law.allows(0.5, 0.0)
+    assert law.allows(-3.0, 0.0)
+    assert not law.allows(1.5, 0.1)
+
+
+def test_a_hold_at_low_load_says_more_than_the_bound():
+    time, load, depth = held(0.5, CREEPS["logarithm"])
+    rest = np.arange(1, 401) * 0.1
+    again = np.full(400, 0.3)
+    low = load >= 0.3
+    low |= time < LOADING
+    end = time[low][-1]
+    time, load = np.append(time[low], end + rest), np.append(load[low], again)
+    depth = np.append(depth[low], depth[low][-1] + 0.5 * rest)
+    (law,) = laws_of([Recording(time, load, depth)])
+    assert law.lower <= 0.5 <= law.upper
+    assert law.upper - law.lower < 0.1

@@ -1,0 +1,116 @@
+"""Exact laws as data: they move and narrow amplitudes, pay in the evidence, and show themselves where they disagree."""
+
+import numpy as np
+import pytest
+from test_diagnosis import problem, recordings
+
+from palpate.diagnosis import hidden
+from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.fit import solve
+from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
+from palpate.diagnosis.law import Law
+from palpate.diagnosis.laws import contradicted
+from palpate.diagnosis.posterior import posterior_draws
+
+FRAME = ("frame_compliance",)
+COMPLIANCE = 6.0
+
+
+def law(estimate, half, lower=None):
+    return Law(
+        "frame_compliance", "compliance", estimate, estimate - half if lower is None else lower, estimate + half, "-"
+    )
+
+
+@pytest.fixture(scope="module")
+def yielding():
+    """Recordings with a frame left in."""
+    return problem(recordings(np.random.default_rng(12), lambda c, r: COMPLIANCE * c.protocol.sample_load))
+
+
+def fitted(task, explanation=FRAME, laws=()):
+    start = np.full(task.dimensions(explanation), 0.5)
+    rough = solve(task, explanation, errors(task, explanation, np.zeros(len(task.mean)), 0.01, 0.003), [start])
+    found = errors(task, explanation, rough.residual, 0.01, 0.003)
+    return solve(task, explanation, found, [rough.z], laws=laws)
+
+
+def value(fit):
+    return fit.problem.amplitudes(fit.explanation, fit.z)["frame_compliance"]["compliance"]
+
+
+def deviation(fit):
+    low, high = (fit.problem.amplitudes(FRAME, np.append(fit.z[:-1], end))["frame_compliance"] for end in (0.0, 1.0))
+    return (high["compliance"] - low["compliance"]) * float(np.sqrt(fit.posterior[-1, -1]))
+
+
+def test_a_law_narrows_the_amplitude_as_independent_data_do(yielding):
+    alone = fitted(yielding)
+    sigma = deviation(alone)
+    both = fitted(yielding, laws=[law(value(alone) + sigma, 1.96 * sigma)])
+    assert value(both) == pytest.approx(value(alone) + 0.5 * sigma, abs=0.1 * sigma)
+    assert deviation(both) == pytest.approx(sigma / np.sqrt(2.0), rel=0.05)
+
+
+def test_the_draws_follow_the_law(yielding):
+    fit = fitted(yielding, laws=[law(COMPLIANCE, 0.1 * deviation(fitted(yielding)))])
+    draws = posterior_draws(fit, np.random.default_rng(1))
+    values = [yielding.amplitudes(FRAME, z)["frame_compliance"]["compliance"] for z in draws]
+    assert np.median(values) == pytest.approx(COMPLIANCE, abs=0.1 * deviation(fitted(yielding)))
+
+
+def test_a_bound_says_nothing_below_itself(yielding):
+    alone = fitted(yielding)
+    sigma = deviation(alone)
+    loose, tight = (fitted(yielding, laws=[law(value(alone) + k * sigma, 0.1 * sigma, lower=-np.inf)]) for k in (3, -3))
+    assert value(loose) == pytest.approx(value(alone), abs=0.01 * sigma)
+    assert value(tight) == pytest.approx(value(alone) - 3 * sigma, abs=0.2 * sigma)
+
+
+def test_who_leaves_the_frame_out_pays_in_the_evidence(yielding):
+    said = [law(COMPLIANCE, 1.0)]
+    gain = [fitted(yielding, e, said).log_evidence - fitted(yielding, e).log_evidence for e in ((), FRAME)]
+    assert gain[0] == pytest.approx(-0.5 * (1.96 * COMPLIANCE) ** 2, rel=1e-3)
+    assert gain[1] > -3.0
+
+
+def test_a_law_that_disagrees_with_the_curves_is_contradicted_though_it_took_part(yielding):
+    sigma = deviation(fitted(yielding))
+    wrong, right = law(COMPLIANCE + 12 * sigma, sigma), law(COMPLIANCE, sigma)
+    assert contradicted(fitted(yielding, laws=[wrong]), [wrong]) == [wrong]
+    assert contradicted(fitted(yielding, laws=[right]), [right]) == []
+
+
+def test_a_law_fixes_what_may_hide(yielding):
+    free, held = (may_hide(fitted(yielding, (), laws), FRAME) for laws in ((), [law(COMPLIANCE, 0.01)]))
+    name = "frame_compliance.compliance"
+    assert free[name]["lower"] < COMPLIANCE < free[name]["upper"]
+    assert held[name]["estimate"] == pytest.approx(COMPLIANCE, abs=0.01)
+    assert held[name]["upper"] - held[name]["lower"] == pytest.approx(0.02, rel=0.1)
+
+
+def test_amplitudes_are_less_certain_when_more_may_act(yielding):
+    fit = fitted(yielding)
+    found = open_amplitudes(fit, ["frame_compliance", "zero_offset", "thermal_drift"])
+    frame = found["frame_compliance.compliance"]
+    assert frame["lower"] < COMPLIANCE < frame["upper"]
+    assert frame["upper"] - frame["lower"] > 2 * 1.96 * deviation(fit)
+    assert 0.0 < abs(frame["correlation"]) < 1.0
+    assert set(found) == {"frame_compliance.compliance", "zero_offset.offset", "thermal_drift.rate"}
+
+
+def test_what_is_open_is_said_with_the_test_that_would_fix_it(yielding, monkeypatch):
+    keys = ["frame_compliance", "zero_offset", "thermal_drift"]
+    free, held = fitted(yielding), fitted(yielding, laws=[law(COMPLIANCE, 0.001)])
+    frame = open_amplitudes(free, keys)["frame_compliance.compliance"]
+    largest = max(condition.protocol.max_load for condition in yielding.conditions)
+    share = 0.5 * (frame["upper"] - frame["lower"]) * largest / np.abs(yielding.mean).max()
+    monkeypatch.setattr(hidden, "COARSE", 0.5 * share)
+    assert any("unloadings from loads that span" in line for line in not_fixed(free, open_amplitudes(free, keys)))
+    assert not any("unloadings from loads that span" in line for line in not_fixed(held, open_amplitudes(held, keys)))
+
+
+def test_without_laws_nothing_changes(yielding):
+    with_none, without = fitted(yielding, laws=[]), fitted(yielding)
+    assert with_none.log_evidence == without.log_evidence
+    assert with_none.z == pytest.approx(without.z, abs=0.0)
