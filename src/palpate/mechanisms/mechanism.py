@@ -99,7 +99,7 @@ class Mechanism:
         but others on which the curve depends more simply.
     solver_scatter
         Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
-        differs from `fine`. Below a hundredth it is left out.
+        differs from `fine`, for some materials and amplitudes.
     shortcut
         What it makes of a known depth curve, with the arguments of `record`; close enough to search with, so that
         no simulations are needed to learn its effect.

@@ -27,4 +27,5 @@ MECHANISM = Mechanism(
     "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
     lambda s: {"radius": Range(1.0, 600.0)},
     simulate=simulate,
+    solver_scatter=0.003,
 )
