@@ -49,7 +49,7 @@ def draw(table: pd.DataFrame, reliability: pd.DataFrame, path: str | Path) -> No
     for stated, found, count in reliability[["stated", "right", "cases"]].itertuples(index=False):
         if np.isfinite(stated):
             right.annotate(f"{count}", (stated, found), textcoords="offset points", xytext=(4, -9), fontsize=6.5)
-    right.set_xlabel("stated probability (numbers: cases)")
+    right.set_xlabel("stated probability")
     right.set_ylabel("share that is right")
     right.set_title("reliability", loc="left")
     mark_synthetic(figure, True)
