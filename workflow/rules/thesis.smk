@@ -8,15 +8,7 @@ SHARED = sorted(
     for file in Path(SOURCE, "palpate/thesis").glob("*.py")
     if file.stem not in (*STUDIES, "index", "__init__")
 )
-
-
-def design_code(wildcards):
-    """Hash of what decides the points of a design: the module that lays it out, and what lies under it."""
-    runs = DESIGNS[wildcards.design].runs
-    owner = getattr(runs, "func", runs).__module__.rsplit(".", 1)[-1]
-    return PHYSICS_CODE + fingerprint(
-        "design", "thesis/runs.py", "thesis/grids.py", f"thesis/{owner}.py"
-    )
+LAID_OUT_BY = ("design", "thesis/runs.py", "thesis/grids.py")
 
 
 rule thesis:
@@ -57,7 +49,8 @@ rule thesis_design:
     conda:
         "../../envs/palpate.yaml"
     params:
-        code=design_code,
+        code=lambda wildcards: PHYSICS_CODE
+        + fingerprint(*LAID_OUT_BY, DESIGNS[wildcards.design].file),
     script:
         "../../scripts/thesis_design.py"
 

@@ -142,6 +142,12 @@ class Design:
     after: Sequence[str] = ()
     material: str = "epoxy"
 
+    @property
+    def file(self) -> str:
+        """Source file, within the package, of the module that lays the runs out."""
+        function = getattr(self.runs, "func", self.runs)
+        return "/".join(function.__module__.split(".")[1:]) + ".py"
+
 
 def compute(runs: Sequence[Run], store: Path, report: Callable[[str], None] = print) -> Curves:
     """Bring the curves of all runs together, simulating those that the store lacks.
