@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from palpate.contact_point import ContactPoint, first_touch
-from palpate.drift_rate import DriftRate, measured_in
+from palpate.drift_rate import DriftRate, fastest_in, measured_in
 from palpate.recording import Recording
 from palpate.segments import Segment, segments
 from palpate.sharp_origin import sharp_origin
@@ -39,6 +40,16 @@ class Survey:
     parts: list[Segment]
     drift: DriftRate | None
 
+    @property
+    def load(self) -> np.ndarray:
+        """Load (n,) beyond that at contact [mN]."""
+        return self.recording.load - self.contact.load
+
+    @cached_property
+    def fastest(self) -> tuple[float, float] | None:
+        """What its holds under load bound the drift by, see `palpate.drift_rate.fastest_in`."""
+        return fastest_in(self.recording.time, self.load, self.recording.depth, self.parts)
+
 
 def survey(recording: Recording) -> Survey:
     """Find contact, segments and drift; raises `InputError` on a recording too short for it."""
@@ -57,7 +68,7 @@ def table(surveys: Iterable[Survey]) -> pd.DataFrame:
         row = {
             "test": item.recording.name,
             "points": len(item.recording),
-            "max_load_mN": item.recording.load.max() - item.contact.load,
+            "max_load_mN": item.load.max(),
             "contact_time_s": item.contact.time,
             "contact_nm": item.contact.depth,
             "contact_lower_nm": item.contact.lower,

@@ -10,6 +10,7 @@ however well it fits.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,19 @@ from palpate.classical.reference import Reference, frame_of_reference
 from palpate.config import Study
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
-from palpate.drift_rate import fastest_in
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
-from palpate.survey import survey
+from palpate.survey import Survey, survey
+
+
+@lru_cache(maxsize=256)
+def surveyed(recording: Recording) -> Survey | None:
+    """Survey a recording, once for the laws of a study and for its own; None where it cannot be surveyed."""
+    try:
+        return survey(recording)
+    except InputError:
+        return None
 
 
 def laws_of(recordings: Iterable[Recording]) -> list[Law]:
@@ -34,21 +43,11 @@ def laws_of(recordings: Iterable[Recording]) -> list[Law]:
     no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
     span a factor of three are taken together.
     """
-    drifts, fastest, tests, oscillated = [], [], [], []
-    for recording in recordings:
-        try:
-            found = survey(recording)
-        except InputError:
-            continue
-        if found.drift is not None:
-            drifts.append((found.drift.rate, found.drift.lower, found.drift.upper))
-        load = recording.load - found.contact.load
-        bound = fastest_in(recording.time, load, recording.depth, found.parts)
-        if bound is not None:
-            fastest.append(bound)
-        tests.append((load, recording.depth, found.parts))
-        if recording.stiffness is not None:
-            oscillated.append((load, recording.stiffness))
+    seen = [found for found in map(surveyed, recordings) if found is not None]
+    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
+    fastest = [] if drifts else [found.fastest for found in seen if found.fastest]
+    tests = [(found.load, found.recording.depth, found.parts) for found in seen]
+    oscillated = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
     laws = []
     if drifts:
         rate, lower, upper = np.mean(drifts, axis=0).tolist()
