@@ -1,31 +1,44 @@
 """Many indentations at once: those that share the shape of mesh and load history run through the SIMD lanes together.
 
-Under a sharp cone, meshes for different materials differ by a factor on all lengths alone, and so do not differ at all
-once each is measured in a unit of its own. At large strains each step of the graded onset, and the one after it,
-begins where the last one ended: carried on, it could turn an element inside out, and lanes cannot halve a step.
+Under a sharp cone, meshes for different homogeneous materials differ by a factor on all lengths alone, and so do not
+differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
+
+At large strains each step of the graded onset, and the one after it, begins where the last one ended: carried on, it
+could turn an element inside out, and lanes cannot halve a step. A lane that finds no equilibrium from where its last
+change carried it tries again from where the last step ended.
 """
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import Points, law_rows, turn, weight_rows
+from palpate.fem.batch_law import UNKNOWN, Points, law_rows, turn, weight_rows
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_vector import LANES
-from palpate.fem.indent import GRADED_START, History, indent, mesh_radii, step_times
-from palpate.fem.mesh import Resolution, polar_mesh
+from palpate.fem.contact import Profile
+from palpate.fem.indent import (
+    GRADED_START,
+    History,
+    check_size,
+    contact_range,
+    indent,
+    laws_of,
+    mesh_radii,
+    regions,
+    step_times,
+)
+from palpate.fem.mesh import Mesh, Resolution, polar_mesh
 from palpate.indenters import Indenter
-from palpate.materials.law import NO_YIELD
-from palpate.materials.radial import YIELD
+from palpate.materials.radial import VOIGT
 from palpate.protocol import Protocol
-from palpate.specimen import Specimen
+from palpate.specimen import Specimen, resisted
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +54,13 @@ class Case:
 
     @property
     def suits(self) -> bool:
-        """Whether it can be batched: a sharp cone without friction, a homogeneous body, no yielding.
+        """Whether it can be batched: a body of revolution without friction or adhesion."""
+        return self.indenter.of_revolution and self.indenter.friction == 0.0 and self.specimen.adhesion == 0.0
 
-        What any other property of specimen or indenter might do is unknown here, so each must have its default.
-        """
-        usual = all(
-            getattr(thing, field.name) == field.default
-            for thing in (self.specimen, self.indenter)
-            for field in fields(thing)
-            if field.default is not MISSING and field.name != "half_angle"
-        )
-        flows = self.specimen.coefficients[YIELD] < NO_YIELD
-        return usual and not flows and self.indenter.shape == "cone"
+    @property
+    def largest(self) -> float:
+        """Largest contact radius [um]."""
+        return contact_range(self.specimen, self.indenter, self.protocol)[1]
 
     @cached_property
     def radii(self) -> np.ndarray:
@@ -79,7 +87,8 @@ class Case:
         """What cases that run together have in common."""
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
-        return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients)
+        homogeneous = self.specimen.substrate is None
+        return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients), homogeneous
 
 
 def indent_batch(cases: Sequence[Case]) -> list[History]:
@@ -109,45 +118,101 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     """Simulate 2 to `LANES` indentations of one kind; None for each that finds no equilibrium."""
     began = clock.perf_counter()
+    for case in cases:
+        check_size(case.specimen, case.indenter, case.resolution, case.largest)
     lanes = [*cases, *[cases[-1]] * (LANES - len(cases))]
     units = np.array([case.radii[0] for case in lanes])
-    resolution = lanes[0].resolution
+    resolution, corners = lanes[0].resolution, lanes[0].corners
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
-    body = Body.of(mesh)
-    coefficients = np.stack([case.specimen.coefficients for case in lanes])
-    law, corners = law_rows(coefficients), lanes[0].corners
+    body, bodies = Body.of(mesh), Specimens.of([case.specimen for case in lanes], mesh, units)
     times = np.stack([case.times for case in lanes])
     loads = np.stack([case.protocol.load_at(case.times) for case in lanes]) / units[:, None] ** 2
     scale = np.array([case.protocol.max_load for case in lanes]) / units**2
     steps = np.diff(times, axis=1, prepend=0.0)
-    points = Points.unloaded(4 * len(mesh.elements), len(law) - 3)
-    touch = Touch.at_apex(np.array([case.indenter.slope for case in lanes]), len(mesh.surface))
+    profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
+    touch = Touch.at_apex(profiles, len(mesh.surface))
+    points = Points.unloaded(4 * len(mesh.elements), bodies.elements)
     displacement, depth = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
     change, deepening = np.zeros_like(displacement), np.zeros(LANES)
     band = np.empty((body.size * body.width + 1, LANES))
     alive, spent = np.ones(LANES, dtype=bool), np.zeros(LANES, dtype=np.int64)
     depths = np.full((LANES, times.shape[1]), np.nan)
-    weights = weight_rows(coefficients, steps[:, 0])
+    laws, weights = bodies.laws(depth), bodies.weights(depth, steps[:, 0])
     for k in range(times.shape[1]):
         free = k > (len(GRADED_START) + 1 if lanes[0].large else 0) and not corners[k - 1]
         carried = steps[:, k] / steps[:, k - 1] if free else np.zeros(LANES)
         before, shallower = displacement, depth
         displacement, depth = displacement + carried * change, depth + carried * deepening
-        advance(
-            lanes[0].large, body, points, touch, law, weights, loads[:, k].copy(), scale, displacement, depth, band,
-            alive, spent,
-        )  # fmt: skip
+        midway = 0.5e3 * units * (shallower + depth)
+        following = bodies.weights(midway, steps[:, k])
+        turn(points, laws, weights, following)
+        laws, weights = bodies.laws(midway), following
+        touching, living = touch.touching.copy(), alive.copy()
+        arguments = lanes[0].large, body, points, touch, laws, weights, loads[:, k].copy(), scale
+        advance(*arguments, displacement, depth, band, alive, spent)
+        lost = living & ~alive
+        if free and lost.any():
+            displacement[:, lost], depth[lost] = before[:, lost], shallower[lost]
+            touch.touching[:, lost], points.log_q[:, lost] = touching[:, lost], 2 * UNKNOWN
+            advance(*arguments, displacement, depth, band, lost, spent)
+            alive |= lost
+        if not alive.any():
+            break
         change, deepening = displacement - before, depth - shallower
         depths[:, k] = depth * units * 1e3
-        if k + 1 < times.shape[1]:
-            following = weight_rows(coefficients, steps[:, k + 1])
-            turn(points, law, weights, following)
-            weights = following
     seconds = (clock.perf_counter() - began) / len(cases)
     return [
         History(curve, "", seconds, int(count), times.shape[1], np.empty((len(curve), 0))) if whole else None
         for curve, whole, count in zip(map(sampled, cases, times, depths), alive, spent, strict=False)
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class Specimens:
+    """The laws of `LANES` bodies of one shape: the same everywhere, or of each element in a film on a substrate.
+
+    Parameters
+    ----------
+    specimens
+        One for each lane.
+    coefficients : ndarray, shape (regions, LANES, c)
+        Their laws at large depth.
+    region : ndarray of int, shape (m, LANES)
+        The law of each element.
+    """
+
+    specimens: Sequence[Specimen]
+    coefficients: np.ndarray
+    region: np.ndarray
+
+    @classmethod
+    def of(cls, specimens: Sequence[Specimen], mesh: Mesh, units: np.ndarray) -> Specimens:
+        """Return the bodies that a mesh divides whose lengths are in `units` (LANES,) [um]."""
+        region = [regions(specimen, mesh, unit) for specimen, unit in zip(specimens, units, strict=True)]
+        return cls(specimens, np.stack([laws_of(s) for s in specimens], axis=1), np.stack(region, axis=1))
+
+    @property
+    def elements(self) -> int:
+        """Number of Voigt elements."""
+        return len(range(VOIGT, self.coefficients.shape[2], 3))
+
+    def laws(self, depth: np.ndarray) -> np.ndarray:
+        """Return `law_rows` at a `depth` (LANES,) [nm]: of the body, or of each element (1 or m, rows, LANES)."""
+        return self._spread(np.stack([law_rows(row) for row in self._resisted(depth)]))
+
+    def weights(self, depth: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """Return `weight_rows` likewise, of `steps` (LANES,) [s]."""
+        return self._spread(np.stack([weight_rows(row, steps) for row in self._resisted(depth)]))
+
+    def _resisted(self, depth: np.ndarray) -> np.ndarray:
+        if not any(specimen.size_length for specimen in self.specimens):
+            return self.coefficients
+        resistance = [specimen.resistance(d) for specimen, d in zip(self.specimens, depth, strict=True)]
+        rows = [resisted(self.coefficients[:, lane], factor) for lane, factor in enumerate(resistance)]
+        return np.stack(rows, axis=1)
+
+    def _spread(self, rows: np.ndarray) -> np.ndarray:
+        return rows if len(rows) == 1 else np.take_along_axis(rows, self.region[:, None, :], axis=0)
 
 
 def sampled(case: Case, times: np.ndarray, depths: np.ndarray) -> np.ndarray:

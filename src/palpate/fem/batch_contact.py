@@ -1,11 +1,13 @@
-"""Contact with a rigid frictionless cone, as `palpate.fem.contact`, for `LANES` indentations at once.
+"""Contact with a rigid frictionless indenter, as `palpate.fem.contact`, for `LANES` indentations at once.
 
-A node that touches, u_z = slope (r + u_r) - depth, is eliminated from the assembled system: forces and matrix are those
-in the unknowns u_r and depth, K' = T^T K T. A lane in which a node does not touch has zeros in its place of the mask.
+A node that touches, u_z = f(r + u_r) - depth, is eliminated from the assembled system: forces and matrix are those in
+the unknowns u_r and depth, K' = T^T K T and what the curvature of f adds. A lane in which a node does not touch has
+zeros in its place of the mask.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +15,7 @@ from numba import njit
 
 from palpate.fem.batch_banded import PANEL
 from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
-from palpate.fem.contact import PENETRATION
+from palpate.fem.contact import PENETRATION, Profile
 
 
 class Touch(NamedTuple):
@@ -21,40 +23,58 @@ class Touch(NamedTuple):
 
     Attributes
     ----------
-    slope : ndarray, shape (LANES,)
-        Slope of the cones.
+    radius, edge, flank : ndarray, shape (LANES,)
+        Radius of the cap, distance from the axis at which it ends, and slope of the cone beyond.
+    slope, curvature : ndarray, shape (k, LANES)
+        Slope and curvature of the profile where each surface node is.
     touching : ndarray, shape (k, LANES)
         One where a surface node touches, else zero.
     gap : ndarray, shape (k, LANES)
         Gap that the next change of displacements closes.
+    push : ndarray, shape (k, LANES)
+        Vertical force on each node that touches.
     joined : ndarray of bool, shape (LANES,)
         Whether some gap is to be closed.
     """
 
+    radius: np.ndarray
+    edge: np.ndarray
+    flank: np.ndarray
     slope: np.ndarray
+    curvature: np.ndarray
     touching: np.ndarray
     gap: np.ndarray
+    push: np.ndarray
     joined: np.ndarray
 
     @classmethod
-    def at_apex(cls, slope: np.ndarray, count: int) -> Touch:
-        """Return cones whose apex alone touches the first of `count` nodes."""
-        touching = np.zeros((count, LANES))
+    def at_apex(cls, profiles: Sequence[Profile], count: int) -> Touch:
+        """Return indenters whose apex alone touches the first of `count` nodes; lengths are in units of the lanes."""
+        slope, curvature, touching, gap, push = np.zeros((5, count, LANES))
         touching[0] = 1.0
-        return cls(slope, touching, np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_))
+        radius, edge, flank = np.array([(p.radius, p.edge, p.flank) for p in profiles]).T.copy()
+        return cls(radius, edge, flank, slope, curvature, touching, gap, push, np.zeros(LANES, dtype=np.bool_))
 
 
 @njit(cache=True)
 def follow(body, touch, displacement, depth, done):
-    """Put the nodes that touch onto the cones and let those join that lie inside, in the lanes that are not `done`."""
+    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`."""
     for lane in range(LANES):
         if done[lane]:
             continue
         touch.joined[lane] = False
+        radius, edge = touch.radius[lane], touch.edge[lane]
         for k in range(body.radial.shape[0]):
             z = body.vertical[k]
             moved = displacement[body.radial[k], lane] if body.radial[k] >= 0 else 0.0
-            gap = touch.slope[lane] * (body.distance[k] + moved) - depth[lane] - displacement[z, lane]
+            distance = body.distance[k] + moved
+            height, slope, curvature = touch.flank[lane] * distance, touch.flank[lane], 0.0
+            if radius > 0.0:
+                root = np.sqrt(radius**2 - min(distance, edge) ** 2)
+                height, slope = radius - root + max(distance - edge, 0.0) * slope, min(distance, edge) / root
+                curvature = radius**2 / root**3 if distance < edge else 0.0
+            touch.slope[k, lane], touch.curvature[k, lane] = slope, curvature
+            gap = height - depth[lane] - displacement[z, lane]
             touch.gap[k, lane] = 0.0
             if touch.touching[k, lane] > 0.0:
                 displacement[z, lane] += gap
@@ -66,7 +86,7 @@ def follow(body, touch, displacement, depth, done):
 
 @njit(cache=True)
 def pulled(body, touch, forces, lane, tolerance):
-    """Return whether the cone of a lane would have to pull a node by more than a `tolerance`."""
+    """Return whether the indenter of a lane would have to pull a node by more than a `tolerance`."""
     for k in range(body.radial.shape[0]):
         if touch.touching[k, lane] > 0.0 and pressing(body, touch, forces, k, lane) < -tolerance:
             return True
@@ -75,8 +95,8 @@ def pulled(body, touch, forces, lane, tolerance):
 
 @njit(cache=True)
 def pressing(body, touch, forces, k, lane):
-    """Return the force of the cone on a node along its normal, times 1 / cos of the slope."""
-    along = touch.slope[lane] * forces[body.radial[k], lane] if body.radial[k] >= 0 else 0.0
+    """Return the force of the indenter on a node along its normal, times 1 / cos of the slope."""
+    along = touch.slope[k, lane] * forces[body.radial[k], lane] if body.radial[k] >= 0 else 0.0
     return along - forces[body.vertical[k], lane]
 
 
@@ -110,36 +130,41 @@ def close_gaps(body, touch, band, forces):
 
 @njit(cache=True)
 def constrain_forces(body, touch, forces, reaction):
-    """Put balance along the generators in place of the forces of the nodes that touch; add the rest to `reaction`."""
-    slope, total = load(touch.slope, 0), splat(0.0)
+    """Put balance along the profiles in place of the forces of the nodes that touch; add the rest to `reaction`."""
+    total = splat(0.0)
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
         vertical = load(forces, z)
         force = load(touch.touching, k) * vertical
         total = total + force
+        store(touch.push, k, force)
         store(forces, z, vertical - force)
         if r >= 0:
-            store(forces, r, load(forces, r) + slope * force)
+            store(forces, r, load(forces, r) + load(touch.slope, k) * force)
     store(reaction, 0, total)
 
 
 @njit(cache=True)
-def constrain_matrix(body, touch, band, border, corner):
-    """Eliminate the nodes that touch from `band`; write the column (size, LANES) and diagonal (LANES,) of the depth."""
+def constrain_matrix(body, touch, geometric, band, border, corner):
+    """Eliminate the nodes that touch from `band`; write the column (size, LANES) and diagonal (LANES,) of the depth.
+
+    The curvature of the profiles counts where `geometric` (LANES,) is one.
+    """
     border[:] = 0.0
     corner[:] = 0.0
     for k in range(body.radial.shape[0]):
         r, z, held = body.radial[k], body.vertical[k], load(touch.touching, k)
         if greatest(held) == 0.0:
             continue
-        slope = load(touch.slope, 0) * held
+        slope, curvature = load(touch.slope, k) * held, load(touch.curvature, k) * load(geometric, 0)
         diagonal = load(band, entry(z, z, body.width))
         side = load(border, z)
         store(corner, 0, load(corner, 0) + held * (diagonal - 2.0 * side))
         if r >= 0:
             shared = load(band, entry(z, r, body.width))
             own = load(band, entry(r, r, body.width))
-            store(band, entry(r, r, body.width), own + slope * (2.0 * shared + slope * diagonal))
+            own = own + slope * (2.0 * shared + slope * diagonal) + curvature * load(touch.push, k)
+            store(band, entry(r, r, body.width), own)
             store(border, r, load(border, r) + slope * (side - diagonal) - held * shared)
             store(band, entry(z, r, body.width), shared - held * shared)
         store(border, z, side - held * side)

@@ -89,12 +89,13 @@ class Body(NamedTuple):
 
 
 @njit(cache=True)
-def internal_forces(body, points, law, weights, displacement, forces):
+def internal_forces(body, points, laws, weights, displacement, forces):
     """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (same), and the solution at `points`."""
     forces[:] = 0.0
     u, f = np.empty((8, LANES)), np.empty((8, LANES))
-    bulk = load(law, VOLUMETRIC)
     for e in range(body.unknowns.shape[0]):
+        region = e if len(laws) > 1 else 0
+        law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
         dilatation = body.dilatation[e]
         theta = splat(0.0)
         for i in range(8):
@@ -122,7 +123,8 @@ def internal_forces(body, points, law, weights, displacement, forces):
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
-            q, log_q, order = solve_radial(rho, last, log_q, order, law, weights)
+            strained = load(points.alpha, p)
+            q, log_q, order = solve_radial(rho, last, log_q, order, strained, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
@@ -145,13 +147,13 @@ def internal_forces(body, points, law, weights, displacement, forces):
 
 
 @njit(cache=True)
-def stiffness(body, points, law, band):
+def stiffness(body, points, laws, band):
     """Write the lower half of the consistent tangent at the solution of `points` to the `band`."""
     band[:] = 0.0
     v, w = np.empty((8, 4, LANES)), np.empty((8, 4, LANES))
-    bulk = load(law, VOLUMETRIC)
     secant = np.empty((4, LANES))
     for e in range(body.unknowns.shape[0]):
+        bulk = load(laws[e if len(laws) > 1 else 0], VOLUMETRIC)
         for g in range(4):
             gradients, p = body.gradients[e, g], 4 * e + g
             ratio = load(points.secant, p)

@@ -86,12 +86,13 @@ def second_stress(parts, t0, t1, t3):
 
 
 @njit(cache=True)
-def internal_forces(body, points, law, weights, displacement, forces):
+def internal_forces(body, points, laws, weights, displacement, forces):
     """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (same), and the solution at `points`."""
     forces[:] = 0.0
     u, f, parts = np.empty((8, LANES)), np.empty((8, LANES)), np.empty((4, PARTS, LANES))
-    bulk = load(law, VOLUMETRIC)
     for e in range(body.unknowns.shape[0]):
+        region = e if len(laws) > 1 else 0
+        law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
@@ -114,7 +115,8 @@ def internal_forces(body, points, law, weights, displacement, forces):
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
             log_q = where_less(splat(UNKNOWN), log_q, log_q, splat(2.0 * UNKNOWN))
-            q, log_q, order = solve_radial(rho, last, log_q, order, law, weights)
+            strained = load(points.alpha, p)
+            q, log_q, order = solve_radial(rho, last, log_q, order, strained, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
@@ -207,7 +209,7 @@ def add_curvature(parts, t0, t1, t2, t3, moduli):
 
 
 @njit(cache=True)
-def stiffness(body, points, law, displacement, geometric, band):
+def stiffness(body, points, laws, displacement, geometric, band):
     """Write the lower half of the tangent's symmetric part at the solution of `points` to the `band`.
 
     `geometric` (LANES,) is one where the stiffness that stress gives is kept, zero where it is left out, for the matrix
@@ -217,8 +219,9 @@ def stiffness(body, points, law, displacement, geometric, band):
     u, f, trace = np.empty((8, LANES)), np.empty((8, LANES)), np.empty((8, LANES))
     parts, rows, moduli = np.empty((4, PARTS, LANES)), np.empty((20, LANES)), np.empty((16, LANES))
     b, ke = np.empty((32, LANES)), np.empty((36, LANES))
-    bulk, kept = load(law, VOLUMETRIC), load(geometric, 0)
+    kept = load(geometric, 0)
     for e in range(body.unknowns.shape[0]):
+        bulk = load(laws[e if len(laws) > 1 else 0], VOLUMETRIC)
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))

@@ -26,7 +26,7 @@ TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 @njit(cache=True)
 def advance(
-    large, body, points, touch, law, weights, load_now, scale, displacement, depth, band, alive, spent,
+    large, body, points, touch, laws, weights, load_now, scale, displacement, depth, band, alive, spent,
 ):  # fmt: skip
     """Bring all lanes into equilibrium under the loads at the end of a step.
 
@@ -34,7 +34,7 @@ def advance(
     ----------
     large : bool
         See `palpate.fem.batch_hencky`.
-    body, points, touch, law, weights
+    body, points, touch, laws, weights
         See `palpate.fem.batch_element` and `palpate.fem.batch_law`; `points` and `touch` are advanced.
     load_now, scale : ndarray, shape (LANES,)
         Load at the end of the step, and the largest one of the history.
@@ -60,10 +60,10 @@ def advance(
     geometric, done = np.ones(LANES), ~alive
     for iteration in range(ITERATIONS):
         follow(body, touch, displacement, depth, done)
-        internal_forces(large, body, points, law, weights, displacement, forces)
+        internal_forces(large, body, points, laws, weights, displacement, forces)
         joined = np.any(touch.joined & ~done)
         if joined:
-            stiffness(large, body, points, law, displacement, geometric, band)
+            stiffness(large, body, points, laws, displacement, geometric, band)
             close_gaps(body, touch, band, forces)
         for lane in range(LANES):
             if done[lane]:
@@ -105,14 +105,14 @@ def advance(
         if not np.any(solving):
             continue
         if not joined:
-            stiffness(large, body, points, law, displacement, geometric, band)
-        constrain_matrix(body, touch, band, border, corner)
+            stiffness(large, body, points, laws, displacement, geometric, band)
+        constrain_matrix(body, touch, geometric, band, border, corner)
         step(band, body.width, forces, border, corner, excess, solving, direction, toward, start)
         indefinite = solving & ~np.isfinite(start)
         if large and np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
-            stiffness(large, body, points, law, displacement, geometric, band)
-            constrain_matrix(body, touch, band, border, corner)
+            stiffness(large, body, points, laws, displacement, geometric, band)
+            constrain_matrix(body, touch, geometric, band, border, corner)
             step(band, body.width, forces, border, corner, excess, indefinite, direction, toward, start)
             geometric[:] = 1.0
         for lane in range(LANES):
@@ -124,21 +124,21 @@ def advance(
 
 
 @njit(cache=True)
-def internal_forces(large, body, points, law, weights, displacement, forces):
+def internal_forces(large, body, points, laws, weights, displacement, forces):
     """Write the internal `forces` at small or large strains."""
     if large:
-        _large_forces(body, points, law, weights, displacement, forces)
+        _large_forces(body, points, laws, weights, displacement, forces)
     else:
-        _small_forces(body, points, law, weights, displacement, forces)
+        _small_forces(body, points, laws, weights, displacement, forces)
 
 
 @njit(cache=True)
-def stiffness(large, body, points, law, displacement, geometric, band):
+def stiffness(large, body, points, laws, displacement, geometric, band):
     """Write the tangent at small or large strains to the `band`."""
     if large:
-        _large_stiffness(body, points, law, displacement, geometric, band)
+        _large_stiffness(body, points, laws, displacement, geometric, band)
     else:
-        _small_stiffness(body, points, law, band)
+        _small_stiffness(body, points, laws, band)
 
 
 @njit(cache=True)

@@ -8,7 +8,7 @@ that a law with a yield stress never sees one node moved alone.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,16 +44,30 @@ class Profile:
         """Return the profile of an indenter, in um."""
         return cls(indenter.slope, indenter.radius * 1e-3)
 
+    def in_units_of(self, unit: float) -> Profile:
+        """Return the profile with lengths in units of so many um."""
+        return replace(self, radius=self.radius / unit)
+
     @property
     def junction(self) -> float:
         """Distance from the axis at which the cap meets the flank [um]."""
         return self.radius / math.sqrt(1.0 + self.slope**-2) if math.isfinite(self.slope) else self.radius
 
+    @property
+    def edge(self) -> float:
+        """Distance from the axis at which the cap ends: a sphere continues as a cone beyond 0.99 of its radius [um]."""
+        return min(self.junction, 0.99 * self.radius)
+
+    @property
+    def flank(self) -> float:
+        """df/dr beyond the cap."""
+        return self.slope if self.radius == 0.0 else self.edge / math.sqrt(self.radius**2 - self.edge**2)
+
     def __call__(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return f, df/dr and d2f/dr2 at distances `r` [um]; a sphere continues flat beyond 0.99 of its radius."""
+        """Return f, df/dr and d2f/dr2 at distances `r` [um]."""
         if self.radius == 0.0:
             return self.slope * r, np.full_like(r, self.slope), np.zeros_like(r)
-        edge = min(self.junction, 0.99 * self.radius)
+        edge = self.edge
         root = np.sqrt(self.radius**2 - np.clip(r, -edge, edge) ** 2)
         slope = np.minimum(r, edge) / root
         on_cap = r < edge

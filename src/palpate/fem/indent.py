@@ -135,11 +135,11 @@ def laws_of(specimen: Specimen) -> np.ndarray:
     return np.stack([series(specimen.coefficients, specimen.substrate, k / 8) for k in range(9)])
 
 
-def regions(specimen: Specimen, mesh: Mesh) -> np.ndarray:
-    """Return the law of each element (m,), by the share of its volume above the interface."""
+def regions(specimen: Specimen, mesh: Mesh, unit: float = 1.0) -> np.ndarray:
+    """Return the law of each element (m,), by the share of its volume above the interface; the mesh is in `unit` um."""
     if specimen.substrate is None:
         return np.zeros(len(mesh.elements), dtype=np.int64)
-    return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness)).astype(np.int64)
+    return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness / unit)).astype(np.int64)
 
 
 def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
