@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RBFInterpolator
 from scipy.spatial.distance import cdist
+from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
@@ -58,7 +59,7 @@ def test_leave_one_out_equals_refits(kernel):
     for i in (0, 5, 10, 15):
         rest = np.delete(np.arange(len(X)), i)
         refit = RBFInterpolator(
-            points[rest], coordinates[rest], kernel=kernel, epsilon=1 / model.shape_, degree=KERNELS[kernel].degree
+            points[rest], coordinates[rest], kernel=kernel, epsilon=1.0, degree=KERNELS[kernel].degree
         )
         without = model.pod_.expand(refit(points[i : i + 1]))[0]
         assert model.loo_error_[i] == pytest.approx(Y[i] - without, abs=1e-6 * Y.max())
@@ -82,6 +83,21 @@ def test_error_between_the_snapshots_is_small_and_its_estimate_covers_it():
 def test_chosen_shape_is_no_worse_than_the_default():
     chosen, default = PODRBF(shape="loo").fit(X, Y), PODRBF().fit(X, Y)
     assert np.mean(chosen.loo_error_**2) <= np.mean(default.loo_error_**2)
+
+
+def test_a_length_for_each_parameter_tells_what_matters():
+    """A curve that hardly depends on one of three parameters is learnt far better than with one length for all."""
+
+    def curves(x):
+        waves = np.outer(np.sin(4.0 * x[:, 0]) * np.cos(3.0 * x[:, 1]), np.linspace(1.0, 2.0, 8))
+        return waves + np.outer(x[:, 0] ** 2 + 0.01 * x[:, 2], np.linspace(3.0, 1.0, 8) ** 2)
+
+    points, query = qmc.Sobol(3, seed=1).random(64), np.random.default_rng(0).random((200, 3))
+    one, each = (PODRBF(shape=shape).fit(points, curves(points)) for shape in ("loo", "loo_each"))
+    assert each.lengths_[2] > 5.0 * each.lengths_[:2].max()
+    assert np.mean(each.loo_error_**2) < 0.25 * np.mean(one.loo_error_**2)
+    error, usual = (np.mean((model.predict(query) - curves(query)) ** 2) for model in (each, one))
+    assert error < 0.25 * usual
 
 
 def test_energy_keeps_as_few_modes_as_it_says():

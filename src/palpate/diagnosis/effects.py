@@ -120,7 +120,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
                 f"{key} under {condition.name}: {good.sum()} of {len(good)} pairs succeeded, too few for "
                 f"{points.shape[1]} parameters"
             )
-        surrogate = PODRBF(kernel="multiquadric", shape="loo").fit(points[good], difference[good])
+        surrogate = PODRBF(kernel="multiquadric", shape="loo_each").fit(points[good], difference[good])
         unresolved = missed_between(times, condition.protocol.sample_time, difference[good])
         fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, unresolved, int((~good).sum()))
     usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))

@@ -11,10 +11,14 @@ first rows of A^-1 [a; 0], and leaving snapshot i out moves the interpolant at t
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import minimize
 from scipy.spatial.distance import cdist
 
 from palpate.errors import InputError
 from palpate.surrogate.kernels import KERNELS
+
+TRIALS = 100  # of lengths, for each parameter
+WORST = 1e3
 
 
 class ConditionError(InputError):
@@ -87,3 +91,24 @@ def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_conditio
     if chosen is None:
         raise ConditionError(least, max_condition, kernel, 0.05)
     return chosen
+
+
+def choose_lengths(points: np.ndarray, data: np.ndarray, kernel: str, max_condition: float) -> np.ndarray:
+    """Length (p,) for each parameter of least leave-one-out error: the simplex of Nelder and Mead, from the best common length.
+
+    Raises
+    ------
+    ConditionError
+        If no common length gives a well conditioned system.
+    """
+    scaled = KERNELS[kernel].scaled
+    start = choose_shape(points, data, kernel, max_condition) if scaled else 1.0
+
+    def error(logarithms: np.ndarray) -> float:
+        inverse, condition = system_inverse(points / np.exp(logarithms), kernel, 1.0)
+        return float(np.log(np.sum(leave_one_out(inverse, data) ** 2))) if condition <= max_condition else WORST
+
+    begin = np.full(points.shape[1], np.log(start))
+    simplex = np.vstack([begin, begin + np.eye(len(begin))])
+    options = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 1e-3, "maxfev": TRIALS * len(begin)}
+    return np.exp(minimize(error, begin, method="Nelder-Mead", options=options).x)

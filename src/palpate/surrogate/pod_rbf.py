@@ -13,7 +13,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from palpate.errors import InputError
 from palpate.surrogate.kernels import KERNELS
-from palpate.surrogate.leave_one_out import ConditionError, choose_shape, leave_one_out, system_inverse
+from palpate.surrogate.leave_one_out import ConditionError, choose_lengths, choose_shape, leave_one_out, system_inverse
 from palpate.surrogate.pod import pod
 
 
@@ -30,7 +30,8 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ``linear`` r, ``cubic`` r^3, ``multiquadric`` sqrt(r^2 + c^2), ``gaussian`` exp(-(r/c)^2) or
         ``inverse_multiquadric`` 1/sqrt(r^2 + c^2). A linear polynomial goes with cubic, a constant with the others.
     shape
-        Length c in scaled parameters, or ``"loo"``: the length of least leave-one-out error.
+        Length c in scaled parameters; ``"loo"``: the length of least leave-one-out error; or ``"loo_each"``: a length
+        for each parameter, likewise, where some matter more than others.
     energy
         Fraction of the energy that the modes must keep, in (0, 1].
     n_modes
@@ -41,7 +42,9 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
     Attributes
     ----------
     shape_ : float
-        Length c that was used.
+        Length c that was used; the geometric mean of ``loo_each``'s.
+    lengths_ : ndarray
+        That of each parameter that varies.
     condition_number_ : float
         1-norm condition number of the interpolation system.
     n_modes_ : int
@@ -87,20 +90,21 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
             raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
         self.pod_ = pod(curves, energy=self.energy, n_modes=self.n_modes)
         self.n_modes_, self.energy_ = len(self.pod_.modes), self.pod_.energy
+        self.lengths_ = np.ones(self.varies_.sum())
         points, data = self._scale(X), self.pod_.reduce(curves)
         kernel = KERNELS[self.kernel]
-        if not kernel.scaled:
-            self.shape_ = 1.0
-        elif self.shape == "loo":
-            self.shape_ = choose_shape(points, data, self.kernel, self.max_condition)
-        else:
-            self.shape_ = float(self.shape)
-        inverse, self.condition_number_ = system_inverse(points, self.kernel, self.shape_)
+        if self.shape == "loo_each":
+            self.lengths_ = choose_lengths(points, data, self.kernel, self.max_condition)
+        elif kernel.scaled:
+            loo = self.shape == "loo"
+            shape = choose_shape(points, data, self.kernel, self.max_condition) if loo else float(self.shape)
+            self.lengths_ *= shape
+        self.shape_ = float(np.exp(np.mean(np.log(self.lengths_))))
+        points = points / self.lengths_
+        inverse, self.condition_number_ = system_inverse(points, self.kernel, 1.0)
         if not self.condition_number_ <= self.max_condition:
             raise ConditionError(self.condition_number_, self.max_condition, self.kernel, self.shape_)
-        self.interpolator_ = RBFInterpolator(
-            points, data, kernel=self.kernel, epsilon=1.0 / self.shape_, degree=kernel.degree
-        )
+        self.interpolator_ = RBFInterpolator(points, data, kernel=self.kernel, epsilon=1.0, degree=kernel.degree)
         truncation = curves - self.pod_.expand(data)
         self.loo_error_ = self.pod_.expand(leave_one_out(inverse, data)) + truncation
         self.loo_rms_ = np.sqrt(np.mean(self.loo_error_**2, axis=0))
@@ -136,15 +140,17 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _scale(self, X: np.ndarray) -> np.ndarray:
         low, high = self.lower_[self.varies_], self.upper_[self.varies_]
-        return (X[:, self.varies_] - low) / (high - low)
+        return (X[:, self.varies_] - low) / (high - low) / self.lengths_
 
     def _check_parameters(self) -> None:
         if self.kernel not in KERNELS:
             raise InputError(
                 f"kernel {self.kernel!r} is not known", remedy=f"use one of: {', '.join(KERNELS)}", place="kernel"
             )
-        if self.shape != "loo" and not (isinstance(self.shape, Real) and 0 < self.shape < np.inf):
-            raise InputError(f"shape is {self.shape!r}", remedy="give a positive length or 'loo'", place="shape")
+        if self.shape not in ("loo", "loo_each") and not (isinstance(self.shape, Real) and 0 < self.shape < np.inf):
+            raise InputError(
+                f"shape is {self.shape!r}", remedy="give a positive length, 'loo' or 'loo_each'", place="shape"
+            )
         if not 0 < self.energy <= 1:
             raise InputError(f"energy is {self.energy!r}", remedy="give a fraction in (0, 1]", place="energy")
         if self.n_modes is not None and self.n_modes < 1:
