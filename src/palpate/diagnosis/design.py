@@ -22,6 +22,7 @@ from palpate.protocol import Protocol
 from palpate.snapshots import Batch, Snapshot, divided
 
 THINNING = 3
+SMALL_LOAD = 0.2
 MOST_COORDINATES = 3
 
 
@@ -116,10 +117,14 @@ def amplitudes(mechanism: Mechanism, scale: Scale, coordinates: np.ndarray) -> d
 
 
 def thinned(protocol: Protocol) -> Protocol:
-    """Return the protocol with every third sample, those at corners of the load history kept."""
+    """Return the protocol with every third sample; those at corners of the load history and at small loads are kept.
+
+    At small loads, where depth goes with the root of the load, most effects change fastest.
+    """
     sample = protocol.sample_time
     keep = np.zeros(len(sample), dtype=bool)
     keep[::-THINNING] = True
+    keep |= protocol.sample_load < SMALL_LOAD * protocol.max_load
     keep |= np.isclose(sample[:, None], protocol.knot_time, rtol=1e-9, atol=0).any(axis=1)
     return replace(protocol, sample_time=sample[keep])
 

@@ -94,7 +94,7 @@ def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_conditio
 
 
 def choose_lengths(points: np.ndarray, data: np.ndarray, kernel: str, max_condition: float) -> np.ndarray:
-    """Length (p,) for each parameter of least leave-one-out error: the simplex of Nelder and Mead, from the best common length.
+    """Length (p,) for each parameter of least leave-one-out error, by Nelder and Mead from the best common length.
 
     Raises
     ------
