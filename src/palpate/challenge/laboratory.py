@@ -20,7 +20,7 @@ from palpate.recording import Recording
 REPLICATES = 3
 
 
-def body_depths(study: Study, cases: Sequence[Case], condition: Condition) -> list[np.ndarray]:
+def body_depths(study: Study, cases: Sequence[Case], condition: Condition, accuracy: str) -> list[np.ndarray]:
     """Simulate what acts on the bodies themselves, without what varies between recordings [nm]; in lanes where it can.
 
     Raises
@@ -31,7 +31,7 @@ def body_depths(study: Study, cases: Sequence[Case], condition: Condition) -> li
     specifications = []
     for case in cases:
         acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
-        specification = study.specification(case.parameters, condition, accuracy=study.challenge["accuracy"])
+        specification = study.specification(case.parameters, condition, accuracy)
         specifications.append(replace(specification, mechanisms=acting))
     outcomes = simulate_batch(specifications)
     for case, outcome in zip(cases, outcomes, strict=True):
@@ -64,8 +64,9 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
 def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
     """Write the recordings of some cases, each into a folder of its own."""
     generators = [np.random.default_rng(case.seed) for case in cases]
+    accuracy = study.challenge["accuracy"]
     for condition in study.conditions:
-        for case, depth, rng in zip(cases, body_depths(study, cases, condition), generators, strict=True):
+        for case, depth, rng in zip(cases, body_depths(study, cases, condition, accuracy), generators, strict=True):
             (folder / case.name).mkdir(parents=True, exist_ok=True)
             for recording in record(case, condition, depth, rng):
                 recording.write(folder / case.name / f"{recording.name}.csv")

@@ -32,7 +32,7 @@ def row(case: Mapping[str, Any], diagnosis: Mapping[str, Any], strength: float) 
     diagnosis
         Content of its `diagnosis.json`.
     strength
-        Projected signature over the detection limit; NaN where there is no single library effect.
+        Projected signature of its weakest library effect over the detection limit; NaN where there is none.
     """
     truth = sorted(case["mechanisms"])
     listed = [candidate["mechanisms"] for candidate in diagnosis["candidates"]]
@@ -50,6 +50,7 @@ def row(case: Mapping[str, Any], diagnosis: Mapping[str, Any], strength: float) 
         "exact": verdict == "identified" and diagnosis["mechanisms"] == truth,
         "covered": bool(truth) and any(names == truth for names in listed),
         "wrong_name": verdict == "identified" and diagnosis["mechanisms"] != truth,
+        "foreign_name": verdict == "identified" and not set(diagnosis["mechanisms"]) <= set(truth),
         "top_probability": diagnosis["candidates"][0]["probability"] if listed else np.nan,
         "top_right": bool(listed) and listed[0] == truth,
         "over_noise": after / noise if after is not None else np.nan,
@@ -81,7 +82,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     """Return each figure of merit with its Wilson interval and target."""
     null, one = table[table["kind"] == "none"], table[table["kind"] == "one"]
     two, unknown = table[table["kind"] == "two"], table[table["kind"] == "unknown"]
-    strong = one[one["strength"] >= STRONG]
+    strong, visible = one[one["strength"] >= STRONG], two[two["strength"] >= STRONG]
     named = table[(table["verdict"] == "identified") & table["over_noise"].notna()]
     found = [
         ("claims on null cases", null["claims"].sum(), len(null)),
@@ -90,7 +91,9 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         ("wrong single name on strong single effects", strong["wrong_name"].sum(), len(strong)),
         ("wrong single name on any single effect", one["wrong_name"].sum(), len(one)),
         ("pairs exact or covered", two["covered"].sum(), len(two)),
+        ("pairs of two strong effects exact or covered", visible["covered"].sum(), len(visible)),
         ("wrong single name on pairs", two["wrong_name"].sum(), len(two)),
+        ("a name of what is not there on pairs", two["foreign_name"].sum(), len(two)),
         ("unknown effects called unexplained", (unknown["verdict"] == "unexplained").sum(), len(unknown)),
         ("intervals of amplitudes hold the truth", table["amplitudes_held"].sum(), table["amplitudes"].sum()),
         ("intervals of material parameters hold the truth", table["material_held"].sum(), table["material"].sum()),

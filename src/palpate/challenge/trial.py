@@ -19,6 +19,7 @@ from palpate.config import Study
 from palpate.diagnosis.design import candidates
 from palpate.diagnosis.detect import filters
 from palpate.diagnosis.diagnose import Search
+from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.steps import load_problem, run_diagnosis
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
@@ -38,30 +39,38 @@ def diagnose_case(
 def strength(
     study: Study, case: Case, folder: Path, base_files: Mapping[str, str | Path], effect_files: Mapping[str, str | Path]
 ) -> float:
-    """Return the projected signature of a single effect over the detection limit; NaN for other cases.
+    """Return the projected signature of the weakest library effect over the detection limit; NaN where there is none.
 
-    The signature is the true effect at the true material, whitened and projected off the base model's tangent space.
-    The limit is the size that the most sensitive filter notices at a family-wise one per cent (Bonferroni).
+    A signature is the true effect at the true material, with whatever else acts, whitened and projected off the base
+    model's tangent space and off the other effect. The limit is the size that the most sensitive filter notices at a
+    family-wise one per cent (Bonferroni).
     """
-    if case.kind != "one":
+    if not case.mechanisms:
         return float("nan")
     observed = observations(replace(study, recordings={"case": folder}), "case")
     problem = load_problem(study, observed, base_files, effect_files)
     keys = list(candidates(study))
     fit = Search(study, problem, keys, np.random.default_rng(0)).base()
-    bare = replace(case, mechanisms={})
+    signatures = fit.whiten(np.column_stack([_effect(study, problem, case, key) for key in case.mechanisms]))
+    sizes = []
+    for k, white in enumerate(signatures.T):
+        others = np.linalg.qr(np.column_stack([fit.tangent_space, np.delete(signatures, k, axis=1)]))[0]
+        sizes.append(float(np.linalg.norm(white - others @ (others.T @ white))))
+    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))
+    return min(sizes) / float(limit)
+
+
+def _effect(study: Study, problem: Problem, case: Case, key: str) -> np.ndarray:
+    """Return what one mechanism of a case adds to the depth of all conditions (n_all,) [nm]."""
+    without = replace(case, mechanisms={name: values for name, values in case.mechanisms.items() if name != key})
     parts = []
     for condition in problem.conditions:
-        ((key, values),) = case.mechanisms.items()
         if MECHANISMS[key].varies:
-            parts.append(problem.recorded_effect(key, condition, values))
+            parts.append(problem.recorded_effect(key, condition, case.mechanisms[key]))
         else:
-            acting, without = body_depths(study, [case, bare], condition)
-            parts.append(acting - without)
-    white = fit.whiten(np.concatenate(parts))
-    size = float(np.linalg.norm(white - fit.tangent_space @ (fit.tangent_space.T @ white)))
-    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))
-    return size / float(limit)
+            whole, rest = body_depths(study, [case, without], condition, study.accuracy)
+            parts.append(whole - rest)
+    return np.concatenate(parts)
 
 
 def score_case(

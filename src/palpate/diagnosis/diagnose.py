@@ -14,11 +14,11 @@ from palpate.diagnosis.fit import Fit, solve, starting_points
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.problem import Explanation, Problem
-from palpate.diagnosis.refine import refine
+from palpate.diagnosis.refine import ABSURD, hopeless, refine
 from palpate.errors import PalpateError
 
 CLOSE = np.log(100.0)
-SCREENED = 40.0
+SCREENED, RIVALS = 40.0, 20.0
 LEAST_REFINED, MOST_REFINED = 3, 5
 MOST_SETS = 12
 
@@ -92,18 +92,21 @@ class Search:
         return solve(problem, (), self._errors((), rough.residual), [rough.z, *middle], laws=self._laws)
 
     def extended(self, fit: Fit, key: str) -> Fit:
-        """Fit an explanation and one more mechanism; what the forward model corrected in the first stays corrected."""
+        """Fit an explanation and one more mechanism; what the forward model corrected in the first stays corrected.
+
+        Where the first was hopeless the second lies elsewhere, and what was corrected there says nothing.
+        """
         wider: Explanation = (*fit.explanation, key)
-        correction = fit.correction.widened(self._problem.dimensions(wider))
+        correction = None if hopeless(fit) else fit.correction.widened(self._problem.dimensions(wider))
         found = self._errors(wider, fit.residual)
         best = solve(self._problem, wider, found, starting_points(fit, key), correction, laws=self._laws)
         weighed = self._errors(wider, best.residual, best.z)
         return solve(self._problem, wider, weighed, [best.z], correction, laws=self._laws)
 
-    def refined(self, fit: Fit) -> Candidate:
-        """Put a fit on the forward model, where that runs, and examine what it leaves."""
+    def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
+        """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
         try:
-            return replace(self.examined(refine(self._study, fit)), confirmed=True)
+            return replace(self.examined(refine(self._study, fit, least)), confirmed=True)
         except PalpateError:
             return self.examined(fit)
 
@@ -162,13 +165,20 @@ def diagnose(
 
 
 def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable[[str], None]) -> list[Candidate]:
-    """Put the fits near the best on the forward model, and some more where none passes; return all, best first."""
+    """Put the fits near the best on the forward model, and some more where none passes; return all, best first.
+
+    Once one passes, only those matter that the surrogates put near it.
+    """
     fits = sorted(fits, key=lambda fit: -fit.log_evidence)
     done: list[Candidate] = []
+    near, least = fits[0].log_evidence - SCREENED, -np.inf
     for k, fit in enumerate(fits):
-        near = k < MOST_REFINED and fit.log_evidence > fits[0].log_evidence - SCREENED
-        if near or (k < LEAST_REFINED and not any(candidate.adequate(level) for candidate in done)):
-            candidate = search.refined(fit)
+        wanting = k < LEAST_REFINED and least == -np.inf and fit.misfit < ABSURD * len(fit.residual)
+        if wanting or (k < MOST_REFINED and fit.log_evidence > near):
+            candidate = search.refined(fit, least)
+            if candidate.adequate(level):
+                near = max(near, fit.log_evidence - RIVALS)
+                least = max(least, candidate.fit.log_evidence - RIVALS)
             report(
                 f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
                 f"{candidate.fit.log_evidence:.1f}, p = {candidate.p_value:.3g}"

@@ -1,7 +1,8 @@
 """What each mechanism does to a curve: one surrogate over material and amplitude for each mechanism and condition.
 
 The surrogate holds the difference between the curves with and without the mechanism, in which most of the mesh's error
-cancels. The differences of several mechanisms are added; the forward model itself has the last word (`refine`).
+cancels; where a good part of the effect can be derived from the curve without it, only the rest. The differences of
+several mechanisms are added; the forward model itself has the last word (`refine`).
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ import numpy as np
 
 from palpate import snapshots
 from palpate.config import Condition, Study
-from palpate.diagnosis.design import candidates, pairs, refinement, thinned
+from palpate.diagnosis.design import Pair, candidates, pairs, refinement, thinned
 from palpate.diagnosis.ripple import without_ripple
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 from palpate.surrogate import PODRBF
 
 
@@ -107,13 +109,17 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     def curve(snapshot: snapshots.Snapshot) -> np.ndarray:
         return np.asarray(snapshots.read(Path(folder) / f"{snapshot.address}.npz")["depth"])
 
+    def derived(pair: Pair, plain: np.ndarray) -> np.ndarray:
+        (key, values), protocol = *pair.acting.specification.mechanisms.items(), pair.plain.specification.protocol
+        return MECHANISMS[key].on_curve(protocol.sample_time, protocol.sample_load, plain, values)
+
     fitted = {}
     for key in candidates(study):
         found = pairs(study, condition, key)
         if not found:
             continue
         points = np.array([[*(p.cell[name] for name in study.free_parameters), *p.coordinates] for p in found])
-        difference = np.array([curve(pair.acting) - curve(pair.plain) for pair in found])
+        difference = np.array([curve(pair.acting) - derived(pair, curve(pair.plain)) for pair in found])
         good = np.isfinite(difference).all(axis=1)
         if good.sum() < max(3 * points.shape[1], len(good) // 2):
             raise PalpateError(

@@ -12,8 +12,9 @@ from scipy.stats import chi2, ncx2
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.refine import simulated_at
+from palpate.diagnosis.refine import simulated_at, specification_at
 from palpate.errors import PalpateError
+from palpate.model import simulate_batch
 from palpate.protocol import Protocol, trapezoid
 
 POINTS = 30
@@ -102,5 +103,8 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
 def _predicted(study: Study, fit: Fit, condition: Condition, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
     curve = simulated_at(study, condition, fit, fit.z)
-    curves = np.array([simulated_at(study, condition, fit, z) for z in draws]) - curve
+    outcomes = simulate_batch(specification_at(study, condition, fit, z) for z in (fit.z, *draws))
+    if any(outcome.status != "ok" for outcome in outcomes):
+        raise PalpateError(f"{'+'.join(fit.explanation)}, {condition.name}: a simulation failed")
+    curves = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
     return curve, curves.T @ curves / len(draws)

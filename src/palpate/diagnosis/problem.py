@@ -141,10 +141,12 @@ class Problem:
         points = np.column_stack([material[:, self.space.free], x])
         curves = []
         for condition in self.conditions:
+            curve = np.zeros((len(x), len(condition.protocol.sample_time)))
+            if MECHANISMS[key].can_be_derived:
+                curve += self._derived_effect(key, condition, material, x)
             if MECHANISMS[key].needs_learning:
-                curves.append(self.effects[condition.name][key].predict(points))
-            else:
-                curves.append(self._derived_effect(key, condition, material, x))
+                curve += self.effects[condition.name][key].predict(points)
+            curves.append(curve)
         return np.concatenate(curves, axis=1)
 
     def _derived_effect(self, key: str, condition: Condition, material: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -183,7 +185,7 @@ class Problem:
         return np.column_stack(slopes)
 
     def _material_slope(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the slope (n_all, p) by the material of an effect that was learnt; others hardly have one."""
+        """Return the slope (n_all, p) by the material of what was learnt of an effect; the rest hardly has one."""
         if not MECHANISMS[key].needs_learning:
             return np.zeros((len(self.mean), len(u)))
         point = np.concatenate([self.space.physical(u)[0][self.space.free], x])

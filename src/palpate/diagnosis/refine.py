@@ -18,12 +18,25 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Correction, Fit, solve
 from palpate.errors import PalpateError
 from palpate.model import simulate_smoothly
+from palpate.specification import Specification
 
 ROUNDS = 8
 RADIUS = 0.3
 SETTLED = 0.5
-HOPELESS = 3.0
+HOPELESS, ABSURD = 3.0, 30.0  # chi-square of a point: far more than noise; more than any error of a surrogate
 MARGIN = 1e-3
+
+
+def hopeless(fit: Fit) -> bool:
+    """Return whether a fit leaves far more than noise."""
+    return fit.misfit > HOPELESS * len(fit.residual)
+
+
+def specification_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) -> Specification:
+    """Return what an explanation at coordinates z simulates under one condition."""
+    problem = fit.problem
+    specification = study.specification(problem.space.named(problem.parts(fit.explanation, z)[0]), condition)
+    return replace(specification, mechanisms=problem.amplitudes(fit.explanation, z))
 
 
 def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
@@ -34,12 +47,10 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
     PalpateError
         When the solver fails.
     """
-    problem = fit.problem
-    specification = study.specification(problem.space.named(problem.parts(fit.explanation, z)[0]), condition)
-    outcome = simulate_smoothly(replace(specification, mechanisms=problem.amplitudes(fit.explanation, z)))
+    outcome = simulate_smoothly(specification_at(study, condition, fit, z))
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    return problem.to_fine_mesh(condition, outcome.depth)
+    return fit.problem.to_fine_mesh(condition, outcome.depth)
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
@@ -48,8 +59,13 @@ def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
     return fitted[condition.name] if condition.name in fitted else simulated_at(study, condition, fit, fit.z)
 
 
-def refine(study: Study, fit: Fit) -> Fit:
+def refine(study: Study, fit: Fit, least: float = -np.inf) -> Fit:
     """Return the fit with the forward model in place of the surrogates.
+
+    Parameters
+    ----------
+    least
+        Logarithm of the evidence below which the explanation does not matter.
 
     Raises
     ------
@@ -60,17 +76,20 @@ def refine(study: Study, fit: Fit) -> Fit:
     z = np.clip(fit.z, MARGIN, 1.0 - MARGIN)
     start = replace(Correction.none(len(fit.residual), len(z)), at=z, shift=missed_by_surrogates(study, fit, z))
     best = replace(fit, z=z, correction=start, errors=replace(fit.errors, model=without, surrogate=0.0 * without))
-    radius, enough = RADIUS, HOPELESS * len(fit.residual)
+    radius = RADIUS
+    if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
+        return best
     for _ in range(ROUNDS):
         proposed = solve(fit.problem, fit.explanation, best.errors, [best.z], best.correction, radius, best.laws)
-        if best.misfit - proposed.misfit < SETTLED * max(1.0, best.misfit / len(fit.residual)):
+        settled = best.misfit - proposed.misfit < SETTLED * max(1.0, best.misfit / len(fit.residual))
+        if settled or proposed.log_evidence < least:
             return proposed
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
         try:
             tried = replace(best, z=z, correction=best.correction.moved(z, missed_by_surrogates(study, fit, z)))
         except PalpateError:
             return best
-        if best.misfit > enough and tried.misfit > 0.5 * best.misfit:
+        if hopeless(best) and tried.misfit > 0.5 * best.misfit:
             return min(best, tried, key=lambda found: found.misfit)
         if tried.misfit < best.misfit:
             best = tried

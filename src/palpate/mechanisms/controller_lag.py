@@ -25,8 +25,11 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 def shortcut(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Delay the curve itself: a body that does not age responds to a delayed load with a delayed depth."""
-    return np.interp(time - values["lag"], np.append(0.0, time), np.append(0.0, depth))
+    """Delay the curve itself: a body that does not age responds to a delayed load with a delayed depth.
+
+    Between samples the square of the depth is interpolated, which under a sharp tip grows in proportion to the load.
+    """
+    return np.sqrt(np.interp(time - values["lag"], np.append(0.0, time), np.append(0.0, depth) ** 2))
 
 
 MECHANISM = Mechanism(

@@ -101,8 +101,7 @@ class Mechanism:
         Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
         differs from `fine`, for some materials and amplitudes.
     shortcut
-        What it makes of a known depth curve, with the arguments of `record`; close enough to search with, so that
-        no simulations are needed to learn its effect.
+        What it makes of a known depth curve, nearly, with the arguments of `record`; only the rest must be learnt.
     """
 
     key: str
@@ -120,8 +119,13 @@ class Mechanism:
 
     @property
     def needs_learning(self) -> bool:
-        """Whether its effect must be learnt from simulations, rather than derived from the base model's curve."""
-        return self.simulate is not unchanged_specification and self.shortcut is None
+        """Whether its effect, or the rest that cannot be derived, must be learnt from simulations."""
+        return self.simulate is not unchanged_specification
+
+    @property
+    def can_be_derived(self) -> bool:
+        """Whether its effect, or most of it, follows from the base model's curve."""
+        return self.shortcut is not None or self.record is not unchanged_depth
 
     def on_curve(self, time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
         """Return what it makes of the base model's curve (n,) [nm], as far as that can be derived."""
