@@ -20,7 +20,7 @@ from palpate.diagnosis.similarity import similarity
 from palpate.mechanisms import Scale
 from palpate.protocol import trapezoid
 
-RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset", "controller_lag"]
+RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset"]
 CONDITIONS = tuple(
     Condition(name, "calibrate", trapezoid(load, rise, hold, rise, points=60))
     for name, load, rise, hold in [("a", 1.0, 10, 0), ("b", 1.0, 40, 20), ("c", 4.0, 20, 20), ("d", 0.2, 20, 0)]

@@ -18,7 +18,7 @@ from palpate.diagnosis.refine import ABSURD, hopeless, refine
 from palpate.errors import PalpateError
 
 CLOSE = np.log(100.0)
-SCREENED, RIVALS = 40.0, 20.0
+SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
 LEAST_REFINED, MOST_REFINED = 3, 5
 MOST_SETS = 12
 
@@ -167,15 +167,17 @@ def diagnose(
 def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable[[str], None]) -> list[Candidate]:
     """Put the fits near the best on the forward model, and some more where none passes; return all, best first.
 
-    Once one passes, only those matter that the surrogates put near it.
+    Once one passes, only those matter that the surrogates put near it. What they put far below one that the forward
+    model has seen is left to them.
     """
     fits = sorted(fits, key=lambda fit: -fit.log_evidence)
     done: list[Candidate] = []
-    near, least = fits[0].log_evidence - SCREENED, -np.inf
+    near, far, least = fits[0].log_evidence - SCREENED, -np.inf, -np.inf
     for k, fit in enumerate(fits):
-        wanting = k < LEAST_REFINED and least == -np.inf and fit.misfit < ABSURD * len(fit.residual)
-        if wanting or (k < MOST_REFINED and fit.log_evidence > near):
+        worth = fit.misfit < ABSURD * len(fit.residual) and fit.log_evidence > far
+        if (k < LEAST_REFINED and least == -np.inf and worth) or (k < MOST_REFINED and fit.log_evidence > near):
             candidate = search.refined(fit, least)
+            far = max(far, candidate.fit.log_evidence - FAR)
             if candidate.adequate(level):
                 near = max(near, fit.log_evidence - RIVALS)
                 least = max(least, candidate.fit.log_evidence - RIVALS)

@@ -143,29 +143,42 @@ class Problem:
         for condition in self.conditions:
             curve = np.zeros((len(x), len(condition.protocol.sample_time)))
             if MECHANISMS[key].can_be_derived:
-                curve += self._derived_effect(key, condition, material, x)
+                plain = self.base[condition.name].evaluate(material)
+                curve += self._derived(key, condition, plain, x) - plain
             if MECHANISMS[key].needs_learning:
                 curve += self.effects[condition.name][key].predict(points)
             curves.append(curve)
         return np.concatenate(curves, axis=1)
 
-    def _derived_effect(self, key: str, condition: Condition, material: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the effect (m, n_points) that follows from the base model's curve."""
+    def _derived(self, key: str, condition: Condition, curves: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return what a mechanism at coordinates x (m, k) makes of `curves` (m, n_points), as far as that follows."""
         mechanism, protocol = MECHANISMS[key], condition.protocol
         time, load = protocol.sample_time, protocol.sample_load
-        plain = self.base[condition.name].evaluate(material)
-        recorded = [
-            mechanism.on_curve(time, load, curve, amplitudes(mechanism, self.scale, row))
-            for curve, row in zip(plain, x, strict=True)
-        ]
-        return np.array(recorded) - plain
+        return np.array(
+            [
+                mechanism.on_curve(time, load, curve, amplitudes(mechanism, self.scale, row))
+                for curve, row in zip(curves, x, strict=True)
+            ]
+        )
 
     def curves(self, explanation: Explanation, z: np.ndarray) -> np.ndarray:
-        """Return the surrogates' curves of all conditions (m, n_all) at coordinates z (m, k) [nm]."""
+        """Return the surrogates' curves of all conditions (m, n_all) at coordinates z (m, k) [nm].
+
+        What was learnt of the mechanisms is added; what can be derived is made of the sum, last what the instrument
+        adds.
+        """
         u, own = self.parts(explanation, z)
-        x = self.space.physical(u)
-        base = [self.base[c.name].evaluate(x) * self.refinement[c.name] for c in self.conditions]
-        return np.concatenate(base, axis=1) + sum(self.effect(key, u, part) for key, part in own.items())
+        material, whole = self.space.physical(u), []
+        derived = [key for key in own if MECHANISMS[key].can_be_derived]
+        for condition in self.conditions:
+            curve = self.base[condition.name].evaluate(material) * self.refinement[condition.name]
+            for key in [key for key in own if MECHANISMS[key].needs_learning]:
+                points = np.column_stack([material[:, self.space.free], own[key]])
+                curve = curve + self.effects[condition.name][key].predict(points)
+            for key in sorted(derived, key=lambda key: MECHANISMS[key].shortcut is None):
+                curve = self._derived(key, condition, curve, own[key])
+            whole.append(curve)
+        return np.concatenate(whole, axis=1)
 
     def jacobian(self, explanation: Explanation, z: np.ndarray, step: float = 1e-4) -> np.ndarray:
         """Return the slope (n_all, k) of the curves by the coordinates z (k,), by central differences."""
