@@ -1,6 +1,7 @@
 """Diagnosis on recordings whose noise and effects are known exactly; base model and effects are closed forms."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition
 from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.design import thinned
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.fit import solve, starting_points
+from palpate.diagnosis.diagnose import Search
+from palpate.diagnosis.fit import Correction, solve, starting_points
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
@@ -84,6 +87,44 @@ def fitted(task, explanation=(), start=None):
 
 def p_value(task, rng):
     return examine(fitted(task), RECORD_ONLY, rng, 400, 0.01)
+
+
+def test_what_can_be_derived_is_made_of_the_sum_of_what_was_learnt():
+    """A delay acts on the curve of a tip that is rounded, too: nothing of the two is left to the forward model."""
+    task = problem(recordings(np.random.default_rng(1)))
+    grown = {c.name: np.linspace(30.0, 10.0, 60) for c in CONDITIONS}
+    rounding = {name: SimpleNamespace(predict=lambda points, g=g: points[:, -1:] * g) for name, g in grown.items()}
+    rest = SimpleNamespace(predict=lambda points: np.zeros((len(points), 60)))
+    task = replace(task, effects={name: {"tip_rounding": rounding[name], "controller_lag": rest} for name in grown})
+    z = np.array([[0.5, 0.5, 0.7, 0.4]])
+    curves = task.split(task.curves(("tip_rounding", "controller_lag"), z)[0])
+    lag = task.amplitudes(("tip_rounding", "controller_lag"), z[0])["controller_lag"]["lag"]
+    for condition in CONDITIONS:
+        time = condition.protocol.sample_time
+        rounded = ClosedForm(condition).predict(task.space.physical(z[:, :2]))[0] + 0.7 * grown[condition.name]
+        delayed = np.sqrt(np.interp(time - lag, np.append(0.0, time), np.append(0.0, rounded) ** 2))
+        assert curves[condition.name] == pytest.approx(delayed)
+
+
+def test_effects_are_learnt_at_small_loads_in_full():
+    for condition in CONDITIONS:
+        short, protocol = thinned(condition.protocol), condition.protocol
+        small = protocol.sample_time[protocol.sample_load < 0.2 * protocol.max_load]
+        assert np.isin(small, short.sample_time).all()
+        assert len(short.sample_time) < 0.6 * len(protocol.sample_time)
+
+
+def test_a_correction_found_where_a_fit_is_hopeless_is_not_carried_on():
+    rng = np.random.default_rng(2)
+    task = problem(recordings(rng, lambda c, r: 0.5 * c.protocol.sample_time))
+    study = SimpleNamespace(diagnosis={"bootstrap": 200}, calibration={"site_scatter": 0.01, "solver_error": 0.003})
+    search = Search(study, task, RECORD_ONLY, rng)
+    wrong = Correction(np.full(2, 0.5), np.full(len(task.mean), 40.0), np.zeros((len(task.mean), 2)))
+    base = replace(search.base(), correction=wrong)
+    assert base.misfit > 3.0 * len(base.residual)
+    drifting = search.extended(base, "thermal_drift")
+    assert not drifting.correction.shift.any()
+    assert drifting.misfit < 1.5 * len(base.residual)
 
 
 def test_noise_is_recovered_from_replicates():

@@ -19,8 +19,9 @@ import numpy as np
 
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import UNKNOWN, Points, law_rows, turn, weight_rows
+from palpate.fem.batch_law import UNKNOWN, Points, turn
 from palpate.fem.batch_newton import advance
+from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_vector import LANES
 from palpate.fem.contact import Profile
 from palpate.fem.indent import (
@@ -29,16 +30,13 @@ from palpate.fem.indent import (
     check_size,
     contact_range,
     indent,
-    laws_of,
     mesh_radii,
-    regions,
     step_times,
 )
-from palpate.fem.mesh import Mesh, Resolution, polar_mesh
+from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.indenters import Indenter
-from palpate.materials.radial import VOIGT
 from palpate.protocol import Protocol
-from palpate.specimen import Specimen, resisted
+from palpate.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,54 +163,6 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         History(curve, "", seconds, int(count), times.shape[1], np.empty((len(curve), 0))) if whole else None
         for curve, whole, count in zip(map(sampled, cases, times, depths), alive, spent, strict=False)
     ]
-
-
-@dataclass(frozen=True, eq=False)
-class Specimens:
-    """The laws of `LANES` bodies of one shape: the same everywhere, or of each element in a film on a substrate.
-
-    Parameters
-    ----------
-    specimens
-        One for each lane.
-    coefficients : ndarray, shape (regions, LANES, c)
-        Their laws at large depth.
-    region : ndarray of int, shape (m, LANES)
-        The law of each element.
-    """
-
-    specimens: Sequence[Specimen]
-    coefficients: np.ndarray
-    region: np.ndarray
-
-    @classmethod
-    def of(cls, specimens: Sequence[Specimen], mesh: Mesh, units: np.ndarray) -> Specimens:
-        """Return the bodies that a mesh divides whose lengths are in `units` (LANES,) [um]."""
-        region = [regions(specimen, mesh, unit) for specimen, unit in zip(specimens, units, strict=True)]
-        return cls(specimens, np.stack([laws_of(s) for s in specimens], axis=1), np.stack(region, axis=1))
-
-    @property
-    def elements(self) -> int:
-        """Number of Voigt elements."""
-        return len(range(VOIGT, self.coefficients.shape[2], 3))
-
-    def laws(self, depth: np.ndarray) -> np.ndarray:
-        """Return `law_rows` at a `depth` (LANES,) [nm]: of the body, or of each element (1 or m, rows, LANES)."""
-        return self._spread(np.stack([law_rows(row) for row in self._resisted(depth)]))
-
-    def weights(self, depth: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return `weight_rows` likewise, of `steps` (LANES,) [s]."""
-        return self._spread(np.stack([weight_rows(row, steps) for row in self._resisted(depth)]))
-
-    def _resisted(self, depth: np.ndarray) -> np.ndarray:
-        if not any(specimen.size_length for specimen in self.specimens):
-            return self.coefficients
-        resistance = [specimen.resistance(d) for specimen, d in zip(self.specimens, depth, strict=True)]
-        rows = [resisted(self.coefficients[:, lane], factor) for lane, factor in enumerate(resistance)]
-        return np.stack(rows, axis=1)
-
-    def _spread(self, rows: np.ndarray) -> np.ndarray:
-        return rows if len(rows) == 1 else np.take_along_axis(rows, self.region[:, None, :], axis=0)
 
 
 def sampled(case: Case, times: np.ndarray, depths: np.ndarray) -> np.ndarray:
