@@ -6,17 +6,9 @@ import numpy as np
 import pytest
 
 from palpate.model import sensitivities, simulate, specification_from
+from palpate.verification.materials import BURGERS as EPOXY
 
-BURGERS = {
-    "model": "nonlinear_burgers",
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
+BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SIX = list(BURGERS)[1:7]
 
 

@@ -11,17 +11,12 @@ from palpate.indenters import Indenter
 from palpate.model import simulate
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
+from palpate.verification.materials import BURGERS as EPOXY
 
 SOLID = LinearBurgers(1.1, 0.02, ((0.24, 0.5), (0.1, 20.0)))
 LOADS = np.array([1e-3, 0.1, 4.0])
 BURGERS = {
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
+    **EPOXY,
     "transient_coefficient_2": 0.1,
     "transient_exponent_2": 0.3,
     "retardation_time_2": 20.0,

@@ -19,17 +19,9 @@ from palpate.protocol import trapezoid
 from palpate.specification import Specification
 from palpate.specimen import Specimen
 from palpate.variation import acting
+from palpate.verification.materials import BURGERS as EPOXY
 
-BURGERS = {
-    "model": "nonlinear_burgers",
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
+BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 TEST = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0, "points": 20}
 CONE = {"shape": "cone", "half_angle": 70.3}
 

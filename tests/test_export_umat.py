@@ -11,17 +11,10 @@ import pytest
 from palpate.export.abaqus import SUBROUTINE, user_constants
 from palpate.materials import LAWS
 from palpate.materials.radial import commit, history, invariant, solve_radial, state_size, step_weights
+from palpate.verification.materials import BURGERS as EPOXY
 
 pytestmark = pytest.mark.skipif(not shutil.which("gfortran"), reason="gfortran is not installed")
-ONE = {
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
+ONE = EPOXY
 TWO = ONE | {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 20.0}
 NONE = ONE | {"transient_coefficient": 0.0, "steady_exponent": 1.5, "steady_coefficient": 5.0}
 LAW = LAWS["nonlinear_burgers"]

@@ -13,17 +13,9 @@ from palpate.materials import LAWS
 from palpate.materials.radial import step_weights
 from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen
+from palpate.verification.materials import BURGERS
 
 CONE = Indenter("cone", 70.3)
-BURGERS = {
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
 STANDARD = RESOLUTIONS["standard"]
 
 

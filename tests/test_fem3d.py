@@ -26,15 +26,8 @@ from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen
 from palpate.verification.calculix_pyramid import depth_at_one
 from palpate.verification.contact_area import contact_area
+from palpate.verification.materials import BURGERS, HOOKE
 
-HOOKE = {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
-BURGERS = HOOKE | {
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.2,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
 COARSE = Resolution(growth=1.2, sectors=6)
 PYRAMID, CONE = Indenter("berkovich", face_angle=65.27), Indenter("cone", 70.3)
 FACE = tip_of(PYRAMID)

@@ -18,24 +18,13 @@ from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen
 from palpate.verification.calculix_pyramid import depth_at_one
+from palpate.verification.materials import BURGERS as EPOXY
 
 COARSE = Resolution(growth=1.3, sectors=6, far=300.0)
 COARSER = Resolution(growth=1.35, sectors=3, far=100.0)
 CYCLE = Protocol(np.array([0.0, 10, 20, 30, 40]), np.array([0.0, 0.6, 0.1, 1.0, 0.01]), np.arange(2.0, 41.0, 2.0))
 LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.2, 1.0, 9))
-BURGERS = Specimen(
-    LAWS["nonlinear_burgers"].coefficients(
-        {
-            "youngs_modulus": 3.28,
-            "poisson_ratio": 0.34,
-            "steady_coefficient": 0.09,
-            "steady_exponent": 0.20,
-            "transient_coefficient": 0.24,
-            "transient_exponent": 0.47,
-            "retardation_time": 0.25,
-        }
-    )
-)
+BURGERS = Specimen(LAWS["nonlinear_burgers"].coefficients(EPOXY))
 
 
 def elastic(ratio):

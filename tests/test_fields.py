@@ -11,16 +11,11 @@ from palpate.fem.fields import Fields, cauchy_stress, displacement_gradient, von
 from palpate.fem.newton import State
 from palpate.figures.fields import nodal
 from palpate.model import simulate, specification_from, states_at
+from palpate.verification.materials import BURGERS as EPOXY
 
 BURGERS = {
     "model": "burgers_plasticity",
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.2,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
+    **EPOXY,
     "yield_stress": 0.15,
     "hardening": 0.3,
 }

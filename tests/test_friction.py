@@ -15,18 +15,9 @@ from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen
+from palpate.verification.materials import BURGERS as EPOXY
 
-BURGERS = LAWS["nonlinear_burgers"].coefficients(
-    {
-        "youngs_modulus": 3.28,
-        "poisson_ratio": 0.34,
-        "steady_coefficient": 0.09,
-        "steady_exponent": 0.20,
-        "transient_coefficient": 0.24,
-        "transient_exponent": 0.47,
-        "retardation_time": 0.25,
-    }
-)
+BURGERS = LAWS["nonlinear_burgers"].coefficients(EPOXY)
 METAL = LAWS["bilinear_plasticity"].coefficients(
     {"youngs_modulus": 70.0, "poisson_ratio": 0.345, "yield_stress": 0.1, "hardening": 0.5}
 )

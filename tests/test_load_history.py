@@ -6,17 +6,9 @@ import pytest
 from palpate.errors import InputError
 from palpate.load_history import constant_strain_rate, cycles, protocol_from
 from palpate.model import simulate, specification_from
+from palpate.verification.materials import BURGERS as EPOXY
 
-CREEP = {
-    "model": "nonlinear_burgers",
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.2,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
+CREEP = {"model": "nonlinear_burgers", **EPOXY}
 CONE = {"shape": "cone", "half_angle": 70.3}
 
 

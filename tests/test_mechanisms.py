@@ -8,18 +8,10 @@ import pytest
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate, specification_from
+from palpate.verification.materials import BURGERS as EPOXY
 
 BASE = {
-    "material": {
-        "model": "nonlinear_burgers",
-        "youngs_modulus": 3.28,
-        "poisson_ratio": 0.34,
-        "steady_coefficient": 0.09,
-        "steady_exponent": 0.2,
-        "transient_coefficient": 0.24,
-        "transient_exponent": 0.47,
-        "retardation_time": 0.25,
-    },
+    "material": {"model": "nonlinear_burgers", **EPOXY},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
 }

@@ -7,16 +7,8 @@ from scipy.integrate import solve_ivp
 from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.materials.radial import commit, history, invariant, solve_radial, state_size, step_weights
+from palpate.verification.materials import BURGERS
 
-BURGERS = {
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
 PLASTIC = {"youngs_modulus": 70.0, "poisson_ratio": 0.345, "yield_stress": 0.1, "hardening": 0.5}
 LAW_CASES = [
     ("elastic", {"youngs_modulus": 3.0, "poisson_ratio": 0.3}),

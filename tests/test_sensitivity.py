@@ -13,17 +13,9 @@ from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
 from palpate.model import sensitivities, simulate, specification_from
 from palpate.variation import acting
+from palpate.verification.materials import BURGERS as EPOXY
 
-BURGERS = {
-    "model": "nonlinear_burgers",
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.2,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
+BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SECOND = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 10.0}
 ALUMINIUM = {
     "model": "bilinear_plasticity",
