@@ -51,7 +51,7 @@ def strength(
     problem = load_problem(study, observed, base_files, effect_files)
     keys = list(candidates(study))
     fit = Search(study, problem, keys, np.random.default_rng(0)).base()
-    signatures = fit.whiten(np.column_stack([_effect(study, problem, case, key) for key in case.mechanisms]))
+    signatures = fit.whiten(_effects(study, problem, case))
     sizes = []
     for k, white in enumerate(signatures.T):
         others = np.linalg.qr(np.column_stack([fit.tangent_space, np.delete(signatures, k, axis=1)]))[0]
@@ -60,16 +60,18 @@ def strength(
     return min(sizes) / float(limit)
 
 
-def _effect(study: Study, problem: Problem, case: Case, key: str) -> np.ndarray:
-    """Return what one mechanism of a case adds to the depth of all conditions (n_all,) [nm]."""
-    without = replace(case, mechanisms={name: values for name, values in case.mechanisms.items() if name != key})
+def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
+    """Return what each mechanism of a case adds to the depth of all conditions (n_all, mechanisms) [nm]."""
+    bodily = [key for key in case.mechanisms if not MECHANISMS[key].varies]
+    without = [replace(case, mechanisms={k: v for k, v in case.mechanisms.items() if k != key}) for key in bodily]
     parts = []
     for condition in problem.conditions:
-        if MECHANISMS[key].varies:
-            parts.append(problem.recorded_effect(key, condition, case.mechanisms[key]))
-        else:
-            whole, rest = body_depths(study, [case, without], condition, study.accuracy)
-            parts.append(whole - rest)
+        depths = body_depths(study, [case, *without], condition, study.accuracy) if bodily else []
+        added = {key: depths[0] - depth for key, depth in zip(bodily, depths[1:], strict=True)}
+        for key in case.mechanisms:
+            if key not in added:
+                added[key] = problem.recorded_effect(key, condition, case.mechanisms[key])
+        parts.append(np.column_stack([added[key] for key in case.mechanisms]))
     return np.concatenate(parts)
 
 

@@ -18,7 +18,7 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.design import Pair, candidates, pairs, refinement, thinned
 from palpate.diagnosis.ripple import without_ripple
 from palpate.errors import PalpateError
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import Mechanism
 from palpate.surrogate import PODRBF
 
 
@@ -109,17 +109,18 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     def curve(snapshot: snapshots.Snapshot) -> np.ndarray:
         return np.asarray(snapshots.read(Path(folder) / f"{snapshot.address}.npz")["depth"])
 
-    def derived(pair: Pair, plain: np.ndarray) -> np.ndarray:
-        (key, values), protocol = *pair.acting.specification.mechanisms.items(), pair.plain.specification.protocol
-        return MECHANISMS[key].on_curve(protocol.sample_time, protocol.sample_load, plain, values)
+    def rest(pair: Pair, mechanism: Mechanism) -> np.ndarray:
+        protocol, values = pair.plain.specification.protocol, pair.acting.specification.mechanisms[mechanism.key]
+        derived = mechanism.on_curve(protocol.sample_time, protocol.sample_load, curve(pair.plain), values)
+        return curve(pair.acting) - derived
 
     fitted = {}
-    for key in candidates(study):
+    for key, mechanism in candidates(study).items():
         found = pairs(study, condition, key)
         if not found:
             continue
         points = np.array([[*(p.cell[name] for name in study.free_parameters), *p.coordinates] for p in found])
-        difference = np.array([curve(pair.acting) - derived(pair, curve(pair.plain)) for pair in found])
+        difference = np.array([rest(pair, mechanism) for pair in found])
         good = np.isfinite(difference).all(axis=1)
         if good.sum() < max(3 * points.shape[1], len(good) // 2):
             raise PalpateError(

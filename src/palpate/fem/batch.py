@@ -135,16 +135,16 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     band = np.empty((body.size * body.width + 1, LANES))
     alive, spent = np.ones(LANES, dtype=bool), np.zeros(LANES, dtype=np.int64)
     depths = np.full((LANES, times.shape[1]), np.nan)
-    laws, weights = bodies.laws(depth), bodies.weights(depth, steps[:, 0])
+    laws, weights = bodies.at(depth, steps[:, 0])
     for k in range(times.shape[1]):
         free = k > (len(GRADED_START) + 1 if lanes[0].large else 0) and not corners[k - 1]
         carried = steps[:, k] / steps[:, k - 1] if free else np.zeros(LANES)
         before, shallower = displacement, depth
         displacement, depth = displacement + carried * change, depth + carried * deepening
         midway = 0.5e3 * units * (shallower + depth)
-        following = bodies.weights(midway, steps[:, k])
+        resisting, following = bodies.at(midway, steps[:, k])
         turn(points, laws, weights, following)
-        laws, weights = bodies.laws(midway), following
+        laws, weights = resisting, following
         touching, living = touch.touching.copy(), alive.copy()
         arguments = lanes[0].large, body, points, touch, laws, weights, loads[:, k].copy(), scale
         advance(*arguments, displacement, depth, band, alive, spent)

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem.batch_banded import PANEL
-from palpate.fem.batch_law import NOTHING, VOLUMETRIC, solve_radial
+from palpate.fem.batch_law import NOTHING, VOLUMETRIC, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, load, root, splat, store, where_less
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -94,7 +94,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     forces[:] = 0.0
     u, f = np.empty((8, LANES)), np.empty((8, LANES))
     for e in range(body.unknowns.shape[0]):
-        region = e if len(laws) > 1 else 0
+        region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
         dilatation = body.dilatation[e]
         theta = splat(0.0)
@@ -153,7 +153,7 @@ def stiffness(body, points, laws, band):
     v, w = np.empty((8, 4, LANES)), np.empty((8, 4, LANES))
     secant = np.empty((4, LANES))
     for e in range(body.unknowns.shape[0]):
-        bulk = load(laws[e if len(laws) > 1 else 0], VOLUMETRIC)
+        bulk = load(laws[region_of(e, laws)], VOLUMETRIC)
         for g in range(4):
             gradients, p = body.gradients[e, g], 4 * e + g
             ratio = load(points.secant, p)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.fem.batch_law import NOTHING, UNKNOWN, VOLUMETRIC, solve_radial
+from palpate.fem.batch_law import NOTHING, UNKNOWN, VOLUMETRIC, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
 
 # What `stretch` writes of a Gauss point: displacement gradient with 1, m, h, c, and alpha and beta with derivatives.
@@ -91,7 +91,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     forces[:] = 0.0
     u, f, parts = np.empty((8, LANES)), np.empty((8, LANES)), np.empty((4, PARTS, LANES))
     for e in range(body.unknowns.shape[0]):
-        region = e if len(laws) > 1 else 0
+        region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
@@ -221,7 +221,7 @@ def stiffness(body, points, laws, displacement, geometric, band):
     b, ke = np.empty((32, LANES)), np.empty((36, LANES))
     kept = load(geometric, 0)
     for e in range(body.unknowns.shape[0]):
-        bulk = load(laws[e if len(laws) > 1 else 0], VOLUMETRIC)
+        bulk = load(laws[region_of(e, laws)], VOLUMETRIC)
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))

@@ -121,6 +121,12 @@ def compliance(log_q, law, weights):
 
 
 @njit(cache=True, inline="always")
+def region_of(element, laws):
+    """Return which of the `laws` (1 or m, rows, LANES) an element takes: the only one, or its own."""
+    return element if len(laws) > 1 else 0
+
+
+@njit(cache=True, inline="always")
 def threshold(law, alpha):
     """Return the q at which plastic flow begins after a plastic strain `alpha`."""
     return load(law, YIELDING) + (1.5 / ROOT3) * alpha / load(law, HARDENED)
@@ -185,7 +191,7 @@ def turn(points, laws, done, following):
     """
     elements = (done.shape[1] - 1) // 4
     for p in range(points.rho.shape[0]):
-        region = p // 4 if len(laws) > 1 else 0
+        region = region_of(p // 4, laws)
         law, before, after = laws[region], done[region], following[region]
         rho, log_q, alpha = load(points.rho, p), load(points.log_q, p), load(points.alpha, p)
         q = rho * load(points.secant, p)

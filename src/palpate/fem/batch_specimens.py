@@ -43,13 +43,14 @@ class Specimens:
         """Number of Voigt elements."""
         return len(range(VOIGT, self.coefficients.shape[2], 3))
 
-    def laws(self, depth: np.ndarray) -> np.ndarray:
-        """Return `law_rows` at a `depth` (LANES,) [nm]: of the body, or of each element (1 or m, rows, LANES)."""
-        return self._spread(np.stack([law_rows(row) for row in self._resisted(depth)]))
+    def at(self, depth: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return `law_rows` and `weight_rows` of `steps` (LANES,) [s] at a `depth` (LANES,) [nm].
 
-    def weights(self, depth: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return `weight_rows` likewise, of `steps` (LANES,) [s]."""
-        return self._spread(np.stack([weight_rows(row, steps) for row in self._resisted(depth)]))
+        Each of the body, or of each element: (1 or m, rows, LANES).
+        """
+        resisting = self._resisted(depth)
+        laws, weights = [law_rows(row) for row in resisting], [weight_rows(row, steps) for row in resisting]
+        return self._spread(np.stack(laws)), self._spread(np.stack(weights))
 
     def _resisted(self, depth: np.ndarray) -> np.ndarray:
         if not any(specimen.size_length for specimen in self.specimens):
