@@ -7,6 +7,7 @@ kept, a third of the points in time is enough.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from palpate.snapshots import Batch, Snapshot, divided
 
 THINNING = 3
 SMALL_LOAD = 0.2
+QUARTERS = (0.25, 0.75)
 MOST_COORDINATES = 3
 
 
@@ -168,6 +170,23 @@ def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
     return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
 
 
+def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.ndarray, Snapshot, Snapshot]]:
+    """Return the same with a mechanism acting, at the quarters (k,) of its search ranges; none where it adds no error."""
+    mechanism, scale = MECHANISMS[key], scale_of(study)
+    if not mechanism.mesh_dependent:
+        return []
+    made = []
+    for quarters in itertools.product(QUARTERS, repeat=mechanism_dimensions(mechanism, scale)):
+        coordinates = np.array(quarters)
+        acting = {key: amplitudes(mechanism, scale, coordinates)}
+        usual, fine = (
+            replace(plain, specification=replace(plain.specification, mechanisms=acting))
+            for plain in refinement(study, condition)
+        )
+        made.append((coordinates, usual, fine))
+    return made
+
+
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
     """Divide the simulations that a diagnosis needs into jobs, by condition."""
     batches, keys = [], list(candidates(study))
@@ -178,6 +197,8 @@ def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
         for key in keys:
             for pair in pairs(study, condition, key):
                 members |= {pair.plain.address: pair.plain, pair.acting.address: pair.acting}
+            for _, usual, fine in refinements(study, condition, key):
+                members |= {usual.address: usual, fine.address: fine}
         folder = results / study.name / "effects" / condition.name
         batches += divided(f"effects_{condition.name}", list(members.values()), folder, study.cells_per_job)
     return batches

@@ -84,10 +84,19 @@ class Problem:
         """Whether every condition was tested more than once."""
         return all(len(self.observed[condition.name].depth) > 1 for condition in self.conditions)
 
-    def to_fine_mesh(self, condition: Condition, depth: np.ndarray) -> np.ndarray:
-        """Return a simulated curve as the fine mesh would give it; by the mean factor where there is none."""
-        known = self.refinement.get(condition.name)
-        return depth * (known if known is not None else float(np.mean([f.mean() for f in self.refinement.values()])))
+    def mesh_factor(self, condition: Condition, own: Mapping[str, np.ndarray]) -> np.ndarray | float:
+        """Return what takes the depth of a condition to the fine mesh (..., n_points).
+
+        Parameters
+        ----------
+        own
+            Coordinates (..., k) of each mechanism that acts. A condition that took no part gets the mean factor.
+        """
+        if condition.name not in self.refinement:
+            return float(np.mean([self.mesh_factor(c, own).mean() for c in self.conditions]))
+        learnt = self.effects[condition.name]
+        shares = [learnt[key].mesh_share(x) for key, x in own.items() if key in learnt]
+        return self.refinement[condition.name] * (1.0 + sum(shares))
 
     def split(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """Return the part of `values` (n_all, ...) that belongs to each condition."""
@@ -171,10 +180,11 @@ class Problem:
         material, whole = self.space.physical(u), []
         derived = [key for key in own if MECHANISMS[key].can_be_derived]
         for condition in self.conditions:
-            curve = self.base[condition.name].evaluate(material) * self.refinement[condition.name]
+            curve = self.base[condition.name].evaluate(material)
             for key in [key for key in own if MECHANISMS[key].needs_learning]:
                 points = np.column_stack([material[:, self.space.free], own[key]])
                 curve = curve + self.effects[condition.name][key].predict(points)
+            curve = curve * self.mesh_factor(condition, own)
             for key in sorted(derived, key=lambda key: MECHANISMS[key].shortcut is None):
                 curve = self._derived(key, condition, curve, own[key])
             whole.append(curve)

@@ -50,7 +50,7 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
     outcome = simulate_smoothly(specification_at(study, condition, fit, z))
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    return fit.problem.to_fine_mesh(condition, outcome.depth)
+    return outcome.depth * fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:

@@ -100,6 +100,9 @@ class Mechanism:
     solver_scatter
         Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
         differs from `fine`, for some materials and amplitudes.
+    mesh_dependent
+        Whether it adds an error of the mesh to that of the base model, which must be learnt before `solver_scatter`
+        describes the rest.
     shortcut
         What it makes of a known depth curve, nearly, with the arguments of `record`; only the rest must be learnt.
     """
@@ -115,6 +118,7 @@ class Mechanism:
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
+    mesh_dependent: bool = False
     shortcut: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] | None = None
 
     @property

@@ -41,5 +41,6 @@ MECHANISM = Mechanism(
     },
     simulate=simulate,
     from_search=from_search,
-    solver_scatter=0.1,
+    solver_scatter=0.01,
+    mesh_dependent=True,
 )

@@ -47,7 +47,7 @@ MECHANISM = Mechanism(
     lambda s: {
         "compliance": Range(0.0, 0.5 / s.modulus),
         "exponent": Range(0.0, 0.6),
-        "retardation_time": Range(0.02 * s.duration, s.duration, log=True),
+        "retardation_time": Range(0.1 * s.loading_time, s.duration, log=True),
     },
     simulate=simulate,
     from_search=from_search,
