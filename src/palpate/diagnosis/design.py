@@ -171,7 +171,7 @@ def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
 
 
 def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.ndarray, Snapshot, Snapshot]]:
-    """Return the same with a mechanism acting, at the quarters (k,) of its search ranges; none where it adds no error."""
+    """Return the same with a mechanism that adds an error of the mesh, at the quarters (k,) of its search ranges."""
     mechanism, scale = MECHANISMS[key], scale_of(study)
     if not mechanism.mesh_dependent:
         return []
