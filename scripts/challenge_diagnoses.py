@@ -13,7 +13,7 @@ def main(snakemake):
     base = dict(zip(names, snakemake.input.surrogates, strict=True))
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
-        for folder in sorted(Path(snakemake.input.recordings).glob("case_*")):
+        for folder in map(Path, snakemake.input.recordings):
             begin = time.process_time()
             print(folder.name, file=log)
             content, _ = diagnose_case(study, folder, base, effects, lambda line: print(line, file=log))

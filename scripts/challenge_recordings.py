@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
-from palpate.challenge.cases import divided, draw
+from palpate.challenge.cases import draw
 from palpate.challenge.laboratory import write
 from palpate.config import load_study
 
 
 def main(snakemake):
     study = load_study(snakemake.params.study)
-    write(study, divided(draw(study))[snakemake.wildcards.group], Path(snakemake.output[0]))
+    folders = [Path(folder) for folder in snakemake.output]
+    names = {folder.name for folder in folders}
+    write(study, [case for case in draw(study) if case.name in names], folders[0].parent)
 
 
 if "snakemake" in globals():

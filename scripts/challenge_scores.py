@@ -15,9 +15,9 @@ def main(snakemake):
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
     rows = []
-    for diagnosis in sorted(Path(snakemake.input.diagnoses).glob("*.json")):
-        case = Case(**next(truth for truth in truths if truth["name"] == diagnosis.stem))
-        folder = Path(snakemake.input.recordings) / diagnosis.stem
+    for folder in map(Path, snakemake.input.recordings):
+        case = Case(**next(truth for truth in truths if truth["name"] == folder.name))
+        diagnosis = Path(snakemake.input.diagnoses) / f"{folder.name}.json"
         rows.append(score_case(study, case, diagnosis, folder, base, effects))
     write_json(snakemake.output[0], rows)
 

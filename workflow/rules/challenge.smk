@@ -1,9 +1,15 @@
 # The blind trial: the truth is sealed first, the diagnosis never reads it, and the score opens it last.
 from palpate.challenge.cases import divided, draw
 
-GROUPS = divided(draw(STUDY)) if "challenge" in config else {}
 TRIAL = f"{FOLDER}/trial"
 TRIAL_CODE = fingerprint(*PHYSICS, "challenge")
+CASES = draw(STUDY) if "challenge" in config else []
+WRITTEN = divided(CASES, 48)  # many simulations together share SIMD lanes
+GROUPS = divided(CASES, 8)
+
+
+def recordings_of(cases):
+    return [f"{TRIAL}/recordings/{case.name}" for case in cases]
 
 
 rule challenge:
@@ -27,25 +33,31 @@ rule sealed_truth:
         "../../scripts/challenge_seal.py"
 
 
-rule trial_recordings:
-    output:
-        directory(f"{TRIAL}/recordings/{{group}}"),
-    log:
-        f"{FOLDER}/logs/trial/{{group}}_recordings.log",
-    conda:
-        "../../envs/palpate.yaml"
-    params:
-        study=STUDY_FILE,
-        settings=STUDY.challenge,
-        code=TRIAL_CODE,
-    script:
-        "../../scripts/challenge_recordings.py"
+for group, cases in WRITTEN.items():
+
+    rule:
+        name:
+            f"trial_recordings_{group}"
+        output:
+            [directory(folder) for folder in recordings_of(cases)],
+        log:
+            f"{FOLDER}/logs/trial/{group}_recordings.log",
+        conda:
+            "../../envs/palpate.yaml"
+        params:
+            study=STUDY_FILE,
+            settings=STUDY.challenge,
+            code=TRIAL_CODE,
+        message:
+            f"{len(cases)} sets of recordings, {group} of {len(WRITTEN)}"
+        script:
+            "../../scripts/challenge_recordings.py"
 
 
 rule trial_diagnoses:
     input:
         checksum=f"{TRIAL}/checksum.txt",
-        recordings=f"{TRIAL}/recordings/{{group}}",
+        recordings=lambda wildcards: recordings_of(GROUPS[wildcards.group]),
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
@@ -67,7 +79,7 @@ rule trial_scores:
     input:
         truth=f"{TRIAL}/sealed.json",
         diagnoses=f"{TRIAL}/diagnoses/{{group}}",
-        recordings=f"{TRIAL}/recordings/{{group}}",
+        recordings=lambda wildcards: recordings_of(GROUPS[wildcards.group]),
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:

@@ -17,7 +17,6 @@ from palpate.config import Study
 from palpate.mechanisms import MECHANISMS
 
 INNER = 0.1
-TOGETHER = 8
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
@@ -111,11 +110,11 @@ def draw(study: Study) -> list[Case]:
     return [Case(f"case_{number:03d}", *drawn[k]) for number, k in enumerate(order)]
 
 
-def divided(cases: list[Case]) -> dict[str, list[Case]]:
+def divided(cases: list[Case], together: int) -> dict[str, list[Case]]:
     """Divide the cases among jobs."""
     return {
-        f"group_{number:02d}": cases[first : first + TOGETHER]
-        for number, first in enumerate(range(0, len(cases), TOGETHER))
+        f"group_{number:02d}": cases[first : first + together]
+        for number, first in enumerate(range(0, len(cases), together))
     }
 
 
