@@ -89,12 +89,16 @@ def p_value(task, rng):
     return examine(fitted(task), RECORD_ONLY, rng, 400, 0.01)
 
 
+def learnt(predict, share=0.0):
+    return SimpleNamespace(predict=predict, mesh_share=lambda x: share * x[..., :1])
+
+
 def test_what_can_be_derived_is_made_of_the_sum_of_what_was_learnt():
     """A delay acts on the curve of a tip that is rounded, too: nothing of the two is left to the forward model."""
     task = problem(recordings(np.random.default_rng(1)))
     grown = {c.name: np.linspace(30.0, 10.0, 60) for c in CONDITIONS}
-    rounding = {name: SimpleNamespace(predict=lambda points, g=g: points[:, -1:] * g) for name, g in grown.items()}
-    rest = SimpleNamespace(predict=lambda points: np.zeros((len(points), 60)))
+    rounding = {name: learnt(lambda points, g=g: points[:, -1:] * g) for name, g in grown.items()}
+    rest = learnt(lambda points: np.zeros((len(points), 60)))
     task = replace(task, effects={name: {"tip_rounding": rounding[name], "controller_lag": rest} for name in grown})
     z = np.array([[0.5, 0.5, 0.7, 0.4]])
     curves = task.split(task.curves(("tip_rounding", "controller_lag"), z)[0])
@@ -104,6 +108,19 @@ def test_what_can_be_derived_is_made_of_the_sum_of_what_was_learnt():
         rounded = ClosedForm(condition).predict(task.space.physical(z[:, :2]))[0] + 0.7 * grown[condition.name]
         delayed = np.sqrt(np.interp(time - lag, np.append(0.0, time), np.append(0.0, rounded) ** 2))
         assert curves[condition.name] == pytest.approx(delayed)
+
+
+def test_the_fine_mesh_adds_its_share_where_a_mechanism_acts():
+    task = problem(recordings(np.random.default_rng(1)))
+    fewer = learnt(lambda points: np.zeros((len(points), 60)), share=-0.002)
+    task = replace(task, effects={c.name: {"tip_rounding": fewer} for c in CONDITIONS})
+    z = np.array([[0.5, 0.5, 0.7]])
+    with_share, without = (task.curves(key, z[:, :n])[0] for key, n in ((("tip_rounding",), 3), ((), 2)))
+    assert with_share == pytest.approx((1.0 - 0.0014) * without)
+    elsewhere = replace(CONDITIONS[0], name="not learnt")
+    for condition in (CONDITIONS[0], elsewhere):
+        factor = task.mesh_factor(condition, task.parts(("tip_rounding",), z[0])[1])
+        assert factor == pytest.approx(1.0 - 0.0014)
 
 
 def test_effects_are_learnt_at_small_loads_in_full():

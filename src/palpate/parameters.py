@@ -41,13 +41,16 @@ class Parameter:
         """Return `value` as a float, or raise `InputError` naming the parameter and its range."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(
-                f"{self.name} is {value!r}, expected a number", remedy=f"give a number in {self.unit}", place=self.name
+                f"{self.name} is {value!r}, expected a number",
+                remedy="give a number" + ("" if self.unit == "-" else f" in {self.unit}"),
+                place=self.name,
             )
         number = float(value)
         if not math.isfinite(number) or not self.lower <= number <= self.upper:
+            given = f"{number:g}" if self.unit == "-" else f"{number:g} {self.unit}"
             raise InputError(
-                f"{self.name} = {number:g} {self.unit} is outside its range {self.lower:g} to {self.upper:g}",
-                remedy="correct the value or its unit",
+                f"{self.name} = {given} is outside its range {self.lower:g} to {self.upper:g}",
+                remedy="correct the value" + ("" if self.unit == "-" else " or its unit"),
                 place=self.name,
             )
         return number
