@@ -93,7 +93,7 @@ class Problem:
             Coordinates (..., k) of each mechanism that acts. A condition that took no part gets the mean factor.
         """
         if condition.name not in self.refinement:
-            return float(np.mean([self.mesh_factor(c, own).mean() for c in self.conditions]))
+            return float(np.mean([np.mean(self.mesh_factor(c, own)) for c in self.conditions]))
         learnt = self.effects[condition.name]
         shares = [learnt[key].mesh_share(x) for key, x in own.items() if key in learnt]
         return self.refinement[condition.name] * (1.0 + sum(shares))
