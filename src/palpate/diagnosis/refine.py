@@ -1,11 +1,12 @@
 """The forward model has the last word: an explanation is simulated, and refitted with the surrogates moved onto it.
 
 The difference between simulated and surrogates' curves at the best point is added to the surrogates, and the fit
-repeated, until chi-square settles or stays hopeless (output space mapping; Bandler et al., IEEE Trans. Microw. Theory
-Tech. 52 (2004) 337-361). The surrogates' slopes are corrected by secants. The solver's own derivatives ripple from node
-to node of the contact by some per cent, which would make coordinates that the data hardly tell apart look independent.
-Its curves ripple too, by a thousandth, and the surrogates with them; the mean over two meshes takes their place here.
-A step that makes it worse is tried again within a third of its length (Bakr et al., same Trans. 46 (1998) 2412-2425).
+repeated, until chi-square settles, or promises little of the way to what noise leaves (output space mapping; Bandler
+et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361). The surrogates' slopes are corrected by secants. The
+solver's own derivatives ripple from node to node of the contact by some per cent, which would make coordinates that
+the data hardly tell apart look independent. Its curves ripple too, by a thousandth, and the surrogates with them; the
+mean over two meshes takes their place here. A step that makes it worse is tried again within a third of its length
+(Bakr et al., same Trans. 46 (1998) 2412-2425).
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ from palpate.specification import Specification
 ROUNDS = 8
 RADIUS = 0.3
 SETTLED = 0.5
-HOPELESS, ABSURD = 3.0, 30.0  # chi-square of a point: far more than noise; more than any error of a surrogate
+INADEQUATE = 1.5  # chi-square of a point that noise does not leave
+HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a surrogate
+TOO_SLOW = 0.1  # of the way to an adequate fit, what a round must promise
 MARGIN = 1e-3
 
 
@@ -81,8 +84,7 @@ def refine(study: Study, fit: Fit, least: float = -np.inf) -> Fit:
         return best
     for _ in range(ROUNDS):
         proposed = solve(fit.problem, fit.explanation, best.errors, [best.z], best.correction, radius, best.laws)
-        settled = best.misfit - proposed.misfit < SETTLED * max(1.0, best.misfit / len(fit.residual))
-        if settled or proposed.log_evidence < least:
+        if best.misfit - proposed.misfit < _little(best) or proposed.log_evidence < least:
             return proposed
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
         try:
@@ -97,6 +99,12 @@ def refine(study: Study, fit: Fit, least: float = -np.inf) -> Fit:
             radius = float(np.abs(z - best.z).max()) / 3.0
             best = replace(best, correction=replace(best.correction, slope=tried.correction.slope))
     return best
+
+
+def _little(fit: Fit) -> float:
+    """Return the reduction of a fit's chi-square for which no further round is worth its simulations."""
+    points = len(fit.residual)
+    return max(SETTLED, SETTLED * fit.misfit / points, TOO_SLOW * (fit.misfit - INADEQUATE * points))
 
 
 def missed_by_surrogates(study: Study, fit: Fit, z: np.ndarray) -> np.ndarray:
