@@ -12,7 +12,7 @@ from palpate.config import load_study
 from palpate.diagnosis.design import amplitudes, middle, plan, refinements, scale_of
 from palpate.diagnosis.effects import fit_effects, linear
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate, simulate_smoothly
+from palpate.model import simulate, smooth
 
 STUDY = {
     "study": "meshes",
@@ -64,7 +64,7 @@ def test_yielding_comes_out_as_on_the_fine_mesh(study, tmp_path):
     acting = {"plastic_yield": amplitudes(MECHANISMS["plastic_yield"], scale_of(study), x)}
     cell = middle(study) | {"youngs_modulus": 3.7}
     usual, fine = (replace(study.specification(cell, condition, a), mechanisms=acting) for a in ("standard", "fine"))
-    true, rough = simulate(fine).depth, effects.refinement * simulate_smoothly(usual).depth
+    true, rough = simulate(replace(fine, meshes=2)).depth, effects.refinement * simulate(smooth(usual)).depth
     corrected = rough * (1.0 + effects.mechanisms["plastic_yield"].mesh_share(x))
     deep = true > 0.3 * true.max()
     off, before = (np.sqrt(np.mean((depth / true - 1.0)[deep] ** 2)) for depth in (corrected, rough))

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, fitted, problem, recordings
+from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.fit import Correction, solve
 from palpate.diagnosis.posterior import posterior_draws
-from palpate.diagnosis.ripple import EDGE, without_ripple
 
 TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
 
@@ -41,14 +40,3 @@ def test_a_secant_correction_keeps_what_both_points_say():
     second = first.moved(at, shift)
     assert second(at[None])[0] == pytest.approx(shift)
     assert second(first.at[None])[0] == pytest.approx(first.shift)
-
-
-def test_ripple_is_removed_and_what_is_smooth_stays():
-    protocol = CONDITIONS[1].protocol
-    depth = 500.0 * np.sqrt(protocol.sample_load + 0.2)
-    smooth = depth * (0.01 + 1e-4 * protocol.sample_time)
-    ripple = 0.001 * depth * (-1.0) ** np.arange(len(depth))
-    assert without_ripple(protocol, smooth, depth) == pytest.approx(smooth, rel=1e-6)
-    left = without_ripple(protocol, smooth + ripple, depth) - smooth
-    inner = slice(EDGE, len(depth) // 4)
-    assert np.abs(left[inner]).mean() < 0.3 * np.abs(ripple[inner]).mean()

@@ -19,12 +19,14 @@ from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.fem.indent import contact_range, mean_pressure
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.model import smooth
 from palpate.protocol import Protocol
 from palpate.snapshots import Batch, Snapshot, divided
 
 THINNING = 3
 SMALL_LOAD = 0.2
 QUARTERS = (0.25, 0.75)
+FINE_MESHES = 2
 MOST_COORDINATES = 3
 
 
@@ -163,10 +165,11 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
 def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
     """Return the study's middle material under one condition, as the snapshots are simulated and at `accuracy: fine`.
 
-    Their ratio is the error of the mesh, which hardly depends on the material.
+    Their ratio is the error of the mesh, which hardly depends on the material. Both are free of ripple.
     """
     cell = middle(study)
-    usual, fine = (study.specification(cell, condition, accuracy) for accuracy in (study.accuracy, "fine"))
+    usual = smooth(study.specification(cell, condition))
+    fine = replace(study.specification(cell, condition, "fine"), meshes=min(usual.meshes, FINE_MESHES))
     return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from palpate import snapshots
 from palpate.config import Condition, Study
 from palpate.diagnosis.design import Pair, candidates, pairs, refinement, refinements, thinned
-from palpate.diagnosis.ripple import without_ripple
 from palpate.errors import PalpateError
 from palpate.mechanisms import Mechanism
 from palpate.surrogate import PODRBF
@@ -126,7 +125,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
         on_usual, on_fine = curve(usual), curve(fine)
         if not np.isfinite([on_usual, on_fine]).all():
             raise PalpateError(f"the middle material could not be simulated under {condition.name}")
-        return 1.0 + without_ripple(condition.protocol, on_fine - on_usual, on_usual) / on_usual
+        return on_fine / on_usual
 
     usual, fine = refinement(study, condition)
     factor = mesh_factor(usual, fine)

@@ -5,7 +5,7 @@ repeated, until chi-square settles, or promises little of the way to what noise 
 et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361). The surrogates' slopes are corrected by secants. The
 solver's own derivatives ripple from node to node of the contact by some per cent, which would make coordinates that
 the data hardly tell apart look independent. Its curves ripple too, by a thousandth, and the surrogates with them; the
-mean over two meshes takes their place here. A step that makes it worse is tried again within a third of its length
+mean over several meshes takes their place here. A step that makes it worse is tried again within a third of its length
 (Bakr et al., same Trans. 46 (1998) 2412-2425).
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Correction, Fit, solve
 from palpate.errors import PalpateError
-from palpate.model import simulate_smoothly
+from palpate.model import simulate, smooth
 from palpate.specification import Specification
 
 ROUNDS = 8
@@ -50,7 +50,7 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
     PalpateError
         When the solver fails.
     """
-    outcome = simulate_smoothly(specification_at(study, condition, fit, z))
+    outcome = simulate(smooth(specification_at(study, condition, fit, z)))
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
     return outcome.depth * fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])
