@@ -26,7 +26,7 @@ from palpate.snapshots import Batch, Snapshot, divided
 THINNING = 3
 SMALL_LOAD = 0.2
 QUARTERS = (0.25, 0.75)
-FINE_MESHES = 2
+MESHES = 2
 MOST_COORDINATES = 3
 
 
@@ -154,7 +154,7 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     made = []
     for cell, point in zip(cells, points, strict=True):
         coordinates = point[len(free) : len(free) + dimensions]
-        plain = study.specification(cell, short)
+        plain = replace(study.specification(cell, short), meshes=MESHES if mechanism.mesh_dependent else 1)
         acting = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
         made.append(
             Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, acting))
@@ -169,7 +169,7 @@ def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
     """
     cell = middle(study)
     usual = smooth(study.specification(cell, condition))
-    fine = replace(study.specification(cell, condition, "fine"), meshes=min(usual.meshes, FINE_MESHES))
+    fine = replace(study.specification(cell, condition, "fine"), meshes=min(usual.meshes, MESHES))
     return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
 
 
