@@ -41,7 +41,10 @@ from palpate.specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh."""
+    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh.
+
+    A `spare` case is one that can be missed: where the lanes lose it, it is not simulated again.
+    """
 
     specimen: Specimen
     indenter: Indenter
@@ -49,6 +52,7 @@ class Case:
     resolution: Resolution
     large: bool = False
     shift: float = 0.0
+    spare: bool = False
 
     @property
     def suits(self) -> bool:
@@ -89,10 +93,11 @@ class Case:
         return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients), homogeneous
 
 
-def indent_batch(cases: Sequence[Case]) -> list[History]:
+def indent_batch(cases: Sequence[Case]) -> list[History | None]:
     """Simulate several indentations: in SIMD lanes those that suit, by `palpate.fem.indent.indent` all others.
 
-    A lane that finds no equilibrium in one of its steps is simulated again alone, where steps can be halved.
+    A lane that finds no equilibrium in one of its steps is simulated again alone, where steps can be halved, or is None
+    where it is spare.
 
     Raises
     ------
@@ -110,7 +115,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
             if len(chosen) > 1:
                 found = run_lanes([cases[number] for number in chosen])
                 histories |= {number: history for number, history in zip(chosen, found, strict=True) if history}
-    return [histories.get(number) or case.alone() for number, case in enumerate(cases)]
+    return [histories.get(n) or (None if case.spare and case.suits else case.alone()) for n, case in enumerate(cases)]
 
 
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:
