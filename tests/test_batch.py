@@ -281,18 +281,6 @@ def test_the_mean_over_meshes_does_not_ripple(model):
     assert ripple(simulate(smooth(specification))) < 0.1 * once
 
 
-def test_meshes_that_the_lanes_lose_can_be_missed(monkeypatch):
-    """The first and the one half a ring from it are simulated alone; the others are left out of the mean."""
-
-    def losing_all(*arguments):
-        arguments[-2][:] = False
-
-    monkeypatch.setattr(batch, "advance", losing_all)
-    lost, two = (simulate(replace(specification(), meshes=meshes)) for meshes in (8, 2))
-    assert lost.status == "ok"
-    assert lost.depth == pytest.approx(two.depth, rel=1e-12)
-
-
 def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
     def losing_the_second(*arguments):
         advance(*arguments)

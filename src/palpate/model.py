@@ -226,27 +226,25 @@ def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(replace(specification, meshes=1)) for specification in specifications]
     cases = [
-        _case(acting(specification), part / specification.meshes, spare=2 * part % specification.meshes > 0)
+        _case(acting(specification), shift=part / specification.meshes)
         for specification in specifications
         for part in range(specification.meshes)
     ]
     histories = iter(indent_batch(cases))
-    found = [[next(histories) for _ in range(s.meshes)] for s in specifications]
-    return [_simulation(s, [h for h in own if h]) for s, own in zip(specifications, found, strict=True)]
+    return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
 
 
 def smooth(specification: Specification) -> Specification:
     """Return the specification with as many meshes as free the depth of the mesh's ripple at the least cost.
 
     On one mesh the depth ripples by about a thousandth at ``accuracy: standard``. All lanes of one run cost little more
-    than one; what cannot run in lanes gets two meshes, in whose mean the first harmonic cancels, and so does what the
-    lanes lose.
+    than one; what cannot run in lanes gets two meshes, in whose mean the first harmonic cancels.
     """
     if not specification.indenter.of_revolution:
         return specification
     return replace(specification, meshes=LANES if _case(acting(specification)).suits else 2)
 
 
-def _case(solid: Specification, shift: float = 0.0, spare: bool = False) -> Case:
+def _case(solid: Specification, shift: float = 0.0) -> Case:
     resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
-    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, shift, spare)
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, shift)

@@ -41,10 +41,7 @@ from palpate.specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh.
-
-    A `spare` case is one that can be missed: where the lanes lose it, it is not simulated again.
-    """
+    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh."""
 
     specimen: Specimen
     indenter: Indenter
@@ -52,7 +49,6 @@ class Case:
     resolution: Resolution
     large: bool = False
     shift: float = 0.0
-    spare: bool = False
 
     @property
     def suits(self) -> bool:
@@ -93,11 +89,10 @@ class Case:
         return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients), homogeneous
 
 
-def indent_batch(cases: Sequence[Case]) -> list[History | None]:
+def indent_batch(cases: Sequence[Case]) -> list[History]:
     """Simulate several indentations: in SIMD lanes those that suit, by `palpate.fem.indent.indent` all others.
 
-    A lane that finds no equilibrium in one of its steps is simulated again alone, where steps can be halved, or is None
-    where it is spare.
+    A lane that finds no equilibrium in one of its steps is simulated again alone, where steps can be halved.
 
     Raises
     ------
@@ -115,7 +110,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History | None]:
             if len(chosen) > 1:
                 found = run_lanes([cases[number] for number in chosen])
                 histories |= {number: history for number, history in zip(chosen, found, strict=True) if history}
-    return [histories.get(n) or (None if case.spare and case.suits else case.alone()) for n, case in enumerate(cases)]
+    return [histories.get(number) or case.alone() for number, case in enumerate(cases)]
 
 
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:
