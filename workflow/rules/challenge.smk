@@ -3,13 +3,13 @@ from palpate.challenge.cases import divided, draw
 
 TRIAL = f"{FOLDER}/trial"
 TRIAL_CODE = fingerprint(*PHYSICS, "challenge")
-CASES = draw(STUDY) if "challenge" in config else []
-WRITTEN = divided(CASES, 48)  # many simulations together share SIMD lanes
-GROUPS = divided(CASES, 8)
-
-
-def recordings_of(cases):
-    return [f"{TRIAL}/recordings/{case.name}" for case in cases]
+RECORDED = (
+    [f"{TRIAL}/recordings/{case.name}" for case in draw(STUDY)]
+    if "challenge" in config
+    else []
+)
+WRITTEN = divided(RECORDED, 48)  # many simulations together share SIMD lanes
+GROUPS = divided(RECORDED, 8)
 
 
 rule challenge:
@@ -33,13 +33,13 @@ rule sealed_truth:
         "../../scripts/challenge_seal.py"
 
 
-for group, cases in WRITTEN.items():
+for group, folders in WRITTEN.items():
 
     rule:
         name:
             f"trial_recordings_{group}"
         output:
-            [directory(folder) for folder in recordings_of(cases)],
+            [directory(folder) for folder in folders],
         log:
             f"{FOLDER}/logs/trial/{group}_recordings.log",
         conda:
@@ -49,7 +49,7 @@ for group, cases in WRITTEN.items():
             settings=STUDY.challenge,
             code=TRIAL_CODE,
         message:
-            f"{len(cases)} sets of recordings, {group} of {len(WRITTEN)}"
+            f"{len(folders)} sets of recordings, {group} of {len(WRITTEN)}"
         script:
             "../../scripts/challenge_recordings.py"
 
@@ -57,7 +57,7 @@ for group, cases in WRITTEN.items():
 rule trial_diagnoses:
     input:
         checksum=f"{TRIAL}/checksum.txt",
-        recordings=lambda wildcards: recordings_of(GROUPS[wildcards.group]),
+        recordings=lambda wildcards: GROUPS[wildcards.group],
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
@@ -79,7 +79,7 @@ rule trial_scores:
     input:
         truth=f"{TRIAL}/sealed.json",
         diagnoses=f"{TRIAL}/diagnoses/{{group}}",
-        recordings=lambda wildcards: recordings_of(GROUPS[wildcards.group]),
+        recordings=lambda wildcards: GROUPS[wildcards.group],
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
         effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:

@@ -110,11 +110,11 @@ def draw(study: Study) -> list[Case]:
     return [Case(f"case_{number:03d}", *drawn[k]) for number, k in enumerate(order)]
 
 
-def divided(cases: list[Case], together: int) -> dict[str, list[Case]]:
-    """Divide the cases among jobs."""
+def divided(folders: list[str], together: int) -> dict[str, list[str]]:
+    """Divide the folders of the cases among jobs."""
     return {
-        f"group_{number:02d}": cases[first : first + together]
-        for number, first in enumerate(range(0, len(cases), together))
+        f"group_{number:02d}": folders[first : first + together]
+        for number, first in enumerate(range(0, len(folders), together))
     }
 
 
