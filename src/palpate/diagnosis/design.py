@@ -1,8 +1,9 @@
 """Which simulations show what each mechanism does: paired runs with and without it, over material and amplitude.
 
 The points are a Sobol sequence over the grid's parameters and the mechanism's search ranges together. Every mechanism
-uses the same materials, so each material is simulated once without any. Since only the difference of the two curves is
-kept, a third of the points in time is enough.
+uses the same materials, so each material is simulated once without any (and once more on two meshes for mechanisms
+under which the depth ripples otherwise). Since only the difference of the two curves is kept, a third of the points in
+time is enough.
 """
 
 from __future__ import annotations
@@ -178,13 +179,12 @@ def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.n
     mechanism, scale = MECHANISMS[key], scale_of(study)
     if not mechanism.mesh_dependent:
         return []
-    made = []
+    made, without = [], refinement(study, condition)
     for quarters in itertools.product(QUARTERS, repeat=mechanism_dimensions(mechanism, scale)):
         coordinates = np.array(quarters)
         acting = {key: amplitudes(mechanism, scale, coordinates)}
         usual, fine = (
-            replace(plain, specification=replace(plain.specification, mechanisms=acting))
-            for plain in refinement(study, condition)
+            replace(plain, specification=replace(plain.specification, mechanisms=acting)) for plain in without
         )
         made.append((coordinates, usual, fine))
     return made
