@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from scipy.linalg import solveh_banded
 
-from palpate.fem import batch, batch_hencky, hencky
+from palpate.fem import batch, batch_hencky, batch_march, batch_newton, hencky
 from palpate.fem.batch_banded import PANEL, solve
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import NOTHING, TOLERANCE, Points, law_rows, solve_radial, weight_rows
@@ -281,15 +281,37 @@ def test_the_mean_over_meshes_does_not_ripple(model):
     assert ripple(simulate(smooth(specification))) < 0.1 * once
 
 
-def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
-    def losing_the_second(*arguments):
-        advance(*arguments)
-        arguments[-2][1] = False
+def losing_the_second(tries):
+    """Return `advance` of a march whose second lane finds no equilibrium in the first so many steps that it takes."""
+    left = [tries]
 
-    advance = batch.advance
-    monkeypatch.setattr(batch, "advance", losing_the_second)
+    def advance(*arguments):
+        found = arguments[-2]
+        batch_newton.advance(*arguments)
+        if found[1] and left[0] > 0:
+            left[0] -= 1
+            found[1] = False
+
+    return advance
+
+
+def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
+    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=1000))
     first, second = case(), case(indenter=Indenter("cone", 68.0))
     histories = batch.indent_batch([first, second])
     alone = batch.indent(second.specimen, second.indenter, second.protocol, second.resolution)
     assert histories[0].reason == ""
     np.testing.assert_array_equal(histories[1].depth, alone.depth)
+
+
+def test_a_lane_that_finds_equilibrium_in_parts_of_a_step_goes_on_in_lanes(monkeypatch):
+    """Its first step is then halved three times, and later ones begin from there; its neighbours differ by rounding."""
+    cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
+    whole = batch.indent_batch(cases)
+    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=3))
+    monkeypatch.setattr(batch, "indent", None)
+    histories = batch.indent_batch(cases)
+    for place in (0, 2):
+        np.testing.assert_allclose(histories[place].depth, whole[place].depth, rtol=1e-12)
+    assert histories[1].steps == whole[1].steps + 7
+    assert 0.0 < np.abs(histories[1].depth - whole[1].depth).max() < 1e-3 * whole[1].depth.max()

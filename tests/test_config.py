@@ -42,7 +42,7 @@ def test_defaults_and_order(tmp_path):
     assert len(study.cells) == 4
     assert study.cells[1] == {**study.cells[0], "steady_coefficient": 0.1}
     assert study.free_parameters == ("youngs_modulus", "steady_coefficient")
-    assert (study.points, study.kinematics, study.calibration["population"]) == (100, "small", 200)
+    assert (study.points, study.kinematics, study.calibration["population"]) == (100, "large", 200)
 
 
 @pytest.mark.parametrize(

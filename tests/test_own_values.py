@@ -1,6 +1,6 @@
 """Values of single recordings, on closed forms: each recording's own zero is found, its neighbours' are not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,12 +9,15 @@ import pytest
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition
+from palpate.diagnosis import refine
 from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.design import longest_rise
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.result import curves
+from palpate.errors import PalpateError
 from palpate.mechanisms import Scale
 from palpate.protocol import Protocol, trapezoid
 
@@ -79,3 +82,17 @@ def test_a_recordings_own_law_weighs_in():
     rows = recording_values(STUDY, observed, fit, {"a": bound})["zero_offset.offset"]
     assert rows[3]["estimate"] == pytest.approx(150.0, abs=0.1), "above the bound, where the curve alone says 161"
     assert rows[0]["estimate"] == pytest.approx(48.0, abs=1.5)
+
+
+def test_a_held_out_test_that_cannot_be_simulated_is_left_out(monkeypatch):
+    def failing(*_):
+        raise PalpateError("no equilibrium in 40 iterations")
+
+    monkeypatch.setattr(refine, "simulated_at", failing)
+    observed, fit = solved(("zero_offset",))
+    study = SimpleNamespace(conditions=(CONDITION, replace(CONDITION, name="b")), calibration=STUDY.calibration)
+    observed["b"] = replace(observed["a"], role="validate")
+    table, failed = curves(study, observed, fit, fit)
+    assert set(table["condition"]) == {"a"}
+    assert failed == {"b": "no equilibrium in 40 iterations"}
+    assert {row["condition"] for row in recording_values(study, observed, fit)["zero_offset.offset"]} == {"a"}

@@ -28,6 +28,7 @@ STUDY = {
     "material": {"model": "elastic", "poisson_ratio": 0.34},
     "parameters": {"youngs_modulus": [3.0, 3.5]},
     "indenter": {"shape": "berkovich"},
+    "kinematics": "small",
     "conditions": [{"name": "P1", "max_load": 1, "loading_time": 1, "unloading_time": 1, "role": "calibrate"}],
     "diagnosis": {"enabled": False},
 }

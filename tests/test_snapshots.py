@@ -71,7 +71,7 @@ def test_nothing_is_computed_twice_across_levels_and_studies(tmp_path):
     [
         {"material": {"model": "elastic", "poisson_ratio": 0.31}},
         {"indenter": {"shape": "cone", "half_angle": 70.0}},
-        {"kinematics": "large"},
+        {"kinematics": "small"},
         {"accuracy": "fine"},
         {"points": 11},
     ],

@@ -94,19 +94,18 @@ class Specification:
 
 def _check_pyramid(specification: Specification) -> None:
     """Refuse what the solver in three dimensions does not know."""
-    for place, present, lacking in (
-        ("kinematics", specification.kinematics == "large", "large strains"),
-        ("mechanisms.film_on_substrate", math.isfinite(specification.film_thickness), "a film on a substrate"),
-        ("mechanisms.adhesion", specification.adhesion > 0.0, "adhesion"),
-    ):
-        if present:
-            raise axisymmetric_only(lacking, place)
+    if specification.kinematics == "large":
+        raise axisymmetric_only("large strains", "kinematics", remedy="say kinematics: small")
+    if math.isfinite(specification.film_thickness):
+        raise axisymmetric_only("a film on a substrate", "mechanisms.film_on_substrate")
+    if specification.adhesion > 0.0:
+        raise axisymmetric_only("adhesion", "mechanisms.adhesion")
 
 
-def axisymmetric_only(lacking: str, place: str) -> InputError:
+def axisymmetric_only(lacking: str, place: str, remedy: str = "leave it out") -> InputError:
     """Return the error that tells what is known for axisymmetric indenters only."""
     return InputError(
         f"a berkovich pyramid does not go with {lacking}",
-        remedy="leave it out, or use the equivalent cone of half-angle 70.3",
+        remedy=f"{remedy}, or use the equivalent cone of half-angle 70.3",
         place=place,
     )

@@ -15,6 +15,7 @@ from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import NORMAL_95, Law
 from palpate.diagnosis.refine import curve_under
+from palpate.errors import PalpateError
 
 
 def recording_values(
@@ -28,7 +29,7 @@ def recording_values(
     By generalised least squares of what a recording departs from the forward model's curve, given the common material
     and the common mean; its point noise, site scatter and the model's error are weighed, the uncertainty of the mean
     is added. Where several mechanisms vary they are found together. What exact laws say about a recording by itself,
-    such as the drift in its own hold, joins as data.
+    such as the drift in its own hold, joins as data. Held-out conditions under which the forward model fails have none.
 
     Parameters
     ----------
@@ -42,7 +43,10 @@ def recording_values(
     found: dict[str, list[dict[str, Any]]] = {}
     for condition in study.conditions:
         item = observed[condition.name]
-        curve = curve_under(study, condition, fit)
+        try:
+            curve = curve_under(study, condition, fit)
+        except PalpateError:
+            continue
         size = len(item.time)
         covariance = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(size))
         covariance += noise.variances["site"] * np.outer(curve, curve)

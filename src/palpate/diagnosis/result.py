@@ -20,6 +20,7 @@ from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
+from palpate.errors import PalpateError
 
 COARSE = 0.01
 
@@ -51,22 +52,29 @@ def summary(values: np.ndarray) -> dict[str, float]:
     return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
 
 
-def curves(study: Study, observed: Mapping[str, Observation], before: Fit, after: Fit) -> pd.DataFrame:
+def curves(
+    study: Study, observed: Mapping[str, Observation], before: Fit, after: Fit
+) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the forward model's curves before and after beside the recorded means, for every condition.
 
-    A mechanism that varies has a value of its own for each condition: the likeliest, given noise and scatter.
+    A mechanism that varies has a value of its own for each condition: the likeliest, given noise and scatter. Held-out
+    conditions under which the forward model fails are left out; the second value says why, by their names.
     """
-    tables = []
+    tables, failed = [], {}
     for condition in study.conditions:
+        try:
+            simulated = [curve_under(study, condition, fit) for fit in (before, after)]
+        except PalpateError as error:
+            failed[condition.name] = str(error)
+            continue
         item = observed[condition.name]
         columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
         columns |= {"load_mN": condition.protocol.sample_load, "recorded_nm": item.mean}
-        for name, fit in (("before_nm", before), ("after_nm", after)):
-            curve = curve_under(study, condition, fit)
+        for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
             columns[name] = curve + own_values(fit, condition, item.mean - curve, len(item.depth))
         columns["noise_nm"] = np.sqrt(noise_variance(after, item))
         tables.append(pd.DataFrame(columns))
-    return pd.concat(tables, ignore_index=True)
+    return pd.concat(tables, ignore_index=True), failed
 
 
 def own_values(fit: Fit, condition: Condition, residual: np.ndarray, count: int) -> np.ndarray:
@@ -149,7 +157,7 @@ def to_mapping(
     """
     base = diagnosis.base
     best = diagnosis.standing[0].fit if diagnosis.standing else base.fit
-    table = curves(study, observed, base.fit, best)
+    table, failed = curves(study, observed, base.fit, best)
     verdict = diagnosis.verdict
     draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.standing]
     before = material_parameters(base.fit, posterior_draws(base.fit, rng))
@@ -195,6 +203,7 @@ def to_mapping(
             f"The forward model failed with {'+'.join(candidate.fit.explanation)}: this rests on surrogates."
             for candidate in diagnosis.standing
             if not candidate.confirmed
-        ],
+        ]
+        + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()],
     }
     return content, table

@@ -4,23 +4,25 @@ Under a sharp cone, meshes for different homogeneous materials differ by a facto
 differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
 
 At large strains each step of the graded onset, and the one after it, begins where the last one ended: carried on, it
-could turn an element inside out, and lanes cannot halve a step. A lane that finds no equilibrium from where its last
-change carried it tries again from where the last step ended.
+could turn an element inside out. A lane that finds no equilibrium from where its last change carried it tries again
+from where the last step ended, and then in parts.
 """
 
 from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import UNKNOWN, Points, turn
-from palpate.fem.batch_newton import advance
+from palpate.fem.batch_law import Points
+from palpate.fem.batch_march import March, States
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_vector import LANES
 from palpate.fem.contact import Profile
@@ -92,7 +94,7 @@ class Case:
 def indent_batch(cases: Sequence[Case]) -> list[History]:
     """Simulate several indentations: in SIMD lanes those that suit, by `palpate.fem.indent.indent` all others.
 
-    A lane that finds no equilibrium in one of its steps is simulated again alone, where steps can be halved.
+    A lane that finds no equilibrium in the smallest parts of a step is simulated again alone.
 
     Raises
     ------
@@ -120,48 +122,43 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         check_size(case.specimen, case.indenter, case.resolution, case.largest)
     lanes = [*cases, *[cases[-1]] * (LANES - len(cases))]
     units = np.array([case.radii[0] for case in lanes])
-    resolution, corners = lanes[0].resolution, lanes[0].corners
+    protocols = [case.protocol for case in lanes]
+    large, resolution, corners = lanes[0].large, lanes[0].resolution, lanes[0].corners
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
     body, bodies = Body.of(mesh), Specimens.of([case.specimen for case in lanes], mesh, units)
-    times = np.stack([case.times for case in lanes])
-    loads = np.stack([case.protocol.load_at(case.times) for case in lanes]) / units[:, None] ** 2
-    scale = np.array([case.protocol.max_load for case in lanes]) / units**2
-    steps = np.diff(times, axis=1, prepend=0.0)
+    scale = np.array([protocol.max_load for protocol in protocols]) / units**2
+    band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
+    march = March(large, body, bodies, protocols, units, scale, band, iterations, steps)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
-    touch = Touch.at_apex(profiles, len(mesh.surface))
-    points = Points.unloaded(4 * len(mesh.elements), bodies.elements)
-    displacement, depth = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
-    change, deepening = np.zeros_like(displacement), np.zeros(LANES)
-    band = np.empty((body.size * body.width + 1, LANES))
-    alive, spent = np.ones(LANES, dtype=bool), np.zeros(LANES, dtype=np.int64)
-    depths = np.full((LANES, times.shape[1]), np.nan)
-    laws, weights = bodies.at(depth, steps[:, 0])
-    for k in range(times.shape[1]):
-        free = k > (len(GRADED_START) + 1 if lanes[0].large else 0) and not corners[k - 1]
-        carried = steps[:, k] / steps[:, k - 1] if free else np.zeros(LANES)
-        before, shallower = displacement, depth
-        displacement, depth = displacement + carried * change, depth + carried * deepening
-        midway = 0.5e3 * units * (shallower + depth)
-        resisting, following = bodies.at(midway, steps[:, k])
-        turn(points, laws, weights, following)
-        laws, weights = resisting, following
-        touching, living = touch.touching.copy(), alive.copy()
-        arguments = lanes[0].large, body, points, touch, laws, weights, loads[:, k].copy(), scale
-        advance(*arguments, displacement, depth, band, alive, spent)
-        lost = living & ~alive
-        if free and lost.any():
-            displacement[:, lost], depth[lost] = before[:, lost], shallower[lost]
-            touch.touching[:, lost], points.log_q[:, lost] = touching[:, lost], 2 * UNKNOWN
-            advance(*arguments, displacement, depth, band, lost, spent)
-            alive |= lost
+    ends = np.stack([case.times for case in lanes])
+    times = np.column_stack([np.zeros(LANES), ends])
+    states = States(
+        Points.unloaded(4 * len(mesh.elements), bodies.elements),
+        Touch.at_apex(profiles, len(mesh.surface)),
+        *bodies.at(np.zeros(LANES), times[:, 1]),
+        np.zeros((mesh.size + 1, LANES)),
+        np.zeros(LANES),
+    )
+    start, alive, depths = deepcopy(states), np.ones(LANES, dtype=bool), np.full(ends.shape, np.nan)
+    change, deepening = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
+    for k, (begin, end) in enumerate(pairwise(times.T)):
+        start.take(states)
+        shape, depth = states.displacement, states.depth
+        free = k > (len(GRADED_START) + 1 if large else 0) and not corners[k - 1]
+        ratio = (end - begin) / (begin - times[:, k - 1]) if free else np.zeros(LANES)
+        found = march.step(states, begin, end, ratio * change, ratio * deepening, alive)
+        lost = alive & ~found
+        if lost.any():
+            found |= march.in_parts(states, start, begin, end, 1 if free else 2, lost)
+        alive = found
         if not alive.any():
             break
-        change, deepening = displacement - before, depth - shallower
-        depths[:, k] = depth * units * 1e3
+        change, deepening = states.displacement - shape, states.depth - depth
+        depths[:, k] = states.depth * units * 1e3
     seconds = (clock.perf_counter() - began) / len(cases)
     return [
-        History(curve, "", seconds, int(count), times.shape[1], np.empty((len(curve), 0))) if whole else None
-        for curve, whole, count in zip(map(sampled, cases, times, depths), alive, spent, strict=False)
+        History(curve, "", seconds, int(tried), int(taken), np.empty((len(curve), 0))) if whole else None
+        for curve, whole, tried, taken in zip(map(sampled, cases, ends, depths), alive, iterations, steps, strict=False)
     ]
 
 

@@ -1,0 +1,153 @@
+"""From one time to the next in SIMD lanes, each lane in as many steps as its convergence asks for.
+
+The rule is that of `palpate.fem.march`: what does not converge is halved. Lanes that had found equilibrium keep it
+meanwhile, so that no lane depends on its neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.fem.batch_contact import Touch
+from palpate.fem.batch_element import Body
+from palpate.fem.batch_law import Points, turn
+from palpate.fem.batch_newton import advance
+from palpate.fem.batch_specimens import Specimens
+from palpate.fem.march import HALVINGS
+from palpate.protocol import Protocol
+
+
+@dataclass(eq=False)
+class States:
+    """Everything that a step hands to the next one, `LANES` columns each; lengths are in units of the lanes.
+
+    Attributes
+    ----------
+    points, touch
+        See `palpate.fem.batch_law` and `palpate.fem.batch_contact`.
+    laws, weights : ndarray, shape (1 or m, rows, LANES)
+        Of the last step, see `palpate.fem.batch_specimens`.
+    displacement : ndarray, shape (size + 1, LANES)
+    depth : ndarray, shape (LANES,)
+    """
+
+    points: Points
+    touch: Touch
+    laws: np.ndarray
+    weights: np.ndarray
+    displacement: np.ndarray
+    depth: np.ndarray
+
+    def take(self, other: States, lanes: np.ndarray | None = None) -> None:
+        """Become what the `other` is, in all lanes or in some (LANES,)."""
+        for mine, theirs in zip(self._arrays(), other._arrays(), strict=True):
+            np.copyto(mine, theirs, where=True if lanes is None else lanes)
+
+    def _arrays(self) -> list[np.ndarray]:
+        return [*self.points, *self.touch, self.laws, self.weights, self.displacement, self.depth]
+
+
+@dataclass(frozen=True, eq=False)
+class March:
+    """How `LANES` indentations advance together.
+
+    Parameters
+    ----------
+    large : bool
+    body : Body
+    bodies : Specimens
+    protocols
+        What load acts when [mN].
+    units : ndarray, shape (LANES,)
+        Unit of length of each lane [um].
+    scale : ndarray, shape (LANES,)
+        Largest load of each history, in units of the lanes.
+    band : ndarray
+        Storage, see `palpate.fem.batch_newton.advance`.
+    iterations, steps : ndarray of int, shape (LANES,)
+        Count the work done.
+    """
+
+    large: bool
+    body: Body
+    bodies: Specimens
+    protocols: Sequence[Protocol]
+    units: np.ndarray
+    scale: np.ndarray
+    band: np.ndarray
+    iterations: np.ndarray
+    steps: np.ndarray
+
+    def step(
+        self, states: States, begin: np.ndarray, end: np.ndarray, change: np.ndarray, deepening: np.ndarray,
+        lanes: np.ndarray,
+    ) -> np.ndarray:  # fmt: skip
+        """Bring some lanes from one time to another [s] in one step, which a guess of the change starts.
+
+        Parameters
+        ----------
+        states
+            In: at the time `begin`; out: at `end` in the lanes that are returned, and nothing of use in others.
+        begin, end, deepening : ndarray, shape (LANES,)
+        change : ndarray, shape (size + 1, LANES)
+        lanes : ndarray of bool, shape (LANES,)
+
+        Returns
+        -------
+        found : ndarray of bool, shape (LANES,)
+            The lanes that found equilibrium.
+        """
+        shallower = states.depth
+        states.displacement, states.depth = states.displacement + change, shallower + deepening
+        midway = 0.5e3 * self.units * (shallower + states.depth)
+        resisting, following = self.bodies.at(midway, end - begin)
+        turn(states.points, states.laws, states.weights, following)
+        states.laws, states.weights = resisting, following
+        loads = [protocol.load_at(time) for protocol, time in zip(self.protocols, end, strict=True)]
+        found = lanes.copy()
+        advance(
+            self.large, self.body, states.points, states.touch, states.laws, states.weights,
+            np.array(loads) / self.units**2, self.scale, states.displacement, states.depth, self.band, found,
+            self.iterations,
+        )  # fmt: skip
+        self.steps[found] += 1
+        return found
+
+    def in_parts(
+        self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: int, lanes: np.ndarray
+    ) -> np.ndarray:
+        """Bring some lanes from one time to another [s] in equal parts to begin with, halved where it must be.
+
+        Parameters
+        ----------
+        states
+            Out: at the time `end` in the lanes that are returned; other lanes keep what they are.
+        start
+            At the time `begin`; spent by this.
+        begin, end, lanes : ndarray, shape (LANES,)
+        parts : int
+
+        Returns
+        -------
+        found : ndarray of bool, shape (LANES,)
+            The lanes that found equilibrium all the way.
+        """
+        trial, time = deepcopy(start), begin.copy()
+        length, shortest = (end - begin) / parts, (end - begin) / 2**HALVINGS
+        going, still, level = lanes.copy(), np.zeros_like(start.displacement), np.zeros_like(start.depth)
+        while going.any():
+            target = np.where(time + 1.5 * length > end, end, time + length)
+            found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, level, going)
+            lost = going & ~found
+            start.take(trial, found)
+            trial.take(start)
+            time = np.where(found, target, time)
+            length = np.where(lost, 0.5 * length, length)
+            going &= (time < end) & (length >= shortest)
+        arrived = lanes & (time == end)
+        states.take(start, arrived)
+        return arrived
