@@ -1,6 +1,8 @@
 """Diagnosis on recordings whose noise and effects are known exactly; base model and effects are closed forms."""
 
+import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,9 +11,9 @@ from scipy.linalg import toeplitz
 
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
-from palpate.config import Condition
+from palpate.config import Condition, load_study
 from palpate.diagnosis.covariance import errors
-from palpate.diagnosis.design import thinned
+from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.fit import Correction, solve, starting_points
@@ -20,9 +22,11 @@ from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.segments import segments
 from palpate.diagnosis.similarity import similarity
-from palpate.mechanisms import Scale
+from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS, Scale
 from palpate.protocol import trapezoid
 
+CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset"]
 CONDITIONS = tuple(
     Condition(name, "calibrate", trapezoid(load, rise, hold, rise, points=60))
@@ -260,3 +264,34 @@ def test_single_recordings_do_not_take_a_strong_effect_for_noise():
     found = errors(task, (), first.residual, 0.01, 0.003)
     again = solve(task, (), found, [first.z])
     assert examine(again, RECORD_ONLY, rng, 400, 0.01) < 0.01
+
+
+def ranged(ranges):
+    study = load_study(CHALLENGE)
+    return replace(study, diagnosis=study.diagnosis | {"ranges": ranges})
+
+
+def test_a_study_states_where_an_effect_is_searched():
+    """A frame that was never corrected, with the load cell's deflection in the depth, may be most of it."""
+    frame = {"compliance": [0.0, 40.0]}
+    usual, stated = scale_of(ranged({})), scale_of(ranged({"frame_compliance": frame}))
+    mechanism = MECHANISMS["frame_compliance"]
+    assert amplitudes(mechanism, usual, np.ones(1))["compliance"] < 0.4 * usual.depth / usual.load
+    assert [amplitudes(mechanism, stated, np.full(1, x))["compliance"] for x in (0.0, 1.0)] == [0.0, 40.0]
+    yielding = MECHANISMS["plastic_yield"]
+    assert amplitudes(yielding, usual, np.ones(2)) == amplitudes(yielding, stated, np.ones(2))
+    candidates(ranged({"frame_compliance": frame}))
+
+
+@pytest.mark.parametrize(
+    ("ranges", "words"),
+    [
+        ({"magic": {"amount": [0, 1]}}, "'magic' is not considered"),
+        ({"plastic_yield": {"yield_stress": [0.1, 0.2]}}, "yield_stress is not searched; use one of: flow_stress"),
+        ({"frame_compliance": {"compliance": [1.0, 1.0]}}, "is no range"),
+        ({"plastic_yield": {"flow_stress": [0.0, 0.2]}}, "both positive"),
+    ],
+)
+def test_ranges_that_mean_nothing_are_refused(ranges, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        candidates(ranged(ranges))

@@ -9,7 +9,7 @@ time is enough.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -72,6 +72,7 @@ def scale_of(study: Study) -> Scale:
         loading_time=min(longest_rise(c.protocol) for c in conditions),
         half_angle=study.indenter.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
+        stated=study.diagnosis["ranges"],
     )
 
 
@@ -88,6 +89,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip."""
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
     specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
+    _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
     found = {}
     for key in wanted:
         if key not in MECHANISMS:
@@ -109,14 +111,34 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     return found
 
 
+def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
+    """Refuse stated ranges of what is not searched, or that hold nothing."""
+    for key, ranges in scale.stated.items():
+        if key not in considered:
+            raise InputError(
+                f"mechanism {key!r} is not considered",
+                remedy=f"use one of: {', '.join(considered)}",
+                place="diagnosis.ranges",
+            )
+        plausible = MECHANISMS[key].plausible(scale)
+        for name, (lower, upper) in ranges.items():
+            place = f"diagnosis.ranges.{key}"
+            if name not in plausible:
+                raise InputError(f"{name} is not searched", remedy=f"use one of: {', '.join(plausible)}", place=place)
+            positive = plausible[name].log
+            if lower >= upper or (positive and lower <= 0.0):
+                remedy = f"give a lower and an upper value{', both positive' if positive else ''}"
+                raise InputError(f"{name}: [{lower:g}, {upper:g}] is no range", remedy=remedy, place=place)
+
+
 def mechanism_dimensions(mechanism: Mechanism, scale: Scale) -> int:
     """Return the number of coordinates in which a mechanism is searched."""
-    return len(mechanism.plausible(scale))
+    return len(mechanism.searched(scale))
 
 
 def amplitudes(mechanism: Mechanism, scale: Scale, coordinates: np.ndarray) -> dict[str, float]:
     """Return a mechanism's parameters at coordinates (k,) of its search ranges."""
-    ranges = mechanism.plausible(scale)
+    ranges = mechanism.searched(scale)
     searched = {name: float(r.physical(x)) for (name, r), x in zip(ranges.items(), coordinates, strict=True)}
     return dict(mechanism.from_search(searched, scale))
 

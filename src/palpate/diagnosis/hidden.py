@@ -126,7 +126,7 @@ def _joined(fit: Fit, extras: list[Extra]) -> tuple[np.ndarray, np.ndarray]:
 def _extra(fit: Fit, key: str) -> Extra:
     """Return a mechanism as an effect that joins; one that acts on the body is taken at the middle of its range."""
     if _only_adds(key):
-        (plausible,) = MECHANISMS[key].plausible(fit.problem.scale).values()
+        (plausible,) = MECHANISMS[key].searched(fit.problem.scale).values()
         return Extra(key, _unit_column(fit, key), EVEN * plausible.upper**2)
     u = fit.problem.parts(fit.explanation, fit.z)[0]
     middle = np.full(mechanism_dimensions(MECHANISMS[key], fit.problem.scale), 0.5)

@@ -132,7 +132,7 @@ class Problem:
 
     def largest(self, key: str) -> float:
         """Return the largest plausible value of a mechanism that varies, which has a single parameter."""
-        (plausible,) = MECHANISMS[key].plausible(self.scale).values()
+        (plausible,) = MECHANISMS[key].searched(self.scale).values()
         return plausible.upper
 
     def effect(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:

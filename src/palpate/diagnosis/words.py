@@ -23,7 +23,7 @@ def sentence(content: Mapping[str, Any]) -> str:
     names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
         return (
-            f"{start} What explains it best: {names}. Without replicates the name stays a suspicion. {_gain(content)}."
+            f"{start} What explains it best: {names}. Without replicates the name stays a suspicion; {_gain(content)}."
         )
     test = content["discriminating_test"]
     further = (

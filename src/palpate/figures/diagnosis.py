@@ -79,11 +79,11 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
     names = []
     for k, entry in enumerate(tried):
-        names.append(" +\n".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model")
+        names.append(" + ".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model")
         stands = entry["mechanisms"] in standing
         axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
     axis.set_ylim(len(tried) - 0.4, -0.6)
-    axis.set_yticks(range(len(tried)), names, fontsize=6.5)
+    axis.set_yticks(range(len(tried)), names, fontsize=6)
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     axis.set_xlabel("log evidence over the base model")

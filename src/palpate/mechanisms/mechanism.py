@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ class Scale:
         Nominal half-angle of the cone [deg]; 0 for a sphere.
     pressure
         Mean contact pressure [GPa].
+    stated
+        Ranges (lower, upper) that the study states in place of plausible ones, of a mechanism's quantity.
     """
 
     depth: float
@@ -34,6 +36,7 @@ class Scale:
     loading_time: float
     half_angle: float
     pressure: float
+    stated: Mapping[str, Mapping[str, Sequence[float]]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,7 @@ class Mechanism:
     source
         Where the effect is described.
     plausible
-        Ranges, for a study of a given scale, within which a diagnosis looks.
+        Ranges, for a study of a given scale, within which a diagnosis looks unless the study states others.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
@@ -130,6 +133,13 @@ class Mechanism:
     def can_be_derived(self) -> bool:
         """Whether its effect, or most of it, follows from the base model's curve."""
         return self.shortcut is not None or self.record is not unchanged_depth
+
+    def searched(self, scale: Scale) -> dict[str, Range]:
+        """Return the ranges within which a diagnosis looks: what the study states, and what is plausible else."""
+        ranges = dict(self.plausible(scale))
+        for name, (lower, upper) in scale.stated.get(self.key, {}).items():
+            ranges[name] = replace(ranges[name], lower=lower, upper=upper)
+        return ranges
 
     def on_curve(self, time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
         """Return what it makes of the base model's curve (n,) [nm], as far as that can be derived."""
