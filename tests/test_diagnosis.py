@@ -16,6 +16,7 @@ from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import Search
+from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Correction, solve, starting_points
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
@@ -295,3 +296,16 @@ def test_a_study_states_where_an_effect_is_searched():
 def test_ranges_that_mean_nothing_are_refused(ranges, words):
     with pytest.raises(InputError, match=re.escape(words)):
         candidates(ranged(ranges))
+
+
+def test_what_lies_at_the_edge_of_the_search_is_said():
+    """The modulus is 1, beyond a grid that ends at 0.9; a frame that gives 1.5 depth / load is beyond 0.3."""
+    inside = problem(recordings(np.random.default_rng(3)))
+    assert at_edges(fitted(inside)) == []
+    small = replace(inside, space=Space({"modulus": (0.7, 0.9), "fluidity": (0.0, 0.03)}))
+    assert "modulus 0.9" in at_edges(fitted(small))
+    unit = SCALE.depth / SCALE.load
+    soft = problem(recordings(np.random.default_rng(3), lambda c, r: 1.5 * unit * c.protocol.sample_load))
+    assert f"frame_compliance.compliance {0.3 * unit:.3g}" in at_edges(fitted(soft, ("frame_compliance",)))
+    wide = replace(soft, scale=replace(SCALE, stated={"frame_compliance": {"compliance": [0.0, 4.0 * unit]}}))
+    assert at_edges(fitted(wide, ("frame_compliance",))) == []

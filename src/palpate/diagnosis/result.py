@@ -12,6 +12,7 @@ from palpate.calibration import Observation
 from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.locate import location
@@ -141,6 +142,19 @@ def limits(study: Study, observed: Mapping[str, Observation]) -> list[str]:
     return said
 
 
+def too_narrow(diagnosis: Diagnosis) -> list[str]:
+    """Say where the search ended at an edge, when nothing that was tried explains the recordings."""
+    if diagnosis.verdict != "unexplained":
+        return []
+    edges = at_edges(max((candidate.fit for candidate in diagnosis.tried), key=lambda fit: fit.log_evidence))
+    if not edges:
+        return []
+    return [
+        f"The likeliest that was tried lies at the edge of what was searched: {', '.join(edges)}. Widen that "
+        "(`parameters`, `diagnosis: ranges`) before other physics is sought."
+    ]
+
+
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
@@ -204,6 +218,7 @@ def to_mapping(
             for candidate in diagnosis.standing
             if not candidate.confirmed
         ]
-        + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()],
+        + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
+        + too_narrow(diagnosis),
     }
     return content, table

@@ -1,0 +1,28 @@
+"""Which quantities of a fit lie at the edge of what is searched: a narrow grid looks like missing physics."""
+
+from __future__ import annotations
+
+from palpate.diagnosis.fit import Fit
+from palpate.mechanisms import MECHANISMS
+
+EDGE = 0.005  # of a range
+
+
+def at_edges(fit: Fit) -> list[str]:
+    """Return, in words, the quantities of an explanation that a wider search would move, with their values.
+
+    At zero a material parameter, and at its lower end an effect of one sign, cannot go further.
+    """
+    problem = fit.problem
+    u, own = problem.parts(fit.explanation, fit.z)
+    names = [name for name, free in zip(problem.space.bounds, problem.space.free, strict=True) if free]
+    found = []
+    for name, x in zip(names, u, strict=True):
+        lower, upper = problem.space.bounds[name]
+        if x > 1.0 - EDGE or (x < EDGE and lower != 0.0):
+            found.append(f"{name} {upper if x > 0.5 else lower:.3g}")
+    for key, coordinates in own.items():
+        for (name, searched), x in zip(MECHANISMS[key].searched(problem.scale).items(), coordinates, strict=True):
+            if x > 1.0 - EDGE or (x < EDGE and searched.lower < 0.0):
+                found.append(f"{key}.{name} {searched.upper if x > 0.5 else searched.lower:.3g}")
+    return found
