@@ -32,7 +32,7 @@ def sentence(content: Mapping[str, Any]) -> str:
         if test
         else ""
     )
-    return f"{start} One of these explains it, and these tests cannot say which: {names}.{further}"
+    return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
 
 
 def _claim(candidate: Mapping[str, Any]) -> str:
@@ -49,6 +49,13 @@ def _claim(candidate: Mapping[str, Any]) -> str:
             )
         claims.append(f"{MECHANISMS[key].title}, {', '.join(values)}")
     return " with ".join(claims)
+
+
+def _in_all(content: Mapping[str, Any]) -> str:
+    """Say which effects every explanation that stands has in common."""
+    shared = set.intersection(*(set(candidate["mechanisms"]) for candidate in content["candidates"]))
+    titles = " and ".join(MECHANISMS[key].title for key in sorted(shared))
+    return f" All of them need {titles}." if shared else ""
 
 
 def _suspected(content: Mapping[str, Any]) -> str:

@@ -1,0 +1,74 @@
+"""A diagnosis in words: one sentence for each verdict, from what diagnosis.json holds."""
+
+import pytest
+
+from palpate.diagnosis.words import sentence
+
+
+def quantity(estimate):
+    return {"estimate": estimate, "lower": 0.8 * estimate, "upper": 1.2 * estimate}
+
+
+FRAME = {"frame_compliance.compliance": quantity(0.27)}
+ROUNDED = {
+    "mechanisms": ["frame_compliance", "tip_rounding"],
+    "probability": 0.86,
+    "parameters": FRAME | {"tip_rounding.radius": quantity(190.0)},
+}
+SHIFTED = {
+    "mechanisms": ["frame_compliance", "zero_offset"],
+    "probability": 0.14,
+    "parameters": FRAME | {"zero_offset.offset": quantity(12.0)},
+}
+DRIFT = {"mechanisms": ["thermal_drift"], "probability": 0.9, "parameters": {"thermal_drift.rate": quantity(0.12)}}
+
+
+def content(verdict, *candidates, held_out=(14.1, 1.9)):
+    before, after = held_out
+    return {
+        "verdict": verdict,
+        "p_value": 0.001,
+        "location": [
+            {"condition": "P1", "segment": "hold", "part": "late", "residual_nm": 12.0, "q_value": 0.001},
+        ],
+        "candidates": list(candidates),
+        "fit": {
+            "calibrate": {"before_rmse_nm": 9.0, "after_rmse_nm": 2.0},
+            "validate": {"before_rmse_nm": before, "after_rmse_nm": after},
+            "noise_nm": 1.7,
+        },
+        "parameters": {
+            "before": {"youngs_modulus": quantity(3.0)},
+            "after": {"youngs_modulus": {"estimate": 3.2, "lower": 3.15, "upper": 3.25}},
+        },
+        "discriminating_test": None,
+        "may_hide": {},
+    }
+
+
+def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_made():
+    said = sentence(content("identified", DRIFT))
+    assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
+    assert "held-out error falls from 14.1 to 1.9 nm, where noise and scatter alone make 1.7 nm" in said
+    assert "youngs modulus came out 6% too low" in said
+
+
+def test_what_all_explanations_share_is_said():
+    said = sentence(content("ambiguous", ROUNDED, SHIFTED))
+    assert "One of these explains it" in said
+    assert "All of them need frame compliance." in said
+    assert "All of them" not in sentence(content("ambiguous", DRIFT, SHIFTED))
+
+
+def test_a_single_suspicion_is_no_name():
+    said = sentence(content("ambiguous", DRIFT, held_out=(None, None)))
+    assert "Without replicates the name stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
+
+
+@pytest.mark.parametrize(
+    ("verdict", "words"), [("adequate", "nothing is claimed"), ("unexplained", "something else is missing")]
+)
+def test_no_effect_is_named_without_need(verdict, words):
+    said = sentence(content(verdict))
+    assert words in said
+    assert "hermal" not in said
