@@ -206,6 +206,18 @@ def test_mechanisms_act_in_a_batch():
     assert_like_single([specification(mechanisms={key: value}) for key, value in mechanisms.items()])
 
 
+def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
+    """Samples lie 3 s apart: one delayed load turns before the first sample after the peak, the other behind it."""
+    specs = [specification(mechanisms={"controller_lag": {"lag": lag}}) for lag in (2.9, 3.1)]
+    cases = [case(protocol=acting(spec).protocol) for spec in specs]
+    assert cases[0].kind == cases[1].kind
+    assert not np.array_equal(cases[0].carries, cases[1].carries)
+    alone = [c.alone().depth for c in cases]
+    monkeypatch.setattr(batch, "indent", None)
+    for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
+        assert np.abs(history.depth - depth).max() < 1e-8 * depth.max()
+
+
 PLASTIC = {"model": "burgers_plasticity", "yield_stress": 0.4, "hardening": 0.5}
 FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_modulus": 70.0}}}
 

@@ -3,9 +3,9 @@
 Under a sharp cone, meshes for different homogeneous materials differ by a factor on all lengths alone, and so do not
 differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
 
-At large strains each step of the graded onset, and the one after it, begins where the last one ended: carried on, it
-could turn an element inside out. A lane that finds no equilibrium from where its last change carried it tries again
-from where the last step ended, and then in parts.
+Where the load history has a corner may differ from lane to lane. At large strains each step of the graded onset, and
+the one after it, begins where the last one ended: carried on, it could turn an element inside out. A lane that finds no
+equilibrium from where its last change carried it tries again from where the last step ended, and then in parts.
 """
 
 from __future__ import annotations
@@ -77,10 +77,12 @@ class Case:
         """Ends of the time steps [s]."""
         return step_times(self.protocol, self.resolution.refine)
 
-    @cached_property
-    def corners(self) -> np.ndarray:
-        """Which steps end at a corner of the load history."""
-        return np.isin(self.times, self.protocol.knot_time)
+    @property
+    def carries(self) -> np.ndarray:
+        """Whether each step may carry the last change on: not from a corner of the load history, nor at the onset."""
+        corners = np.isin(self.times, self.protocol.knot_time)
+        steps_loaded = np.cumsum(self.protocol.load_at(self.times) > 0.0)
+        return ~np.append(True, corners[:-1]) & (steps_loaded > (len(GRADED_START) + 2 if self.large else 0))
 
     @property
     def kind(self) -> tuple:
@@ -88,7 +90,7 @@ class Case:
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
         homogeneous = self.specimen.substrate is None
-        return self.large, self.resolution, shape, self.corners.tobytes(), len(self.specimen.coefficients), homogeneous
+        return self.large, self.resolution, shape, len(self.times), len(self.specimen.coefficients), homogeneous
 
 
 def indent_batch(cases: Sequence[Case]) -> list[History]:
@@ -123,7 +125,7 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     lanes = [*cases, *[cases[-1]] * (LANES - len(cases))]
     units = np.array([case.radii[0] for case in lanes])
     protocols = [case.protocol for case in lanes]
-    large, resolution, corners = lanes[0].large, lanes[0].resolution, lanes[0].corners
+    large, resolution = lanes[0].large, lanes[0].resolution
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
     body, bodies = Body.of(mesh), Specimens.of([case.specimen for case in lanes], mesh, units)
     scale = np.array([protocol.max_load for protocol in protocols]) / units**2
@@ -132,6 +134,7 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
     ends = np.stack([case.times for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
+    carries = np.stack([case.carries for case in lanes], axis=1)
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),
         Touch.at_apex(profiles, len(mesh.surface)),
@@ -144,12 +147,11 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
         shape, depth = states.displacement, states.depth
-        free = k > (len(GRADED_START) + 1 if large else 0) and not corners[k - 1]
-        ratio = (end - begin) / (begin - times[:, k - 1]) if free else np.zeros(LANES)
+        ratio = np.where(carries[k], (end - begin) / (begin - times[:, k - 1]), 0.0)
         found = march.step(states, begin, end, ratio * change, ratio * deepening, alive)
         lost = alive & ~found
         if lost.any():
-            found |= march.in_parts(states, start, begin, end, 1 if free else 2, lost)
+            found |= march.in_parts(states, start, begin, end, np.where(carries[k], 1, 2), lost)
         alive = found
         if not alive.any():
             break

@@ -118,7 +118,7 @@ class March:
         return found
 
     def in_parts(
-        self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: int, lanes: np.ndarray
+        self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray
     ) -> np.ndarray:
         """Bring some lanes from one time to another [s] in equal parts to begin with, halved where it must be.
 
@@ -128,8 +128,7 @@ class March:
             Out: at the time `end` in the lanes that are returned; other lanes keep what they are.
         start
             At the time `begin`; spent by this.
-        begin, end, lanes : ndarray, shape (LANES,)
-        parts : int
+        begin, end, parts, lanes : ndarray, shape (LANES,)
 
         Returns
         -------
