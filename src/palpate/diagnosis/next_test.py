@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,15 +12,20 @@ from scipy.stats import chi2, ncx2
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.refine import simulated_at, specification_at
+from palpate.diagnosis.refine import specification_at
 from palpate.errors import PalpateError
-from palpate.model import simulate_batch
+from palpate.indenters import Indenter
+from palpate.model import simulate, simulate_batch, smooth
 from palpate.protocol import Protocol, trapezoid
+from palpate.specification import Specification
 
 POINTS = 30
 DRAWS = 6
 REPLICATES = 3
 FALSE_ALARM = 0.01
+OF_THE_TIP = ("tip_angle", "tip_rounding")  # effects that stay behind with the tip
+SPHERE = 10_000.0  # nm
+BERKOVICH = 70.3  # deg, the equivalent cone
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +40,18 @@ class FeasibleTest:
         Its numbers.
     protocol
         Its load history.
+    indenter
+        Another tip; None for the same.
     """
 
     words: str
     settings: dict[str, float]
     protocol: Protocol
+    indenter: Indenter | None = None
 
 
-def feasible(load: float, loading_time: float) -> Iterator[FeasibleTest]:
-    """Yield tests around the largest load [mN] and shortest loading time [s] of a study."""
+def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[FeasibleTest]:
+    """Yield tests around the largest load [mN] and shortest loading time [s] of a study, with its tip and another."""
     for factor in (0.03, 0.1, 0.3, 3.0):
         settings = {"max_load": factor * load, "loading_time": loading_time, "hold_time": 0.0}
         yield _trapezoid(f"the same times at {factor * load:.3g} mN", settings, loading_time)
@@ -62,6 +70,19 @@ def feasible(load: float, loading_time: float) -> Iterator[FeasibleTest]:
         {"max_load": load, "loading_time": loading_time, "low_load": low, "low_hold_time": hold},
         Protocol(knots, loads, sample),
     )
+    settings = {"max_load": load, "loading_time": loading_time, "hold_time": 0.0}
+    yield _with_another_tip(_trapezoid(f"the same times at {load:.3g} mN", settings, loading_time), indenter)
+
+
+def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
+    """Return the test with a sphere in place of a cone, or the other way round."""
+    if indenter.half_angle:
+        other = replace(indenter, shape="sphere", half_angle=0.0, radius=SPHERE)
+        words, size = f"{test.words} with a sphere of {1e-3 * SPHERE:g} um", {"radius": SPHERE}
+    else:
+        other = replace(indenter, shape="cone", half_angle=BERKOVICH, radius=0.0)
+        words, size = f"{test.words} with a Berkovich tip", {"half_angle": BERKOVICH}
+    return replace(test, words=words, settings=test.settings | size, indenter=other)
 
 
 def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
@@ -80,11 +101,10 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
     scale = first.problem.scale
     best: dict[str, Any] | None = None
-    for test in feasible(scale.load, scale.loading_time):
-        condition = Condition("next", "validate", test.protocol)
+    for test in feasible(scale.load, scale.loading_time, study.indenter):
         try:
             (a, spread_a), (b, spread_b) = (
-                _predicted(study, fit, condition, sample) for fit, sample in zip((first, second), samples, strict=True)
+                _predicted(study, fit, test, sample) for fit, sample in zip((first, second), samples, strict=True)
             )
         except PalpateError:
             continue
@@ -100,11 +120,22 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     return best
 
 
-def _predicted(study: Study, fit: Fit, condition: Condition, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _predicted(study: Study, fit: Fit, test: FeasibleTest, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
-    curve = simulated_at(study, condition, fit, fit.z)
-    outcomes = simulate_batch(specification_at(study, condition, fit, z) for z in (fit.z, *draws))
+    condition = Condition("next", "validate", test.protocol)
+    first, *others = (_of_test(specification_at(study, condition, fit, z), test) for z in (fit.z, *draws))
+    outcomes = [simulate(smooth(first)), *simulate_batch([first, *others])]
     if any(outcome.status != "ok" for outcome in outcomes):
-        raise PalpateError(f"{'+'.join(fit.explanation)}, {condition.name}: a simulation failed")
-    curves = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
-    return curve, curves.T @ curves / len(draws)
+        raise PalpateError(f"{'+'.join(fit.explanation)}, {test.words}: a simulation failed")
+    curve, fitted, *drawn = (outcome.depth for outcome in outcomes)
+    departures = np.array([depth - fitted for depth in drawn])
+    factor = fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, fit.z)[1])
+    return curve * factor, departures.T @ departures / len(draws)
+
+
+def _of_test(specification: Specification, test: FeasibleTest) -> Specification:
+    """Return what is simulated with the tip of a test; effects of the old tip stay behind with it."""
+    if test.indenter is None:
+        return specification
+    kept = {key: values for key, values in specification.mechanisms.items() if key not in OF_THE_TIP}
+    return replace(specification, indenter=test.indenter, mechanisms=kept)
