@@ -5,7 +5,7 @@ import pytest
 
 from palpate.fem import hencky, linear
 from palpate.fem.contact import Profile
-from palpate.fem.indent import RESOLUTIONS, indent, march, step_times
+from palpate.fem.indent import RESOLUTIONS, indent, march, mesh_radii, step_times
 from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
 from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.indenters import Indenter
@@ -226,3 +226,23 @@ def test_a_step_that_cannot_converge_is_reported(monkeypatch):
     outcome = indent(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)
     assert "no equilibrium" in outcome.reason
     assert np.isnan(outcome.depth).all()
+
+
+def test_where_a_body_yields_the_load_grows_little_within_a_step():
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=20)
+    times, usual = step_times(protocol, 1, yields=True), step_times(protocol, 1)
+    load = protocol.load_at(times)
+    assert np.isin(usual, times).all()
+    assert (load[1:] / np.maximum(load[:-1], 1e-12)).max() < 1.1251
+
+
+@pytest.mark.parametrize("large", [False, True])
+def test_a_plastic_cone_keeps_to_its_law_from_the_first_sample(large):
+    """Without creep depth / sqrt(load) is constant; with a step from one sample to the next it departs by 3 %."""
+    plastic = law("bilinear_plasticity", youngs_modulus=3.0, poisson_ratio=0.34, yield_stress=0.1, hardening=0.3)
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
+    radii = mesh_radii(Specimen(plastic), CONE, protocol, STANDARD)
+    shifted = [radii * STANDARD.growth ** (part / 4) for part in range(4)]
+    depths = [indent(Specimen(plastic), CONE, protocol, STANDARD, large, rings).depth for rings in shifted]
+    constant = np.mean(depths, axis=0)[:20] / np.sqrt(protocol.sample_load[:20])
+    assert np.abs(constant / constant[-1] - 1.0).max() < 0.006

@@ -35,6 +35,11 @@ class Specimen:
     size_length: float = 0.0
     adhesion: float = 0.0
 
+    @property
+    def yields(self) -> bool:
+        """Whether the material has a yield stress."""
+        return bool(self.coefficients[YIELD] < NO_YIELD)
+
     def resistance(self, depth: float) -> float:
         """Return the factor sqrt(1 + length / depth) on the stress that inelastic flow needs at `depth` [nm].
 

@@ -75,7 +75,7 @@ class Case:
     @cached_property
     def times(self) -> np.ndarray:
         """Ends of the time steps [s]."""
-        return step_times(self.protocol, self.resolution.refine)
+        return step_times(self.protocol, self.resolution.refine, self.specimen.yields)
 
     @property
     def carries(self) -> np.ndarray:

@@ -30,6 +30,7 @@ RESOLUTIONS = {
 }
 LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
+GROWTH = 0.125
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,15 +118,30 @@ def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resol
     return ring_radii(*contact_range(specimen, indenter, protocol), resolution)
 
 
-def step_times(protocol: Protocol, refine: int) -> np.ndarray:
-    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded onset of loading."""
+def step_times(protocol: Protocol, refine: int, yields: bool = False) -> np.ndarray:
+    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded onset of loading.
+
+    Where a body yields, a step in which the load grows by more than `GROWTH` / refine is divided: the direction of
+    plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile.
+    """
     ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
     ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
-    starts = np.concatenate([[0.0], ends[:-1]])
-    fine = np.concatenate([np.linspace(a, b, refine + 1)[1:] for a, b in zip(starts, ends, strict=True)])
+    fine = divided(ends, np.full(len(ends), refine))
     onset = protocol.knot_time[np.flatnonzero(protocol.knot_load > 0)[0] - 1]
     first = fine[fine > onset * (1 + 1e-9)][0]
-    return np.union1d(fine, onset + (first - onset) * GRADED_START)
+    graded = np.union1d(fine, onset + (first - onset) * GRADED_START)
+    if not yields:
+        return graded
+    load = protocol.load_at(graded)
+    before = np.append(0.0, load[:-1])
+    growth = np.divide(load - before, before, out=np.zeros_like(load), where=before > 0.0)
+    return divided(graded, np.maximum(np.ceil(growth * refine / GROWTH - 1e-6), 1).astype(int))
+
+
+def divided(ends: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return the ends of steps of which each is divided into so many equal parts; the first begins at zero."""
+    starts = np.append(0.0, ends[:-1])
+    return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, parts, strict=True)])
 
 
 def laws_of(specimen: Specimen) -> np.ndarray:
@@ -218,11 +234,14 @@ def indent(
     adhesion = attraction(specimen, resolution, largest, mesh)
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)
-    ends = step_times(protocol, resolution.refine)
+    ends = step_times(protocol, resolution.refine, specimen.yields)
     sensitivity = None
     if directions:
         pairs = ((shift.low, shift.high) for shift in directions.shifts)
-        moved = tuple((step_times(a, resolution.refine), step_times(b, resolution.refine)) for a, b in pairs)
+        moved = tuple(
+            (step_times(a, resolution.refine, specimen.yields), step_times(b, resolution.refine, specimen.yields))
+            for a, b in pairs
+        )
         sensitivity = Sensitivity(problem, directions, Clock(ends, moved, directions.shifts, directions.count))
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
