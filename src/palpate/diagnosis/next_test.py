@@ -12,10 +12,10 @@ from scipy.stats import chi2, ncx2
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.refine import specification_at
+from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import PalpateError
 from palpate.indenters import Indenter
-from palpate.model import simulate, simulate_batch, smooth
+from palpate.model import simulate_batch
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
 
@@ -124,13 +124,12 @@ def _predicted(study: Study, fit: Fit, test: FeasibleTest, draws: np.ndarray) ->
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
     condition = Condition("next", "validate", test.protocol)
     first, *others = (_of_test(specification_at(study, condition, fit, z), test) for z in (fit.z, *draws))
-    outcomes = [simulate(smooth(first)), *simulate_batch([first, *others])]
+    curve = on_fine_mesh(first, condition, fit, fit.z)
+    outcomes = simulate_batch([first, *others])
     if any(outcome.status != "ok" for outcome in outcomes):
         raise PalpateError(f"{'+'.join(fit.explanation)}, {test.words}: a simulation failed")
-    curve, fitted, *drawn = (outcome.depth for outcome in outcomes)
-    departures = np.array([depth - fitted for depth in drawn])
-    factor = fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, fit.z)[1])
-    return curve * factor, departures.T @ departures / len(draws)
+    departures = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
+    return curve, departures.T @ departures / len(draws)
 
 
 def _of_test(specification: Specification, test: FeasibleTest) -> Specification:

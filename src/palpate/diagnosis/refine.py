@@ -50,7 +50,18 @@ def simulated_at(study: Study, condition: Condition, fit: Fit, z: np.ndarray) ->
     PalpateError
         When the solver fails.
     """
-    outcome = simulate(smooth(specification_at(study, condition, fit, z)))
+    return on_fine_mesh(specification_at(study, condition, fit, z), condition, fit, z)
+
+
+def on_fine_mesh(specification: Specification, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
+    """Return the smooth curve [nm] of a specification, with the mesh's correction for an explanation at coordinates z.
+
+    Raises
+    ------
+    PalpateError
+        When the solver fails.
+    """
+    outcome = simulate(smooth(specification))
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
     return outcome.depth * fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])

@@ -30,7 +30,7 @@ RESOLUTIONS = {
 }
 LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
-GROWTH = 0.125
+GROWTH = 0.125  # of the load within one step, where a body yields
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,14 +234,11 @@ def indent(
     adhesion = attraction(specimen, resolution, largest, mesh)
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)
-    ends = step_times(protocol, resolution.refine, specimen.yields)
+    steps_of = partial(step_times, refine=resolution.refine, yields=specimen.yields)
+    ends = steps_of(protocol)
     sensitivity = None
     if directions:
-        pairs = ((shift.low, shift.high) for shift in directions.shifts)
-        moved = tuple(
-            (step_times(a, resolution.refine, specimen.yields), step_times(b, resolution.refine, specimen.yields))
-            for a, b in pairs
-        )
+        moved = tuple((steps_of(shift.low), steps_of(shift.high)) for shift in directions.shifts)
         sensitivity = Sensitivity(problem, directions, Clock(ends, moved, directions.shifts, directions.count))
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
