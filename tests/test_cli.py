@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import yaml
 from palpate import model
 from palpate.cli import main
 
+CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
     "indenter": {"shape": "cone", "half_angle": 70.3},
@@ -66,6 +68,20 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
     line = refused(command, file, *(["-o", tmp_path / "c.csv"] if command == "simulate" else []))
     assert str(file) in line
     assert words in line or command == "check"
+
+
+@pytest.mark.parametrize(
+    ("diagnosis", "words"),
+    [
+        ({"mechanisms": ["magic"]}, "diagnosis.mechanisms: mechanism 'magic' is not known"),
+        ({"ranges": {"frame_compliance": {"amount": [0, 1]}}}, "diagnosis.ranges.frame_compliance: amount is not"),
+    ],
+)
+def test_a_diagnosis_that_cannot_be_made_is_found_by_check(tmp_path, refused, diagnosis, words):
+    study = yaml.safe_load(CHALLENGE.read_text())
+    file = tmp_path / "study.yaml"
+    file.write_text(yaml.safe_dump(study | {"diagnosis": diagnosis}))
+    assert f"{file}, {words}" in refused("check", file)
 
 
 def test_output_that_cannot_be_written(tmp_path, refused):

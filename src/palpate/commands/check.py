@@ -18,10 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the study, and every set of recordings that is not written by the study itself."""
     from palpate.config import load_study
+    from palpate.diagnosis.design import candidates
     from palpate.observations import check_given
 
     study = load_study(arguments.study, data=arguments.data)
     check_given(study)
+    if study.diagnosis["enabled"]:
+        candidates(study)
     count = len(study.cells) * sum(condition.role == "calibrate" for condition in study.conditions)
     print(f"{arguments.study}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots")
     return 0

@@ -86,7 +86,20 @@ def longest_rise(protocol: Protocol) -> float:
 
 
 def candidates(study: Study) -> dict[str, Mechanism]:
-    """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip."""
+    """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip.
+
+    Raises
+    ------
+    InputError
+        When the study names what is not known or cannot act, or ranges of what is not searched.
+    """
+    try:
+        return _candidates(study)
+    except InputError as error:
+        raise error.located(file=study.file) from None
+
+
+def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
     specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
     _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
