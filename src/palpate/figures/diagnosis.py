@@ -64,7 +64,7 @@ def _map(content: Mapping[str, Any], axis) -> None:
                 axis.plot(j, i, "o", color=RECORDED, ms=3)
     largest = max(float(np.nanmax(np.abs(values))), 1e-9)
     image = axis.imshow(values, cmap="RdBu_r", vmin=-largest, vmax=largest, aspect="auto")
-    axis.set_xticks(range(len(parts)), [f"{part}\n{segment}" for segment, part in parts], fontsize=6)
+    axis.set_xticks(range(len(parts)), [f"{part}\n{segment}" for segment, part in parts], fontsize=5.5)
     axis.set_yticks(range(len(conditions)), conditions, fontsize=6.5)
     axis.spines[["left", "bottom"]].set_visible(False)
     axis.tick_params(length=0)
@@ -86,7 +86,7 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
     axis.set_yticks(range(len(tried)), names, fontsize=6)
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
-    axis.set_xlabel("log evidence over the base model")
+    axis.set_xlabel("log evidence, base model: 0")
     axis.set_title("tried; in red: what stands" if standing else "tried; none stands")
 
 
