@@ -8,7 +8,7 @@ once the rate was below 0.05 nm/s).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -41,6 +41,8 @@ class Errors:
         The surrogates' part of it.
     counts
         Number of recordings of each condition.
+    between
+        Variance of a mechanism's value between conditions, beyond that between recordings.
     """
 
     noise: NoiseModel
@@ -48,11 +50,18 @@ class Errors:
     model: np.ndarray
     surrogate: np.ndarray
     counts: list[int]
+    between: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the mean curves (n_all, n_all) [nm^2]."""
-        return self.model + block_diag(*self.blocks(self.noise))
+        return self.shared + block_diag(*self.blocks(self.noise))
+
+    @property
+    def shared(self) -> np.ndarray:
+        """Covariance of what all recordings of a condition have in common (n_all, n_all) [nm^2]."""
+        values = (v * block_diag(*(parts[key] for parts in self.components)) for key, v in self.between.items())
+        return self.model + sum(values)
 
     def blocks(self, noise: NoiseModel) -> list[np.ndarray]:
         """Return the noise of the mean of each condition's recordings."""

@@ -11,17 +11,21 @@ each turned into a chi-square probability; the smallest one is the statistic. It
 noise: the noise model itself is drawn anew each time from its uncertainty, and the material parameters are refitted
 (which, to first order, is the projection). So the p-value is for the whole family of filters. In the tangent space
 itself nothing is left once the fit has converged within its bounds; what is left where it has not counts as it stands.
+
+Two more kinds of tests look at the recordings behind the means: whether replicates differ in a way that a mechanism
+explains whose value varies, and whether the values of one that was named follow the test (`between_tests`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky
 from scipy.stats import chi2, qmc
 
+from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import noise_of, varying
 from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.fit import Fit
@@ -92,7 +96,7 @@ def filters(fit: Fit, keys: Iterable[str]) -> list[Filter]:
 
 def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarray:
     """Return whitened noise of the mean curves (n_all, count), the noise model drawn anew for each column."""
-    model = cholesky(fit.errors.model + 1e-9 * np.eye(len(fit.errors.model)), lower=True)
+    model = cholesky(fit.errors.shared + 1e-9 * np.eye(len(fit.white)), lower=True)
     columns = model @ rng.standard_normal((len(model), count))
     noise = fit.errors.noise.simulated(fit.errors.components, count, rng)
     means = [part / np.sqrt(n) for part, n in zip(noise, fit.errors.counts, strict=True)]
@@ -110,7 +114,8 @@ def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int,
     p_means = (1.0 + np.sum(under_noise <= found)) / (1.0 + draws)
     unconverged = fit.tangent_space.T @ fit.white
     p_means = min(p_means, float(chi2.sf(unconverged @ unconverged, len(unconverged))))
-    return combined(p_means, between_replicates(fit, keys, site_scatter))
+    of_tests = list(p_between_tests(fit, rng).values())
+    return combined([[p_means], between_replicates(fit, keys, site_scatter), of_tests])
 
 
 def gains(fit: Fit, keys: Iterable[str]) -> dict[str, float]:
@@ -140,7 +145,7 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
     return found
 
 
-def combined(p_means: float, p_replicates: list[float]) -> float:
-    """Return the p-value of means and replicates together (Bonferroni)."""
-    parts = [p_means, *(len(p_replicates) * p for p in p_replicates)]
-    return float(min(1.0, (1 + bool(p_replicates)) * min(parts)))
+def combined(kinds: Iterable[Sequence[float]]) -> float:
+    """Return the p-value of all tests together (Bonferroni); each kind of them that was made weighs the same."""
+    made = [p_values for p_values in kinds if p_values]
+    return float(min(1.0, len(made) * min(len(p_values) * min(p_values) for p_values in made)))

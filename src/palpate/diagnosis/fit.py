@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag, cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
@@ -209,21 +209,18 @@ def _minimised(fit: Fit, radius: float) -> Fit:
 
 def spread_own_values(fit: Fit, radius: float) -> Fit:
     """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
-    problem, errors = fit.problem, fit.errors
     for key in varying(fit.explanation):
-        largest = problem.largest(key)
-        block = block_diag(*(parts[key] for parts in errors.components))
-        best, chosen = -np.inf, errors
+        best, chosen = -np.inf, fit
         for share in OWN_VALUES:
-            wider = replace(errors, model=errors.model + (share * largest) ** 2 * block)
-            trial = replace(fit, errors=wider)
+            between = {**fit.errors.between, key: (share * fit.problem.largest(key)) ** 2}
+            trial = replace(fit, errors=replace(fit.errors, between=between))
             tangent = trial.whiten(fit.tangent)
             left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
             likelihood = -0.5 * float(left @ left) - float(np.log(np.diag(trial.factor)).sum())
             if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
-                best, chosen = likelihood, wider
-        errors = chosen
-    return fit if errors is fit.errors else _minimised(replace(fit, errors=errors), radius)
+                best, chosen = likelihood, trial
+        fit = chosen
+    return _minimised(fit, radius) if any(fit.errors.between.values()) else fit
 
 
 def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:

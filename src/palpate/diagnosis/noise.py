@@ -221,7 +221,8 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
         information[place, place] = AT_BOUND**-2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
     scaled = information / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-    return np.linalg.inv(scaled) / np.outer(scale, scale)
+    inverse = np.linalg.inv(scaled) / np.outer(scale, scale)
+    return 0.5 * (inverse + inverse.T)
 
 
 def _matrix(sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]):

@@ -10,6 +10,7 @@ import pandas as pd
 
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
+from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.edges import at_edges
@@ -22,6 +23,7 @@ from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 
 COARSE = 0.01
 
@@ -155,6 +157,22 @@ def too_narrow(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
+def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
+    """Say which effect of single recordings fits only with a value for each test, when nothing tried explains them."""
+    if diagnosis.verdict != "unexplained":
+        return []
+    tested = [candidate.fit for candidate in diagnosis.tried if candidate.p_value is not None]
+    found = p_between_tests(max(tested, key=lambda fit: fit.log_evidence), rng)
+    titles = [MECHANISMS[key].title for key, p in found.items() if p < level]
+    if not titles:
+        return []
+    return [
+        f"The likeliest that was tried needs another value of {' and '.join(titles)} for each test, though replicates "
+        "agree: no matter of single recordings. Either the instrument changed between the tests, or something follows "
+        "the test that is not in the library."
+    ]
+
+
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
@@ -219,6 +237,7 @@ def to_mapping(
             if not candidate.confirmed
         ]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
-        + too_narrow(diagnosis),
+        + too_narrow(diagnosis)
+        + follows_tests(diagnosis, study.diagnosis["significance"], rng),
     }
     return content, table

@@ -1,0 +1,94 @@
+r"""Whether values that differ from recording to recording follow the test: then something else was left out.
+
+A drift or a zero point is a matter of each single recording. If it is what was left out, its values scatter as much
+between the replicates of one test as between tests. Physics that is in no library can pass for it, with a value for
+each test; but then replicates agree, and the tests do not.
+
+Analysis of variance of one way (R.A. Fisher, Statistical Methods for Research Workers, 1925, ch. VII), on the values of
+single recordings by generalised least squares. Values found less surely count less, and what the simulation errs by
+is common to the replicates of a test, so the ratio's distribution comes from draws: the variance between replicates
+from its scaled inverse chi-square distribution, then the tests' means. Without an error of the simulation and with
+equal precision this is Fisher's test.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from palpate.diagnosis.covariance import varying
+from palpate.diagnosis.fit import Fit
+
+DRAWS = 20000
+JITTER = 1e-9
+
+
+def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
+    """Return, for each mechanism whose value varies, the p-value of tests differing no more than replicates do.
+
+    Conditions with a single recording do not count; with fewer than two others there is nothing to compare, and no
+    p-value.
+    """
+    keys = varying(fit.explanation)
+    conditions = [k for k, count in enumerate(fit.errors.counts) if count > 1]
+    if not keys or len(conditions) < 2:
+        return {}
+    estimators, values = _own_values(fit, keys)
+    found = {}
+    for place, key in enumerate(keys):
+        rows = [values[k][place] for k in conditions]
+        noise = np.array([estimators[k][place] @ _points(fit, k, keys) @ estimators[k][place] for k in conditions])
+        every = block_diag(*(estimator[place] for estimator in estimators))[conditions]
+        found[key] = p_of_means(rows, noise, every @ fit.errors.model @ every.T, rng)
+    return found
+
+
+def _own_values(fit: Fit, keys: tuple[str, ...]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return for each condition the estimator (k, n) of the values' departures from their means, and those (k, r)."""
+    estimators, values = [], []
+    curves = fit.problem.split(fit.curve)
+    for number, condition in enumerate(fit.problem.conditions):
+        design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
+        weighed = np.linalg.solve(_points(fit, number, keys), design)
+        estimators.append(np.linalg.solve(design.T @ weighed, weighed.T))
+        departures = fit.problem.observed[condition.name].depth - curves[condition.name]
+        values.append(estimators[-1] @ departures.T)
+    return estimators, values
+
+
+def _points(fit: Fit, number: int, keys: tuple[str, ...]) -> np.ndarray:
+    """Return the covariance (n, n) of a recording apart from what the mechanisms `keys` add [nm^2]."""
+    noise, parts = fit.errors.noise, fit.errors.components[number]
+    rest = {name: part for name, part in parts.items() if name not in keys}
+    return noise.matrix(number, rest)
+
+
+def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rng: np.random.Generator) -> float:
+    """Return the p-value of the means of `rows` differing no more than replicates and the simulation's error explain.
+
+    Parameters
+    ----------
+    rows : sequence of ndarray, shape (r,)
+        Values of each test's recordings.
+    noise : ndarray, shape (c,)
+        Variance with which a recording of each test gives its value.
+    shared : ndarray, shape (c, c)
+        Covariance of what all recordings of a test have in common.
+    """
+    counts = np.array([len(row) for row in rows])
+    means = np.array([row.mean() for row in rows])
+    squares = np.array([np.sum((row - row.mean()) ** 2) for row in rows])
+    freedom = counts - 1
+    natural = max(float(np.sum(squares - freedom * noise) / freedom.sum()), 0.0)
+    scale = 1.0 / (natural + noise)
+    within = float(np.sum(scale * squares) / freedom.sum())
+
+    def between(means: np.ndarray) -> np.ndarray:
+        weights = counts * scale
+        return np.sum(weights * (means - (means @ weights / weights.sum())[..., None]) ** 2, axis=-1)
+
+    variance = within * freedom.sum() / rng.chisquare(freedom.sum(), size=(DRAWS, 1))
+    root = np.linalg.cholesky(shared + JITTER * np.diag(1.0 / scale))
+    drawn = rng.standard_normal((DRAWS, len(rows))) * np.sqrt(variance / (scale * counts))
+    drawn += rng.standard_normal((DRAWS, len(rows))) @ root.T
+    return float((1.0 + np.sum(between(drawn) >= between(means))) / (1.0 + DRAWS))
