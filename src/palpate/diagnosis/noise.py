@@ -95,11 +95,12 @@ class NoiseModel:
     ) -> list[np.ndarray]:
         """Return noise (n, count) of one recording of each condition, each column from a model drawn anew [nm].
 
-        The model is drawn from its uncertainty: `covariance`, within the bounds.
+        The model is drawn from its uncertainty: `covariance`, within the bounds. Rounding may leave it an eigenvalue
+        just below zero, of which the magnitude counts.
         """
         conditions = len(self.sigma)
         mean = np.concatenate([np.log(self.sigma), _logit(self.memory), list(self.variances.values())])
-        draws = rng.multivariate_normal(mean, self.covariance, size=count, method="svd")
+        draws = rng.multivariate_normal(mean, self.covariance, size=count, method="svd", check_valid="ignore")
         points = slice(0, 2 * conditions)
         draws[:, points] = np.clip(draws[:, points], mean[points] - FURTHEST, mean[points] + FURTHEST)
         sigma = np.exp(draws[:, :conditions])
