@@ -121,7 +121,9 @@ def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatt
         item = problem.observed[condition.name]
         identity = np.eye(len(item.time))
         replicates.append(Replicates(contrasts(item.depth), identity, part, float(np.abs(item.mean).max())))
-    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST)
+    narrower = [tuple(k for k in keys if k != key) for key in keys]
+    within = [noise_between_replicates(problem, rest, site_scatter) for rest in narrower]
+    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST, within)
 
 
 def errors(

@@ -37,6 +37,7 @@ MARGIN = 30.0
 FURTHEST = 2.0
 AT_BOUND = 1e-4
 NEVER_ZERO = ("site", "wander")
+MEMORIES = (0.5, 0.95)  # where the search begins
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +142,17 @@ def without_trend(segments: Sequence[np.ndarray], degree: int = 3) -> np.ndarray
 
 
 def fit_noise(
-    replicates: Sequence[Replicates], assumed: Mapping[str, float], replicated: bool, largest: Mapping[str, float]
+    replicates: Sequence[Replicates],
+    assumed: Mapping[str, float],
+    replicated: bool,
+    largest: Mapping[str, float],
+    within: Sequence[NoiseModel] = (),
 ) -> NoiseModel:
     """Fit by maximum likelihood.
+
+    The likelihood has several maxima, as a long memory, a random walk and a mechanism can pass for each other. The
+    search begins from noise of short and of long memory, and from each model that this one contains, so that more
+    components never fit worse.
 
     Parameters
     ----------
@@ -151,20 +160,19 @@ def fit_noise(
         Variance of each component: the value itself without replicates, else where the search begins.
     largest
         Upper bounds of some of the variances.
+    within
+        Models of the same recordings with fewer components.
     """
     names = list(replicates[0].components)
     count = len(replicates)
-    start_sigma = [max(np.std(np.diff(r.contrasts)) / np.sqrt(2), SMALLEST_SIGMA * r.scale) for r in replicates]
     floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
-    start = np.concatenate([np.log(start_sigma), np.zeros(count)])
     bounds = [(floor, np.log(r.scale)) for floor, r in zip(floors, replicates, strict=True)]
     bounds += [(-4.0, _logit(np.array(largest_memory(replicated))).item())] * count
+    first = np.empty(0)
     if replicated:
-        first = [np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names]
-        start = np.concatenate([start, first])
-        highest = [
-            np.log(largest[name]) if name in largest else v + MARGIN for name, v in zip(names, first, strict=True)
-        ]
+        first = np.array([np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names])
+        highest = np.log([largest[name] if name in largest else _greatest(name, replicates) for name in names])
+        first = np.minimum(first, highest)
         bounds += [(value - MARGIN, high) for value, high in zip(first, highest, strict=True)]
 
     def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
@@ -176,24 +184,39 @@ def fit_noise(
         value, slope = 0.0, np.zeros(len(x))
         for k, r in enumerate(replicates):
             parts = _derivatives(sigma[k], memory[k], r)
-            matrix = r.basis @ _matrix(sigma[k], memory[k], variances, r.components) @ r.basis.T
-            factor = cho_factor(matrix, lower=True)
-            inverse = cho_solve(factor, np.eye(len(matrix)))
+            factor = cho_factor(_projected(r, _matrix(sigma[k], memory[k], variances, r.components)), lower=True)
+            inverse = cho_solve(factor, np.eye(len(factor[0])))
             solved = inverse @ r.contrasts.T
             rank = len(r.contrasts)
             value += rank * np.log(np.diag(factor[0])).sum() + 0.5 * np.sum(solved * r.contrasts.T)
             weight = 0.5 * (rank * inverse - solved @ solved.T)
-            slope[k] += np.sum(weight * parts[0])
-            slope[count + k] += np.sum(weight * parts[1])
+            slope[k] += np.vdot(weight, parts[0])
+            slope[count + k] += np.vdot(weight, parts[1])
             if replicated:
                 for j, name in enumerate(names):
-                    slope[2 * count + j] += variances[name] * np.sum(weight * parts[2 + j])
+                    slope[2 * count + j] += variances[name] * np.vdot(weight, parts[2 + j])
         for j in never_zero:
             value, slope[j] = value - 0.5 * x[j], slope[j] - 0.5
         return value, slope
 
+    def start(memory: float) -> np.ndarray:
+        steps = np.array([np.std(np.diff(r.contrasts)) for r in replicates])
+        sigma = np.log(np.maximum(steps / np.sqrt(2.0 * (1.0 - memory)), np.exp(floors)))
+        return np.concatenate([sigma, np.full(count, _logit(np.array(memory))), first])
+
+    def start_within(model: NoiseModel) -> np.ndarray:
+        values = {**assumed, **model.variances}
+        known = [np.log(max(values[name], SMALLEST_VARIANCE)) for name in names]
+        return np.concatenate([np.log(model.sigma), _logit(model.memory), known])
+
     never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
-    found = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60})
+    starts = [start(MEMORIES[0]), *(start_within(model) for model in within)]
+    starts += [] if within else [start(memory) for memory in MEMORIES[1:]]
+    lowest, highest_x = np.transpose(bounds)
+    searches = [
+        minimize(objective, np.clip(x, lowest, highest_x), jac=True, method="L-BFGS-B", bounds=bounds) for x in starts
+    ]
+    found = min(searches, key=lambda search: search.fun)
     sigma, memory, variances = unpack(found.x)
     covariance = _fisher(replicates, sigma, memory, variances, replicated)
     log_likelihood = -float(found.fun) - 0.5 * float(found.x[never_zero].sum())
@@ -205,8 +228,7 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
     count, names = len(replicates), list(variances)
     information = np.zeros((2 * count + len(names),) * 2)
     for k, r in enumerate(replicates):
-        matrix = r.basis @ _matrix(sigma[k], memory[k], variances, r.components) @ r.basis.T
-        inverse = np.linalg.inv(matrix)
+        inverse = np.linalg.inv(_projected(r, _matrix(sigma[k], memory[k], variances, r.components)))
         solved = [inverse @ part for part in _derivatives(sigma[k], memory[k], r)]
         places = [k, count + k, *range(2 * count, 2 * count + len(names))]
         for a, i in enumerate(places):
@@ -226,6 +248,16 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
     return 0.5 * (inverse + inverse.T)
 
 
+def _greatest(name: str, replicates: Sequence[Replicates]) -> float:
+    """Return the variance with which a component would add as much as the recordings are deep."""
+    return max(r.scale**2 / max(float(np.diag(r.components[name]).max()), SMALLEST_VARIANCE) for r in replicates)
+
+
+def _projected(r: Replicates, matrix: np.ndarray) -> np.ndarray:
+    """Return a covariance (n, n) in the basis of the contrasts, which is the identity where it has n rows."""
+    return r.basis @ matrix @ r.basis.T if len(r.basis) < len(matrix) else matrix
+
+
 def _matrix(sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]):
     size = len(next(iter(components.values())))
     matrix = sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
@@ -240,8 +272,7 @@ def _derivatives(sigma: float, memory: float, r: Replicates) -> list[np.ndarray]
     lags = np.arange(size)
     point = sigma**2 * toeplitz(memory**lags)
     slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
-    parts = [2 * point, slope, *r.components.values()]
-    return [r.basis @ part @ r.basis.T for part in parts] if len(r.basis) < size else parts
+    return [_projected(r, part) for part in (2 * point, slope, *r.components.values())]
 
 
 def _first_order(memory: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:
