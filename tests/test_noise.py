@@ -1,10 +1,13 @@
 """The noise model on recordings far from the usual: slow noise, large scatter, none at all."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from test_diagnosis import problem, recordings
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.covariance import noise_between_replicates
+from palpate.diagnosis.covariance import noise_between_replicates, noise_of
+from palpate.diagnosis.detect import examine
 
 SETS = [(), ("zero_offset",), ("thermal_drift",), ("thermal_drift", "zero_offset")]
 
@@ -38,3 +41,27 @@ def test_recordings_may_be_free_of_noise_or_full_of_it(sigma):
     noise = noise_between_replicates(problem(recordings(np.random.default_rng(1), sigma=sigma)), SETS[-1], 0.01)
     assert np.isfinite(noise.log_likelihood)
     assert np.median(noise.sigma) == pytest.approx(max(sigma, 0.005), rel=0.6)
+
+
+def test_a_condition_tested_once_takes_its_noise_from_the_others():
+    whole = problem(recordings(np.random.default_rng(5)))
+    item = whole.observed["b"]
+    lonely = replace(whole, observed=whole.observed | {"b": replace(item, depth=item.depth[:1])})
+    noise, others = noise_of(lonely, (), np.zeros(240), 0.01), noise_of(whole, (), np.zeros(240), 0.01)
+    assert noise.replicated
+    assert noise.sigma[[0, 2, 3]] == pytest.approx(others.sigma[[0, 2, 3]], rel=0.2)
+    assert noise.sigma[1] == pytest.approx(np.median(noise.sigma[[0, 2, 3]]))
+    assert np.linalg.eigvalsh(noise.covariance).min() > -1e-9
+    assert examine(fitted(lonely), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) > 0.01
+    compliant = {
+        c.name: replace(lonely.observed[c.name], depth=lonely.observed[c.name].depth + 30.0 * c.protocol.sample_load)
+        for c in CONDITIONS
+    }
+    bent = replace(lonely, observed=compliant)
+    assert examine(fitted(bent), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) < 0.01
+
+
+def test_two_conditions_of_four_tested_once_leave_the_noise_assumed():
+    whole = problem(recordings(np.random.default_rng(5)))
+    once = {name: replace(whole.observed[name], depth=whole.observed[name].depth[:1]) for name in ("a", "b")}
+    assert not replace(whole, observed=whole.observed | once).replicated

@@ -103,7 +103,8 @@ def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float
 def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
     """Fit the noise with components for `keys`; the `residual` (n_all,) serves where nothing is replicated."""
     if problem.replicated:
-        return noise_between_replicates(problem, keys, site_scatter)
+        found = noise_between_replicates(problem, keys, site_scatter)
+        return found.spread(problem.repeated, len(problem.conditions))
     replicates = []
     for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
         item = problem.observed[condition.name]
@@ -115,12 +116,12 @@ def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site
 
 @lru_cache(maxsize=64)
 def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatter: float) -> NoiseModel:
-    """Fit the noise to what distinguishes replicates, which is the same whatever else an explanation holds."""
-    replicates = []
-    for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
-        item = problem.observed[condition.name]
+    """Fit the noise of the repeated conditions to what distinguishes replicates, whatever else an explanation holds."""
+    replicates, parts = [], components(problem, keys, problem.mean)
+    for k in problem.repeated:
+        item = problem.observed[problem.conditions[k].name]
         identity = np.eye(len(item.time))
-        replicates.append(Replicates(contrasts(item.depth), identity, part, float(np.abs(item.mean).max())))
+        replicates.append(Replicates(contrasts(item.depth), identity, parts[k], float(np.abs(item.mean).max())))
     narrower = [tuple(k for k in keys if k != key) for key in keys]
     within = [noise_between_replicates(problem, rest, site_scatter) for rest in narrower]
     return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST, within)

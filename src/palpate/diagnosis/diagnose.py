@@ -135,7 +135,7 @@ def diagnose(
     with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Among the smallest
     explanations that pass, those within a likelihood ratio of 100 stand, so that a name given alone should be wrong in
     less than one case of a hundred. One that contradicts an exact law never passes.
-    Without replicates part of the noise is assumed, and no explanation is given alone.
+    Where most conditions have no replicates part of the noise is assumed, and no explanation is given alone.
 
     Parameters
     ----------

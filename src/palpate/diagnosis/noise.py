@@ -23,7 +23,7 @@ missing effect would pass for it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
@@ -90,6 +90,22 @@ class NoiseModel:
     def matrix(self, k: int, components: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return K (n, n) of condition number k [nm^2]."""
         return _matrix(self.sigma[k], self.memory[k], self.variances, components)
+
+    def spread(self, places: Sequence[int], count: int) -> NoiseModel:
+        """Return the model of `count` conditions of which those at `places` are this one's, in order.
+
+        The others, which were tested once, take the median of their strength and memory, as uncertain as they differ.
+        """
+        if len(places) == count:
+            return self
+        points = np.stack([np.log(self.sigma), _logit(self.memory)])
+        whole = np.repeat(np.median(points, axis=1)[:, None], count, axis=1)
+        whole[:, list(places)] = points
+        doubt = np.append(np.repeat(np.var(points, axis=1), count), np.zeros(len(self.variances)))
+        kept = np.concatenate([np.array(places), count + np.array(places), 2 * count + np.arange(len(self.variances))])
+        covariance = np.diag(doubt)
+        covariance[np.ix_(kept, kept)] = self.covariance
+        return replace(self, sigma=np.exp(whole[0]), memory=_memory(whole[1]), covariance=covariance)
 
     def simulated(
         self, components: Sequence[Mapping[str, np.ndarray]], count: int, rng: np.random.Generator

@@ -80,9 +80,14 @@ class Problem:
         return np.concatenate([self.observed[condition.name].mean for condition in self.conditions])
 
     @property
+    def repeated(self) -> list[int]:
+        """Numbers of the conditions that were tested more than once."""
+        return [k for k, condition in enumerate(self.conditions) if len(self.observed[condition.name].depth) > 1]
+
+    @property
     def replicated(self) -> bool:
-        """Whether every condition was tested more than once."""
-        return all(len(self.observed[condition.name].depth) > 1 for condition in self.conditions)
+        """Whether most conditions were tested more than once, so that replicates fix the noise of all."""
+        return 2 * len(self.repeated) > len(self.conditions)
 
     def mesh_factor(self, condition: Condition, own: Mapping[str, np.ndarray]) -> np.ndarray | float:
         """Return what takes the depth of a condition to the fine mesh (..., n_points).

@@ -122,11 +122,14 @@ def limits(study: Study, observed: Mapping[str, Observation]) -> list[str]:
     """Say what cannot be known from these recordings."""
     taken = [observed[c.name] for c in study.conditions if c.role == "calibrate"]
     said = []
-    if any(len(item.depth) < 2 for item in taken):
+    single = sum(len(item.depth) < 2 for item in taken)
+    if 2 * single >= len(taken):
         said.append(
-            "Some conditions have no replicates: scatter between sites and slow drift are assumed, not known, so no "
+            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not known, so no "
             "effect is named alone."
         )
+    elif single:
+        said.append("Some conditions have no replicates: their noise is taken from the others.")
     if len(taken) == 1:
         said.append("There is a single condition: effects of load, rate and time cannot be told apart by comparison.")
     if len({round(c.protocol.max_load, 9) for c in study.conditions if c.role == "calibrate"}) == 1:
