@@ -30,37 +30,36 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     p-value.
     """
     keys = varying(fit.explanation)
-    conditions = [k for k, count in enumerate(fit.errors.counts) if count > 1]
+    conditions = fit.problem.repeated
     if not keys or len(conditions) < 2:
         return {}
-    estimators, values = _own_values(fit, keys)
+    count = len(fit.problem.conditions)
+    estimators, variances, values = zip(*(_own_values(fit, k, keys) for k in range(count)), strict=True)
     found = {}
     for place, key in enumerate(keys):
-        rows = [values[k][place] for k in conditions]
-        noise = np.array([estimators[k][place] @ _points(fit, k, keys) @ estimators[k][place] for k in conditions])
         every = block_diag(*(estimator[place] for estimator in estimators))[conditions]
-        found[key] = p_of_means(rows, noise, every @ fit.errors.model @ every.T, rng)
+        rows, noise = ([of[k][place] for k in conditions] for of in (values, variances))
+        found[key] = p_of_means(rows, np.array(noise), every @ fit.errors.model @ every.T, rng)
     return found
 
 
-def _own_values(fit: Fit, keys: tuple[str, ...]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return for each condition the estimator (k, n) of the values' departures from their means, and those (k, r)."""
-    estimators, values = [], []
-    curves = fit.problem.split(fit.curve)
-    for number, condition in enumerate(fit.problem.conditions):
-        design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
-        weighed = np.linalg.solve(_points(fit, number, keys), design)
-        estimators.append(np.linalg.solve(design.T @ weighed, weighed.T))
-        departures = fit.problem.observed[condition.name].depth - curves[condition.name]
-        values.append(estimators[-1] @ departures.T)
-    return estimators, values
+def _own_values(fit: Fit, number: int, keys: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the values' departures from their means in the recordings of a condition.
 
-
-def _points(fit: Fit, number: int, keys: tuple[str, ...]) -> np.ndarray:
-    """Return the covariance (n, n) of a recording apart from what the mechanisms `keys` add [nm^2]."""
-    noise, parts = fit.errors.noise, fit.errors.components[number]
-    rest = {name: part for name, part in parts.items() if name not in keys}
-    return noise.matrix(number, rest)
+    Returns
+    -------
+    estimator, variances, values : ndarray, shapes (k, n), (k,) and (k, r)
+        What makes values of depths, by generalised least squares; their variances from the noise of a recording, apart
+        from what the mechanisms `keys` add to it; and the values.
+    """
+    condition, noise = fit.problem.conditions[number], fit.errors.noise
+    rest = {name: part for name, part in fit.errors.components[number].items() if name not in keys}
+    design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
+    weighed = np.linalg.solve(noise.matrix(number, rest), design)
+    spread = np.linalg.inv(design.T @ weighed)
+    estimator = spread @ weighed.T
+    departures = fit.problem.observed[condition.name].depth - fit.problem.split(fit.curve)[condition.name]
+    return estimator, np.diag(spread), estimator @ departures.T
 
 
 def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rng: np.random.Generator) -> float:

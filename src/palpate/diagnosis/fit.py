@@ -209,6 +209,7 @@ def _minimised(fit: Fit, radius: float) -> Fit:
 
 def spread_own_values(fit: Fit, radius: float) -> Fit:
     """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
+    given = fit.errors.between
     for key in varying(fit.explanation):
         best, chosen = -np.inf, fit
         for share in OWN_VALUES:
@@ -220,7 +221,8 @@ def spread_own_values(fit: Fit, radius: float) -> Fit:
             if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
                 best, chosen = likelihood, trial
         fit = chosen
-    return _minimised(fit, radius) if any(fit.errors.between.values()) else fit
+    changed = any(variance != given.get(key, 0.0) for key, variance in fit.errors.between.items())
+    return _minimised(fit, radius) if changed else fit
 
 
 def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:

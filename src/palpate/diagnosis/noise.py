@@ -182,14 +182,14 @@ def fit_noise(
     names = list(replicates[0].components)
     count = len(replicates)
     floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
-    bounds = [(floor, np.log(r.scale)) for floor, r in zip(floors, replicates, strict=True)]
-    bounds += [(-4.0, _logit(np.array(largest_memory(replicated))).item())] * count
+    lowest = np.concatenate([floors, np.full(count, -4.0)])
+    longest = _logit(np.array(largest_memory(replicated)))
+    highest = np.concatenate([np.log([r.scale for r in replicates]), np.full(count, longest)])
     first = np.empty(0)
     if replicated:
-        first = np.array([np.log(max(assumed[name], SMALLEST_VARIANCE)) for name in names])
-        highest = np.log([largest[name] if name in largest else _greatest(name, replicates) for name in names])
-        first = np.minimum(first, highest)
-        bounds += [(value - MARGIN, high) for value, high in zip(first, highest, strict=True)]
+        bounds = np.log([largest[name] if name in largest else _greatest(name, replicates) for name in names])
+        first = np.minimum(np.log([max(assumed[name], SMALLEST_VARIANCE) for name in names]), bounds)
+        lowest, highest = np.append(lowest, first - MARGIN), np.append(highest, bounds)
 
     def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
         values = np.exp(x[2 * count :]) if replicated else [assumed[name] for name in names]
@@ -228,9 +228,10 @@ def fit_noise(
     never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
     starts = [start(MEMORIES[0]), *(start_within(model) for model in within)]
     starts += [] if within else [start(memory) for memory in MEMORIES[1:]]
-    lowest, highest_x = np.transpose(bounds)
+    within_bounds = list(zip(lowest, highest, strict=True))
     searches = [
-        minimize(objective, np.clip(x, lowest, highest_x), jac=True, method="L-BFGS-B", bounds=bounds) for x in starts
+        minimize(objective, np.clip(x, lowest, highest), jac=True, method="L-BFGS-B", bounds=within_bounds)
+        for x in starts
     ]
     found = min(searches, key=lambda search: search.fun)
     sigma, memory, variances = unpack(found.x)

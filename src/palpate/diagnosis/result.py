@@ -20,6 +20,7 @@ from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.posterior import posterior_draws
+from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
 from palpate.errors import PalpateError
@@ -118,21 +119,19 @@ def _rms(values: pd.Series) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def limits(study: Study, observed: Mapping[str, Observation]) -> list[str]:
+def limits(study: Study, problem: Problem) -> list[str]:
     """Say what cannot be known from these recordings."""
-    taken = [observed[c.name] for c in study.conditions if c.role == "calibrate"]
-    said = []
-    single = sum(len(item.depth) < 2 for item in taken)
-    if 2 * single >= len(taken):
+    count, said = len(problem.conditions), []
+    if not problem.replicated:
         said.append(
             "Most conditions have no replicates: scatter between sites and slow drift are assumed, not known, so no "
             "effect is named alone."
         )
-    elif single:
+    elif len(problem.repeated) < count:
         said.append("Some conditions have no replicates: their noise is taken from the others.")
-    if len(taken) == 1:
+    if count == 1:
         said.append("There is a single condition: effects of load, rate and time cannot be told apart by comparison.")
-    if len({round(c.protocol.max_load, 9) for c in study.conditions if c.role == "calibrate"}) == 1:
+    if len({round(c.protocol.max_load, 9) for c in problem.conditions}) == 1:
         said.append(
             "All tests reach the same load: an effect with a length (rounding, film, size effect) or of the frame can "
             "hide in the material's parameters."
@@ -142,7 +141,7 @@ def limits(study: Study, observed: Mapping[str, Observation]) -> list[str]:
             f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "
             "within that counts as explained, though it may be far above the noise."
         )
-    if not any(item.role == "validate" for item in observed.values()):
+    if not any(item.role == "validate" for item in problem.observed.values()):
         said.append("No condition was held out: the gain cannot be shown on tests that took no part.")
     return said
 
@@ -233,7 +232,7 @@ def to_mapping(
         ],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
         | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
-        "limits": limits(study, observed)
+        "limits": limits(study, base.fit.problem)
         + [
             f"The forward model failed with {'+'.join(candidate.fit.explanation)}: this rests on surrogates."
             for candidate in diagnosis.standing
