@@ -27,6 +27,9 @@ class Specimen:
         Length of the size effect [nm], see `resistance`; zero for none.
     adhesion
         Work that separates its surface from the tip [mJ/m^2]; zero for none.
+    shallowest
+        Depth [nm] below which the resistance rises no further: what a mesh does not resolve, or a first step that
+        begins at no depth would meet a resistance without bounds, and the next one the stresses it left.
     """
 
     coefficients: np.ndarray
@@ -34,6 +37,7 @@ class Specimen:
     substrate: np.ndarray | None = None
     size_length: float = 0.0
     adhesion: float = 0.0
+    shallowest: float = 1e-3
 
     @property
     def yields(self) -> bool:
@@ -45,7 +49,7 @@ class Specimen:
 
         Source: W.D. Nix and H. Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9), for the hardness.
         """
-        return math.sqrt(1.0 + self.size_length / max(depth, 1e-3)) if self.size_length else 1.0
+        return math.sqrt(1.0 + self.size_length / max(depth, self.shallowest)) if self.size_length else 1.0
 
 
 def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:

@@ -21,6 +21,7 @@ from palpate.diagnosis.detect import filters
 from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.steps import load_problem, run_diagnosis
+from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
 
@@ -83,6 +84,11 @@ def score_case(
     base_files: Mapping[str, str | Path],
     effect_files: Mapping[str, str | Path],
 ) -> dict[str, Any]:
-    """Return the row of one case."""
+    """Return the row of one case; a strength that cannot be simulated is NaN, and counts as weak."""
     content = json.loads(diagnosis.read_text(encoding="utf-8"))
-    return row(vars(case), content, strength(study, case, folder, base_files, effect_files))
+    try:
+        size = strength(study, case, folder, base_files, effect_files)
+    except PalpateError as error:
+        print(f"strength not known: {error}")
+        size = float("nan")
+    return row(vars(case), content, size)

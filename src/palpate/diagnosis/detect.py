@@ -35,6 +35,7 @@ from palpate.mechanisms import MECHANISMS
 AMPLITUDES = (0.05, 0.3, 0.6, 1.0)
 TRIALS = 16
 DEGREE = 2
+LEAST_LOG_P = -700.0  # where a probability underflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,16 +107,28 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
 def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> float:
     """Return the p-value, for the whole family of filters, of what `fit` leaves being noise."""
     keys = list(keys)
-    white = fit.white[:, None]
-    family = filters(fit, keys)
-    noise = simulated_noise(fit, draws, rng)
-    found = min(float(f.log_p(white)[0]) for f in family)
-    under_noise = np.min([f.log_p(noise) for f in family], axis=0)
-    p_means = (1.0 + np.sum(under_noise <= found)) / (1.0 + draws)
+    found, under_noise = loudest(fit, keys, rng, draws)
+    p_means = float((1.0 + np.sum(under_noise <= found)) / (1.0 + draws))
     unconverged = fit.tangent_space.T @ fit.white
     p_means = min(p_means, float(chi2.sf(unconverged @ unconverged, len(unconverged))))
     of_tests = list(p_between_tests(fit, rng).values())
     return combined([[p_means], between_replicates(fit, keys, site_scatter), of_tests])
+
+
+def loudest(fit: Fit, keys: list[str], rng: np.random.Generator, draws: int) -> tuple[float, np.ndarray]:
+    """Return the logarithm of the p-value of the filter that sticks out most, and the same of noise alone (draws,)."""
+    family, noise = filters(fit, keys), simulated_noise(fit, draws, rng)
+    found = min(float(f.log_p(fit.white[:, None])[0]) for f in family)
+    return max(found, LEAST_LOG_P), np.min([f.log_p(noise) for f in family], axis=0)
+
+
+def excess(fit: Fit, keys: list[str], rng: np.random.Generator, draws: int, level: float) -> float:
+    """Return by how much chi-square must fall for the filter that sticks out most to pass for noise at a `level`.
+
+    As the tail of chi-square falls with exp(-x / 2), a logarithm of p counts twice; zero where it passes already.
+    """
+    found, under_noise = loudest(fit, keys, rng, draws)
+    return max(0.0, 2.0 * (float(np.quantile(under_noise, level, method="lower")) - found))
 
 
 def gains(fit: Fit, keys: Iterable[str]) -> dict[str, float]:

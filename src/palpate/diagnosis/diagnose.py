@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.config import Study
 from palpate.diagnosis.covariance import errors
-from palpate.diagnosis.detect import examine, gains
+from palpate.diagnosis.detect import examine, excess, gains
 from palpate.diagnosis.fit import Fit, solve, starting_points
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
@@ -19,6 +19,7 @@ from palpate.errors import PalpateError
 
 CLOSE = np.log(100.0)
 SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
+OUTDONE = 10.0  # logarithm of the evidence behind one that passes, from which no further round brings another back
 LEAST_REFINED, MOST_REFINED = 3, 5
 MOST_SETS = 12
 
@@ -106,7 +107,7 @@ class Search:
     def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
         """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
         try:
-            return replace(self.examined(refine(self._study, fit, least)), confirmed=True)
+            return replace(self.examined(refine(self._study, fit, self._lacking, least)), confirmed=True)
         except PalpateError:
             return self.examined(fit)
 
@@ -114,6 +115,10 @@ class Search:
         """Test what a fit leaves."""
         left = examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
         return Candidate(fit, left, contradicts=tuple(contradicted(fit, self._laws)))
+
+    def _lacking(self, fit: Fit) -> float:
+        draws, level = self._settings["bootstrap"], self._settings["significance"]
+        return excess(fit, self._keys, self._rng, draws, level)
 
     def _errors(self, explanation: Explanation, residual: np.ndarray, z: np.ndarray | None = None):
         site_scatter, solver_error = (self._calibration[key] for key in ("site_scatter", "solver_error"))
@@ -180,7 +185,7 @@ def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable
             far = max(far, candidate.fit.log_evidence - FAR)
             if candidate.adequate(level):
                 near = max(near, fit.log_evidence - RIVALS)
-                least = max(least, candidate.fit.log_evidence - RIVALS)
+                least = max(least, candidate.fit.log_evidence - OUTDONE)
             report(
                 f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
                 f"{candidate.fit.log_evidence:.1f}, p = {candidate.p_value:.3g}"

@@ -1,16 +1,17 @@
 """The forward model has the last word: an explanation is simulated, and refitted with the surrogates moved onto it.
 
 The difference between simulated and surrogates' curves at the best point is added to the surrogates, and the fit
-repeated, until chi-square settles, or promises little of the way to what noise leaves (output space mapping; Bandler
-et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361). The surrogates' slopes are corrected by secants. The
-solver's own derivatives ripple from node to node of the contact by some per cent, which would make coordinates that
-the data hardly tell apart look independent. Its curves ripple too, by a thousandth, and the surrogates with them; the
-mean over several meshes takes their place here. A step that makes it worse is tried again within a third of its length
-(Bakr et al., same Trans. 46 (1998) 2412-2425).
+repeated, until the likelihood settles, or promises little of the way to what noise leaves (output space mapping;
+Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361). A promise counts as far as the last was kept. The
+surrogates' slopes are corrected by secants. The solver's own derivatives ripple from node to node of the contact by
+some per cent, which would make coordinates that the data hardly tell apart look independent. Its curves ripple too, by
+a thousandth, and the surrogates with them; the mean over several meshes takes their place here. A step that makes it
+worse is tried again within a third of its length (Bakr et al., same Trans. 46 (1998) 2412-2425).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,9 +25,9 @@ from palpate.specification import Specification
 ROUNDS = 8
 RADIUS = 0.3
 SETTLED = 0.5
-INADEQUATE = 1.5  # chi-square of a point that noise does not leave
 HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a surrogate
-TOO_SLOW = 0.1  # of the way to an adequate fit, what a round must promise
+WORTH = 0.25  # of the way to what noise leaves, what a round must promise
+DOUBT = 0.2  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
 
 
@@ -73,11 +74,13 @@ def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
     return fitted[condition.name] if condition.name in fitted else simulated_at(study, condition, fit, fit.z)
 
 
-def refine(study: Study, fit: Fit, least: float = -np.inf) -> Fit:
+def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float = -np.inf) -> Fit:
     """Return the fit with the forward model in place of the surrogates.
 
     Parameters
     ----------
+    lacking
+        Returns by how much the chi-square of a fit must fall before noise alone is left.
     least
         Logarithm of the evidence below which the explanation does not matter.
 
@@ -90,32 +93,32 @@ def refine(study: Study, fit: Fit, least: float = -np.inf) -> Fit:
     z = np.clip(fit.z, MARGIN, 1.0 - MARGIN)
     start = replace(Correction.none(len(fit.residual), len(z)), at=z, shift=missed_by_surrogates(study, fit, z))
     best = replace(fit, z=z, correction=start, errors=replace(fit.errors, model=without, surrogate=0.0 * without))
-    radius = RADIUS
+    radius, kept = RADIUS, 1.0
     if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
         return best
     for _ in range(ROUNDS):
         proposed = solve(fit.problem, fit.explanation, best.errors, [best.z], best.correction, radius, best.laws)
-        if best.misfit - proposed.misfit < _little(best) or proposed.log_evidence < least:
+        promised = 2.0 * (proposed.log_likelihood - best.log_likelihood)
+        settled = SETTLED * max(1.0, best.misfit / len(best.residual))
+        if promised < settled or proposed.log_evidence < least:
             return proposed
+        if kept * promised < max(settled, WORTH * lacking(proposed)):
+            return best
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
         try:
-            tried = replace(best, z=z, correction=best.correction.moved(z, missed_by_surrogates(study, fit, z)))
+            tried = replace(proposed, z=z, correction=best.correction.moved(z, missed_by_surrogates(study, fit, z)))
         except PalpateError:
             return best
         if hopeless(best) and tried.misfit > 0.5 * best.misfit:
             return min(best, tried, key=lambda found: found.misfit)
-        if tried.misfit < best.misfit:
+        gained = 2.0 * (tried.log_likelihood - best.log_likelihood)
+        kept = min(max(gained / promised, DOUBT), 1.0)
+        if gained > 0.0:
             best = tried
         else:
             radius = float(np.abs(z - best.z).max()) / 3.0
             best = replace(best, correction=replace(best.correction, slope=tried.correction.slope))
     return best
-
-
-def _little(fit: Fit) -> float:
-    """Return the reduction of a fit's chi-square for which no further round is worth its simulations."""
-    points = len(fit.residual)
-    return max(SETTLED, SETTLED * fit.misfit / points, TOO_SLOW * (fit.misfit - INADEQUATE * points))
 
 
 def missed_by_surrogates(study: Study, fit: Fit, z: np.ndarray) -> np.ndarray:

@@ -33,6 +33,7 @@ from palpate.fem.indent import (
     contact_range,
     indent,
     mesh_radii,
+    resolved,
     step_times,
 )
 from palpate.fem.mesh import Resolution, polar_mesh
@@ -127,7 +128,8 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     protocols = [case.protocol for case in lanes]
     large, resolution = lanes[0].large, lanes[0].resolution
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
-    body, bodies = Body.of(mesh), Specimens.of([case.specimen for case in lanes], mesh, units)
+    specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
+    body, bodies = Body.of(mesh), Specimens.of(specimens, mesh, units)
     scale = np.array([protocol.max_load for protocol in protocols]) / units**2
     band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
     march = March(large, body, bodies, protocols, units, scale, band, iterations, steps)

@@ -72,7 +72,7 @@ def resisted_change(
 ) -> np.ndarray:
     """Return the changes (regions, c, p) of `palpate.specimen.resisted` laws at a `depth` [nm] that changes too."""
     d_laws = directions.coefficients
-    length, floor = specimen.size_length, max(depth, 1e-3)
+    length, floor = specimen.size_length, max(depth, specimen.shallowest)
     d_depth = d_depth if depth > floor * (1 - 1e-12) else np.zeros_like(d_depth)
     resistance = specimen.resistance(depth)
     d_resistance = (directions.size_length - length * d_depth / floor) / (2.0 * floor * resistance)

@@ -158,6 +158,11 @@ def regions(specimen: Specimen, mesh: Mesh, unit: float = 1.0) -> np.ndarray:
     return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness / unit)).astype(np.int64)
 
 
+def resolved(specimen: Specimen, indenter: Indenter, first: float) -> Specimen:
+    """Return the specimen with a size effect down to the depth at which the `first` ring of nodes [um] touches."""
+    return replace(specimen, shallowest=1e3 * Profile.of(indenter).depth_for(first))
+
+
 def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
     """Refuse what the mesh for a largest contact radius [um] cannot hold.
 
@@ -230,6 +235,7 @@ def indent(
     check_size(specimen, indenter, resolution, largest)
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = polar_mesh(radii, resolution.sectors)
+    specimen = resolved(specimen, indenter, radii[0])
     law, region = laws_of(specimen), regions(specimen, mesh)
     adhesion = attraction(specimen, resolution, largest, mesh)
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError
-from palpate.fem.indent import History, mesh_radii, step_times
+from palpate.fem.indent import History, mesh_radii, resolved, step_times
 from palpate.fem.march import march_by
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.mesh import wedge_mesh
@@ -54,6 +54,7 @@ def indent_3d(
     began = clock.perf_counter()
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = wedge_mesh(radii, shell(resolution.sectors))
+    specimen = resolved(specimen, indenter, radii[0])
     problem = Problem(mesh, tip_of(indenter), specimen, indenter.friction)
     work = Workspace.of(problem)
     step = partial(advance, problem, work, protocol.max_load)

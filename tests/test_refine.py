@@ -1,0 +1,72 @@
+"""The forward model's last word, with a closed form in its place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
+
+from palpate.config import load_study
+from palpate.diagnosis import refine
+from palpate.diagnosis.detect import excess
+
+STUDY = load_study(Path(__file__).parents[1] / "config" / "challenge.yaml")
+DRIFT = ("thermal_drift",)
+
+
+@pytest.fixture
+def forward(monkeypatch):
+    """Put the surrogates' curve, changed, in place of the forward model's; return where it was asked for."""
+    asked = []
+
+    def with_change(change):
+        def simulated(study, condition, fit, z):
+            asked.append((condition.name, z))
+            curve = fit.problem.split(fit.problem.curves(fit.explanation, z[None])[0])[condition.name]
+            return curve + change(condition, z)
+
+        monkeypatch.setattr(refine, "simulated_at", simulated)
+        return asked
+
+    return with_change
+
+
+def nothing(fit):
+    return 0.0
+
+
+def test_where_the_surrogates_are_wrong_the_fit_moves_to_what_the_forward_model_says(forward):
+    forward(lambda condition, z: 20.0 * (z[0] - 0.3) * condition.protocol.sample_load / condition.protocol.max_load)
+    task = problem(recordings(np.random.default_rng(1)))
+    fit = fitted(task)
+    found = refine.refine(STUDY, fit, nothing)
+    simulated = np.concatenate([refine.simulated_at(STUDY, c, found, found.z) for c in CONDITIONS])
+    assert np.abs(found.curve - simulated).max() < 0.2
+    assert found.misfit < len(task.mean) + 4 * np.sqrt(2 * len(task.mean))
+
+
+def test_values_that_turn_out_to_differ_between_tests_stay_so(forward):
+    rates = dict(zip("abcd", (0.5, -0.4, 0.3, -0.5), strict=True))
+    forward(lambda condition, z: rates[condition.name] * condition.protocol.sample_time)
+    found = refine.refine(STUDY, fitted(problem(recordings(np.random.default_rng(1))), DRIFT), nothing)
+    assert np.sqrt(found.errors.between["thermal_drift"]) > 0.1
+
+
+def test_a_fit_that_cannot_pass_is_simulated_once(forward):
+    asked = forward(lambda condition, z: 10.0 * np.sin(condition.protocol.sample_time))
+    fit = fitted(problem(recordings(np.random.default_rng(1))))
+    found = refine.refine(STUDY, fit, lambda fit: 1e6)
+    assert len(asked) == len(CONDITIONS)
+    assert found.z == pytest.approx(fit.z, abs=refine.MARGIN)
+
+
+def test_excess_is_what_chi_square_lacks():
+    rng = np.random.default_rng(1)
+    assert excess(fitted(problem(recordings(rng))), RECORD_ONLY, rng, 200, 0.01) == 0.0
+    strong = {}
+    for size in (2.0, 4.0):
+        bent = recordings(np.random.default_rng(1), lambda c, r, size=size: size * np.sin(c.protocol.sample_time))
+        fit = fitted(problem(bent))
+        strong[size] = excess(fit, RECORD_ONLY, rng, 200, 0.01)
+        assert 0.0 < strong[size] < fit.misfit
+    assert strong[4.0] > strong[2.0]
