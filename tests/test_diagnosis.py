@@ -19,7 +19,7 @@ from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Correction, solve, starting_points
 from palpate.diagnosis.locate import location
-from palpate.diagnosis.noise import Replicates, contrasts, fit_noise
+from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.segments import segments
 from palpate.diagnosis.similarity import similarity

@@ -137,11 +137,12 @@ def test_a_mechanism_that_cannot_act_says_so():
 
 def test_a_size_effect_beside_a_low_yield_stress_begins_under_the_first_node():
     """The first step begins at no depth, where the resistance has no bounds; stresses it left are too much later."""
-    burgers = {"model": "nonlinear_burgers", "poisson_ratio": 0.34, "youngs_modulus": 3.04, "steady_coefficient": 0.0888}
-    burgers |= {"steady_exponent": 0.239, "transient_coefficient": 0.302, "transient_exponent": 0.3}
+    burgers = EPOXY | {"youngs_modulus": 3.04, "steady_coefficient": 0.0888, "steady_exponent": 0.239}
+    burgers |= {"transient_coefficient": 0.302, "transient_exponent": 0.3, "retardation_time": 0.25}
     mechanisms = {"plastic_yield": {"yield_stress": 0.184, "hardening": 0.0743}, "size_effect": {"length": 69.5}}
     protocol = {"max_load": 10.0, "loading_time": 10, "hold_time": 60, "unloading_time": 10, "points": 100}
-    spec = BASE | {"material": burgers | {"retardation_time": 0.25}, "mechanisms": mechanisms, "protocol": protocol}
+    material = {"model": "nonlinear_burgers", **burgers}
+    spec = BASE | {"material": material, "mechanisms": mechanisms, "protocol": protocol}
     found = [simulate(specification_from(spec | {"accuracy": name})) for name in ("standard", "medium")]
     assert [outcome.status for outcome in found] == ["ok", "ok"]
     assert found[0].depth == pytest.approx(found[1].depth, rel=0.005)

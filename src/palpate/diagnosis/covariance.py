@@ -15,7 +15,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.calibration.noise import mesh_ripple, model_covariance
-from palpate.diagnosis.noise import NoiseModel, Replicates, contrasts, fit_noise, without_trend
+from palpate.diagnosis.noise import NoiseModel
+from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.segments import segments
 from palpate.mechanisms import MECHANISMS

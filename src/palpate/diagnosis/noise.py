@@ -1,4 +1,4 @@
-r"""Noise of the recordings by restricted maximum likelihood, from what distinguishes replicates.
+r"""What noise of the recordings looks like: a covariance, and draws from it.
 
 Under condition c, replicate r of the curve h is h_r = h + n_r with the covariance
 
@@ -10,14 +10,7 @@ point noise AR(1) of its own strength and memory for each condition, and varianc
     wander   M = min(t, t')     slow drift of the instrument, a random walk
     ...      M = c c^T          a mechanism whose value differs between recordings, with its column c(t)
 
-Orthonormal contrasts of the replicates have this covariance and do not know h, so they fix the noise whatever the model
-lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Few replicates often put a variance at zero that is not; a
-prior proportional to the deviation keeps site scatter and wander off the boundary, by a standard error at most (Chung
-et al., Psychometrika 78 (2013) 685-709).
-
-Without replicates, what remains of the residual after a cubic in each segment takes their place, and the variances of
-the components are assumed. The point noise is then taken to forget within ten points: slower misfit is no noise, or a
-missing effect would pass for it.
+Replicates fix it (`noise_fit`).
 """
 
 from __future__ import annotations
@@ -26,40 +19,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
-from scipy.optimize import minimize
+from scipy.linalg import toeplitz
+from scipy.special import expit, logit
 
 LARGEST_MEMORY = 0.99
 SINGLE_MEMORY = 0.9
-SMALLEST_SIGMA = 1e-5
-SMALLEST_VARIANCE = 1e-12
-MARGIN = 30.0
 FURTHEST = 2.0
-AT_BOUND = 1e-4
-NEVER_ZERO = ("site", "wander")
-MEMORIES = (0.5, 0.95)  # where the search begins
-
-
-@dataclass(frozen=True, eq=False)
-class Replicates:
-    """Deviations of one condition's recordings from their mean.
-
-    Parameters
-    ----------
-    contrasts : ndarray, shape (k, d)
-        Independent vectors with covariance ``basis @ K @ basis.T`` [nm].
-    basis : ndarray, shape (d, n)
-        The identity, or what projects smooth trends out.
-    components : mapping of ndarray, shape (n, n)
-        Matrix M of each variance component.
-    scale
-        Largest depth [nm].
-    """
-
-    contrasts: np.ndarray
-    basis: np.ndarray
-    components: Mapping[str, np.ndarray]
-    scale: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +54,7 @@ class NoiseModel:
 
     def matrix(self, k: int, components: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return K (n, n) of condition number k [nm^2]."""
-        return _matrix(self.sigma[k], self.memory[k], self.variances, components)
+        return matrix_of(self.sigma[k], self.memory[k], self.variances, components)
 
     def spread(self, places: Sequence[int], count: int) -> NoiseModel:
         """Return the model of `count` conditions of which those at `places` are this one's, in order.
@@ -98,14 +63,14 @@ class NoiseModel:
         """
         if len(places) == count:
             return self
-        points = np.stack([np.log(self.sigma), _logit(self.memory)])
+        points = np.stack([np.log(self.sigma), logit(self.memory)])
         whole = np.repeat(np.median(points, axis=1)[:, None], count, axis=1)
         whole[:, list(places)] = points
         doubt = np.append(np.repeat(np.var(points, axis=1), count), np.zeros(len(self.variances)))
         kept = np.concatenate([np.array(places), count + np.array(places), 2 * count + np.arange(len(self.variances))])
         covariance = np.diag(doubt)
         covariance[np.ix_(kept, kept)] = self.covariance
-        return replace(self, sigma=np.exp(whole[0]), memory=_memory(whole[1]), covariance=covariance)
+        return replace(self, sigma=np.exp(whole[0]), memory=expit(whole[1]), covariance=covariance)
 
     def simulated(
         self, components: Sequence[Mapping[str, np.ndarray]], count: int, rng: np.random.Generator
@@ -116,12 +81,12 @@ class NoiseModel:
         just below zero, of which the magnitude counts.
         """
         conditions = len(self.sigma)
-        mean = np.concatenate([np.log(self.sigma), _logit(self.memory), list(self.variances.values())])
+        mean = np.concatenate([np.log(self.sigma), logit(self.memory), list(self.variances.values())])
         draws = rng.multivariate_normal(mean, self.covariance, size=count, method="svd", check_valid="ignore")
         points = slice(0, 2 * conditions)
         draws[:, points] = np.clip(draws[:, points], mean[points] - FURTHEST, mean[points] + FURTHEST)
         sigma = np.exp(draws[:, :conditions])
-        memory = np.minimum(_memory(draws[:, conditions : 2 * conditions]), largest_memory(self.replicated))
+        memory = np.minimum(expit(draws[:, conditions : 2 * conditions]), largest_memory(self.replicated))
         deviations = np.sqrt(np.maximum(draws[:, 2 * conditions :], 0.0))
         noise = []
         for k, parts in enumerate(components):
@@ -138,158 +103,15 @@ def largest_memory(replicated: bool) -> float:
     return LARGEST_MEMORY if replicated else SINGLE_MEMORY
 
 
-def contrasts(depth: np.ndarray) -> np.ndarray:
-    """Return orthonormal contrasts (R - 1, n) of replicates (R, n)."""
-    return helmert(len(depth)) @ depth
-
-
-def without_trend(segments: Sequence[np.ndarray], degree: int = 3) -> np.ndarray:
-    """Return an orthonormal basis (d, n) of what is left when each segment (bool, n) loses a polynomial."""
-    count = len(segments[0])
-    trends = []
-    for segment in segments:
-        x = np.linspace(-1, 1, int(segment.sum()))
-        for power in range(min(degree, len(x) - 1) + 1):
-            column = np.zeros(count)
-            column[segment] = x**power
-            trends.append(column)
-    full = np.linalg.qr(np.column_stack(trends), mode="complete")[0]
-    return full[:, len(trends) :].T
-
-
-def fit_noise(
-    replicates: Sequence[Replicates],
-    assumed: Mapping[str, float],
-    replicated: bool,
-    largest: Mapping[str, float],
-    within: Sequence[NoiseModel] = (),
-) -> NoiseModel:
-    """Fit by maximum likelihood.
-
-    The likelihood has several maxima, as a long memory, a random walk and a mechanism can pass for each other. The
-    search begins from noise of short and of long memory, and from each model that this one contains, so that more
-    components never fit worse.
-
-    Parameters
-    ----------
-    assumed
-        Variance of each component: the value itself without replicates, else where the search begins.
-    largest
-        Upper bounds of some of the variances.
-    within
-        Models of the same recordings with fewer components.
-    """
-    names = list(replicates[0].components)
-    count = len(replicates)
-    floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
-    lowest = np.concatenate([floors, np.full(count, -4.0)])
-    longest = _logit(np.array(largest_memory(replicated)))
-    highest = np.concatenate([np.log([r.scale for r in replicates]), np.full(count, longest)])
-    first = np.empty(0)
-    if replicated:
-        bounds = np.log([largest[name] if name in largest else _greatest(name, replicates) for name in names])
-        first = np.minimum(np.log([max(assumed[name], SMALLEST_VARIANCE) for name in names]), bounds)
-        lowest, highest = np.append(lowest, first - MARGIN), np.append(highest, bounds)
-
-    def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, float]]:
-        values = np.exp(x[2 * count :]) if replicated else [assumed[name] for name in names]
-        return np.exp(x[:count]), _memory(x[count : 2 * count]), dict(zip(names, map(float, values), strict=True))
-
-    def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
-        sigma, memory, variances = unpack(x)
-        value, slope = 0.0, np.zeros(len(x))
-        for k, r in enumerate(replicates):
-            parts = _derivatives(sigma[k], memory[k], r)
-            factor = cho_factor(_projected(r, _matrix(sigma[k], memory[k], variances, r.components)), lower=True)
-            inverse = cho_solve(factor, np.eye(len(factor[0])))
-            solved = inverse @ r.contrasts.T
-            rank = len(r.contrasts)
-            value += rank * np.log(np.diag(factor[0])).sum() + 0.5 * np.sum(solved * r.contrasts.T)
-            weight = 0.5 * (rank * inverse - solved @ solved.T)
-            slope[k] += np.vdot(weight, parts[0])
-            slope[count + k] += np.vdot(weight, parts[1])
-            if replicated:
-                for j, name in enumerate(names):
-                    slope[2 * count + j] += variances[name] * np.vdot(weight, parts[2 + j])
-        for j in never_zero:
-            value, slope[j] = value - 0.5 * x[j], slope[j] - 0.5
-        return value, slope
-
-    def start(memory: float) -> np.ndarray:
-        steps = np.array([np.std(np.diff(r.contrasts)) for r in replicates])
-        sigma = np.log(np.maximum(steps / np.sqrt(2.0 * (1.0 - memory)), np.exp(floors)))
-        return np.concatenate([sigma, np.full(count, _logit(np.array(memory))), first])
-
-    def start_within(model: NoiseModel) -> np.ndarray:
-        values = {**assumed, **model.variances}
-        known = [np.log(max(values[name], SMALLEST_VARIANCE)) for name in names]
-        return np.concatenate([np.log(model.sigma), _logit(model.memory), known])
-
-    never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
-    starts = [start(MEMORIES[0]), *(start_within(model) for model in within)]
-    starts += [] if within else [start(memory) for memory in MEMORIES[1:]]
-    within_bounds = list(zip(lowest, highest, strict=True))
-    searches = [
-        minimize(objective, np.clip(x, lowest, highest), jac=True, method="L-BFGS-B", bounds=within_bounds)
-        for x in starts
-    ]
-    found = min(searches, key=lambda search: search.fun)
-    sigma, memory, variances = unpack(found.x)
-    covariance = _fisher(replicates, sigma, memory, variances, replicated)
-    log_likelihood = -float(found.fun) - 0.5 * float(found.x[never_zero].sum())
-    return NoiseModel(sigma, memory, variances, log_likelihood, covariance, replicated)
-
-
-def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
-    """Return the inverse of Fisher's information of (log sigma, logit rho, v); memory at its bound counts as known."""
-    count, names = len(replicates), list(variances)
-    information = np.zeros((2 * count + len(names),) * 2)
-    for k, r in enumerate(replicates):
-        inverse = np.linalg.inv(_projected(r, _matrix(sigma[k], memory[k], variances, r.components)))
-        solved = [inverse @ part for part in _derivatives(sigma[k], memory[k], r)]
-        places = [k, count + k, *range(2 * count, 2 * count + len(names))]
-        for a, i in enumerate(places):
-            for b, j in enumerate(places):
-                information[i, j] += 0.5 * len(r.contrasts) * np.sum(solved[a] * solved[b].T)
-    if not replicated:
-        information[2 * count :] = information[:, 2 * count :] = 0.0
-        information[range(2 * count, len(information)), range(2 * count, len(information))] = [
-            1.0 / (0.5 * max(v, SMALLEST_VARIANCE)) ** 2 for v in variances.values()
-        ]
-    for place in count + np.flatnonzero(memory > largest_memory(replicated) - AT_BOUND):
-        information[place] = information[:, place] = 0.0
-        information[place, place] = AT_BOUND**-2
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    scaled = information / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-    inverse = np.linalg.inv(scaled) / np.outer(scale, scale)
-    return 0.5 * (inverse + inverse.T)
-
-
-def _greatest(name: str, replicates: Sequence[Replicates]) -> float:
-    """Return the variance with which a component would add as much as the recordings are deep."""
-    return max(r.scale**2 / max(float(np.diag(r.components[name]).max()), SMALLEST_VARIANCE) for r in replicates)
-
-
-def _projected(r: Replicates, matrix: np.ndarray) -> np.ndarray:
-    """Return a covariance (n, n) in the basis of the contrasts, which is the identity where it has n rows."""
-    return r.basis @ matrix @ r.basis.T if len(r.basis) < len(matrix) else matrix
-
-
-def _matrix(sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]):
+def matrix_of(
+    sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """Return K (n, n) of one condition [nm^2]: its point noise, and the variance `components`."""
     size = len(next(iter(components.values())))
     matrix = sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
     for name, component in components.items():
         matrix += variances[name] * component
     return matrix
-
-
-def _derivatives(sigma: float, memory: float, r: Replicates) -> list[np.ndarray]:
-    """Return the derivatives of K by log sigma, logit rho and each variance, in the basis of the contrasts."""
-    size = r.basis.shape[1]
-    lags = np.arange(size)
-    point = sigma**2 * toeplitz(memory**lags)
-    slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
-    return [_projected(r, part) for part in (2 * point, slope, *r.components.values())]
 
 
 def _first_order(memory: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:
@@ -305,11 +127,3 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     """Return the symmetric square root of a matrix that is at least positive semidefinite."""
     values, vectors = np.linalg.eigh(matrix)
     return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-
-
-def _logit(p: np.ndarray) -> np.ndarray:
-    return np.log(p / (1 - p))
-
-
-def _memory(x: np.ndarray) -> np.ndarray:
-    return 1 / (1 + np.exp(-x))
