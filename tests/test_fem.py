@@ -222,7 +222,8 @@ def test_load_history_of_any_shape(parameters):
 
 
 def test_a_step_that_cannot_converge_is_reported(monkeypatch):
-    monkeypatch.setattr("palpate.fem.newton.ITERATIONS", 1)
+    for limit in ("ITERATIONS", "CAREFUL_ITERATIONS"):
+        monkeypatch.setattr(f"palpate.fem.newton.{limit}", 1)
     outcome = indent(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)
     assert "no equilibrium" in outcome.reason
     assert np.isnan(outcome.depth).all()
@@ -246,3 +247,16 @@ def test_a_plastic_cone_keeps_to_its_law_from_the_first_sample(large):
     depths = [indent(Specimen(plastic), CONE, protocol, STANDARD, large, rings).depth for rings in shifted]
     constant = np.mean(depths, axis=0)[:20] / np.sqrt(protocol.sample_load[:20])
     assert np.abs(constant / constant[-1] - 1.0).max() < 0.006
+
+
+@pytest.mark.parametrize(
+    ("modulus", "yield_stress", "hardening", "large"), [(72.0, 3.0, 0.0, False), (70.0, 0.3, 0.07, True)]
+)
+def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stress, hardening, large):
+    """Under the first node much flows at once; whole iterations run away there."""
+    constants = {"youngs_modulus": modulus, "poisson_ratio": 0.3, "yield_stress": yield_stress, "hardening": hardening}
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=60)
+    outcome = indent(Specimen(law("bilinear_plasticity", **constants)), CONE, protocol, STANDARD, large)
+    assert outcome.reason == ""
+    constant = outcome.depth[2:30] / np.sqrt(protocol.sample_load[2:30])
+    assert constant == pytest.approx(constant.mean(), rel=0.03)

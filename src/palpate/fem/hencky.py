@@ -62,6 +62,8 @@ def strain_at(gradients, u, strain, b, frame):
     c12 = hrz + hzr + hrr * hrz + hzr * hzz
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
     radius = math.sqrt(half * half + c12 * c12)
+    if 1.0 + mean - radius <= 0.0:  # rounding leaves nothing of the smaller stretch
+        return False
     c, s = half_angle(half, c12, radius)
     l1, l2, l3 = 1.0 + mean + radius, 1.0 + mean - radius, (1.0 + htt) * (1.0 + htt)
     x = radius / (1.0 + mean)

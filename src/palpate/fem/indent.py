@@ -291,7 +291,7 @@ def march(
 def advance_or_ease(
     problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
 ) -> State:
-    """Do what `advance` does; where attraction changes the contact too suddenly for it, let attraction grow in parts.
+    """Do what `advance` does; where it fails, carefully; where attraction changes the contact, let that grow in parts.
 
     Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
     """
@@ -299,7 +299,7 @@ def advance_or_ease(
         return advance(problem, state, time, load, scale, guess, work)
     except ConvergenceError:
         if problem.adhesion is None:
-            raise
+            return advance(problem, state, time, load, scale, guess, work, careful=True)
     guess, done, more = state, -0.25, 0.25
     while done < 1.0:
         part = min(done + more, 1.0)

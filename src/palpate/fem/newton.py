@@ -19,6 +19,8 @@ from palpate.specimen import Specimen, resisted
 
 ITERATIONS = 40  # the nodes that a rounded tip lets go before it lifts off take many
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
+CAREFUL_ITERATIONS = 150
+NEAR = 1e-3  # imbalance at which the careful let nodes go
 TOLERANCE = 1e-7
 STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
@@ -157,8 +159,9 @@ class Workspace:
 
 
 def advance(
-    problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
-) -> State:
+    problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace,
+    careful: bool = False,
+) -> State:  # fmt: skip
     """Advance to `time` under `load`.
 
     Parameters
@@ -169,6 +172,9 @@ def advance(
         Largest load of the history [mN]; forces converge to 1e-7 of it.
     guess
         State whose displacement and depth start the iteration.
+    careful
+        Whether iterations move nodes no farther than the depth may change, and let none go far from equilibrium: where
+        much of the body flows without hardening it is so soft that they run away else.
 
     Raises
     ------
@@ -191,10 +197,12 @@ def advance(
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
     delicate = problem.adhesion is not None or (problem.large and problem.friction == 0.0)
-    farthest = np.inf
+    farthest, limit, near = np.inf, ITERATIONS, np.inf
     if problem.adhesion is not None:
         farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
-    limit = ITERATIONS if problem.adhesion is None else ADHESIVE_ITERATIONS
+        limit = ADHESIVE_ITERATIONS
+    elif careful:
+        farthest, limit, near = _stride(problem, state, guess), CAREFUL_ITERATIONS, NEAR
     for iteration in range(limit):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE] *= geometric
@@ -213,13 +221,13 @@ def advance(
             displacement[free] += shorter * search.direction[:-1]
             depth += shorter * search.direction[-1]
             continue
+        forces[:-1], forces[-1] = work.residual, -force[:, 1].sum() - load
+        norm = np.abs(forces).max() / scale
         pulled = contact.pulled(force, TOLERANCE * scale)
-        if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
+        if iteration > 0 and pulled.any() and norm < near and not contact.joined and contact.touching.sum() > 1:
             contact.release(pulled, force)
             search = None
             continue
-        forces[:-1], forces[-1] = work.residual, -force[:, 1].sum() - load
-        norm = np.abs(forces).max() / scale
         work.norms.append(norm)
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
@@ -239,11 +247,18 @@ def advance(
             geometric, search = False, None
             continue
         geometric = True
-        direction *= min(1.0, farthest / np.abs(direction).max())
+        if (largest := np.abs(direction).max()) > farthest:
+            direction *= farthest / largest
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
     raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)
+
+
+def _stride(problem: Problem, state: State, guess: State) -> float:
+    """Return how far a careful iteration may move a node [um]: no farther than the depth is likely to change."""
+    touches_second = problem.profile.depth_for(problem.mesh.nodes[problem.mesh.surface[1], 0])
+    return max(abs(guess.depth - state.depth), 0.03 * state.depth, 0.1 * touches_second)
 
 
 class LinearSystem(Protocol):
