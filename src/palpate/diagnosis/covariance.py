@@ -8,7 +8,7 @@ once the rate was below 0.05 nm/s).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -63,6 +63,11 @@ class Errors:
         """Covariance of what all recordings of a condition have in common (n_all, n_all) [nm^2]."""
         values = (v * block_diag(*(parts[key] for parts in self.components)) for key, v in self.between.items())
         return self.model + sum(values)
+
+    @property
+    def exact(self) -> Errors:
+        """The errors, were the surrogates exact."""
+        return replace(self, model=self.model - self.surrogate, surrogate=0.0 * self.surrogate)
 
     def blocks(self, noise: NoiseModel) -> list[np.ndarray]:
         """Return the noise of the mean of each condition's recordings."""

@@ -20,7 +20,7 @@ from palpate.errors import PalpateError
 CLOSE = np.log(100.0)
 SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
 OUTDONE = 10.0  # logarithm of the evidence behind one that passes, from which no further round brings another back
-LEAST_REFINED, MOST_REFINED = 3, 5
+LEAST_REFINED, MOST_REFINED, MOST_REFINED_SETS = 3, 8, 5
 MOST_SETS = 12
 
 
@@ -155,12 +155,13 @@ def diagnose(
     report(f"base model: p = {base.p_value:.3g}")
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base])
-    tried = found = _refine_best(search, [search.extended(base.fit, key) for key in keys], level, report)
+    singles = [search.extended(base.fit, key) for key in keys]
+    tried = found = _refine_best(search, singles, MOST_REFINED, level, report)
     for _ in range(1, study.diagnosis["largest_set"]):
         if any(candidate.adequate(level) for candidate in found):
             break
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
-        found = _refine_best(search, wider, level, report)
+        found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried = found + tried
     standing = [candidate for candidate in found if candidate.adequate(level)]
     verdict, standing, probabilities = _judge(standing, _best_evidence(tried))
@@ -169,22 +170,24 @@ def diagnose(
     return Diagnosis(verdict, base, standing, probabilities, [*tried, base])
 
 
-def _refine_best(search: Search, fits: list[Fit], level: float, report: Callable[[str], None]) -> list[Candidate]:
-    """Put the fits near the best on the forward model, and some more where none passes; return all, best first.
+def _refine_best(
+    search: Search, fits: list[Fit], most: int, level: float, report: Callable[[str], None]
+) -> list[Candidate]:
+    """Put the fits that promise most on the forward model, and some more where none passes; return all, best first.
 
-    Once one passes, only those matter that the surrogates put near it. What they put far below one that the forward
-    model has seen is left to them.
+    Once one passes, only those matter that promise nearly as much. What promises far less than one that the forward
+    model has seen is left to the surrogates.
     """
-    fits = sorted(fits, key=lambda fit: -fit.log_evidence)
+    fits = sorted(fits, key=lambda fit: -fit.promise)
     done: list[Candidate] = []
-    near, far, least = fits[0].log_evidence - SCREENED, -np.inf, -np.inf
+    near, far, least = fits[0].promise - SCREENED, -np.inf, -np.inf
     for k, fit in enumerate(fits):
-        worth = fit.misfit < ABSURD * len(fit.residual) and fit.log_evidence > far
-        if (k < LEAST_REFINED and least == -np.inf and worth) or (k < MOST_REFINED and fit.log_evidence > near):
+        worth = fit.misfit < ABSURD * len(fit.residual) and fit.promise > far
+        if (k < LEAST_REFINED and least == -np.inf and worth) or (k < most and fit.promise > max(near, least)):
             candidate = search.refined(fit, least)
             far = max(far, candidate.fit.log_evidence - FAR)
             if candidate.adequate(level):
-                near = max(near, fit.log_evidence - RIVALS)
+                near = max(near, fit.promise - RIVALS)
                 least = max(least, candidate.fit.log_evidence - OUTDONE)
             report(
                 f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
@@ -204,10 +207,10 @@ def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str
     """
     promised: dict[frozenset[str], tuple[float, Fit, str]] = {}
     for candidate in tried:
-        fit, promise = candidate.fit, gains(candidate.fit, keys)
+        fit, gain = candidate.fit, gains(candidate.fit, keys)
         for key in [key for key in keys if key not in fit.explanation]:
             asked = sum(off**2 for law, off in zip(fit.laws, fit.from_laws(fit.z), strict=True) if law.key == key)
-            score = fit.log_evidence + 0.5 * (promise[key] + asked)
+            score = fit.promise + 0.5 * (gain[key] + asked)
             wider = frozenset((*fit.explanation, key))
             if wider not in promised or score > promised[wider][0]:
                 promised[wider] = score, fit, key

@@ -151,7 +151,7 @@ class Fit:
     @cached_property
     def log_likelihood(self) -> float:
         """Of contrasts, means and laws."""
-        return self.errors.noise.log_likelihood - 0.5 * self.misfit - float(np.log(np.diag(self.factor)).sum())
+        return self.errors.noise.log_likelihood - 0.5 * self.misfit - self.log_volume
 
     @cached_property
     def posterior(self) -> np.ndarray:
@@ -169,6 +169,21 @@ class Fit:
         """Laplace's approximation with priors that are even over the ranges."""
         sharpened = np.eye(len(self.z)) + PRIOR_VARIANCE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
+
+    @property
+    def promise(self) -> float:
+        """Logarithm of the evidence, were the surrogates exact and the misfit no greater: what may be found without.
+
+        Errors of surrogates cost evidence by widening the covariance, whether they err here or not. Beside others, what
+        is hard to learn would never reach the forward model.
+        """
+        exact = replace(self, errors=self.errors.exact)
+        return self.log_evidence + self.log_volume - exact.log_volume
+
+    @property
+    def log_volume(self) -> float:
+        """Half the logarithm of the determinant of the covariance."""
+        return float(np.log(np.diag(self.factor)).sum())
 
 
 def solve(
@@ -217,7 +232,7 @@ def spread_own_values(fit: Fit, radius: float) -> Fit:
             trial = replace(fit, errors=replace(fit.errors, between=between))
             tangent = trial.whiten(fit.tangent)
             left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
-            likelihood = -0.5 * float(left @ left) - float(np.log(np.diag(trial.factor)).sum())
+            likelihood = -0.5 * float(left @ left) - trial.log_volume
             if likelihood > best + 2.0 * (share > 0 and best > -np.inf):
                 best, chosen = likelihood, trial
         fit = chosen

@@ -2,7 +2,7 @@
 
 The difference between simulated and surrogates' curves at the best point is added to the surrogates, and the fit
 repeated, until the likelihood settles, or promises little of the way to what noise leaves (output space mapping;
-Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361). A promise counts as far as the last was kept. The
+Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361); there, a promise counts as the last was kept. The
 surrogates' slopes are corrected by secants. The solver's own derivatives ripple from node to node of the contact by
 some per cent, which would make coordinates that the data hardly tell apart look independent. Its curves ripple too, by
 a thousandth, and the surrogates with them; the mean over several meshes takes their place here. A step that makes it
@@ -27,7 +27,7 @@ RADIUS = 0.3
 SETTLED = 0.5
 HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a surrogate
 WORTH = 0.25  # of the way to what noise leaves, what a round must promise
-DOUBT = 0.2  # of a promise, what counts where the last was not kept at all
+DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
 
 
@@ -89,10 +89,9 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
     PalpateError
         When the forward model fails at the fit's coordinates.
     """
-    without = fit.errors.model - fit.errors.surrogate
     z = np.clip(fit.z, MARGIN, 1.0 - MARGIN)
     start = replace(Correction.none(len(fit.residual), len(z)), at=z, shift=missed_by_surrogates(study, fit, z))
-    best = replace(fit, z=z, correction=start, errors=replace(fit.errors, model=without, surrogate=0.0 * without))
+    best = replace(fit, z=z, correction=start, errors=fit.errors.exact)
     radius, kept = RADIUS, 1.0
     if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
         return best
@@ -102,7 +101,7 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
         settled = SETTLED * max(1.0, best.misfit / len(best.residual))
         if promised < settled or proposed.log_evidence < least:
             return proposed
-        if kept * promised < max(settled, WORTH * lacking(proposed)):
+        if kept * promised < WORTH * lacking(proposed):
             return best
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
         try:
