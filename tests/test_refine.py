@@ -1,5 +1,6 @@
 """The forward model's last word, with a closed form in its place."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,3 +71,13 @@ def test_excess_is_what_chi_square_lacks():
         strong[size] = excess(fit, RECORD_ONLY, rng, 200, 0.01)
         assert 0.0 < strong[size] < fit.misfit
     assert strong[4.0] > strong[2.0]
+
+
+def test_a_promise_leaves_out_what_errors_of_surrogates_cost():
+    fit = fitted(problem(recordings(np.random.default_rng(1))))
+    assert fit.promise == pytest.approx(fit.log_evidence)
+    error = 4.0 * np.eye(len(fit.residual))
+    errors = replace(fit.errors, model=fit.errors.model + error, surrogate=error)
+    unsure = replace(fit, errors=errors)
+    assert unsure.log_evidence < fit.log_evidence - 100.0
+    assert unsure.promise >= fit.log_evidence, "a wider covariance excuses misfit; it costs nothing here"
