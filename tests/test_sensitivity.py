@@ -163,10 +163,10 @@ def test_a_failure_leaves_derivatives_unknown(monkeypatch):
     """Both depth and derivatives are NaN from the failure on, and known before it."""
     advance = history.advance
 
-    def stop_half_way(problem, state, time, *rest):
+    def stop_half_way(problem, state, time, *rest, **options):
         if time > 35.0:
             raise ConvergenceError("stopped", time=state.time)
-        return advance(problem, state, time, *rest)
+        return advance(problem, state, time, *rest, **options)
 
     monkeypatch.setattr(history, "advance", stop_half_way)
     simulation, derivatives = sensitivities(specification(), ["youngs_modulus"])
