@@ -170,7 +170,7 @@ class Fit:
         sharpened = np.eye(len(self.z)) + PRIOR_VARIANCE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
 
-    @property
+    @cached_property
     def promise(self) -> float:
         """Logarithm of the evidence, were the surrogates exact and the misfit no greater: what may be found without.
 

@@ -257,8 +257,7 @@ def advance(
 
 def _stride(problem: Problem, state: State, guess: State) -> float:
     """Return how far a careful iteration may move a node [um]: no farther than the depth is likely to change."""
-    touches_second = problem.profile.depth_for(problem.mesh.nodes[problem.mesh.surface[1], 0])
-    return max(abs(guess.depth - state.depth), 0.03 * state.depth, 0.1 * touches_second)
+    return max(abs(guess.depth - state.depth), 0.03 * state.depth, 0.1e-3 * problem.specimen.shallowest)
 
 
 class LinearSystem(Protocol):
