@@ -17,7 +17,8 @@ def main(snakemake):
     table.to_csv(snakemake.output.cases, index=False)
     score.summary(table).to_csv(snakemake.output.summary, index=False)
     score.reliability(table).to_csv(snakemake.output.reliability)
-    trial.draw(table, score.reliability(table), snakemake.output.figure)
+    kinds = {"all cases": table, "single effects": table[table["kind"] == "one"]}
+    trial.draw(table, {name: score.reliability(part) for name, part in kinds.items()}, snakemake.output.figure)
     print(score.summary(table).to_string(index=False), f"\nBrier score {score.brier(table):.3f}")
 
 

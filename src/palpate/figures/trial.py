@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ ANSWERS = {
     "among several": (SURROGATE, "s"),
     "not noticed": ("0.7", "."),
     "unexplained": ("#d9a520", "^"),
-    "wrong": (SIMULATED, "x"),
+    "without the truth": (SIMULATED, "+"),
+    "wrong name": (SIMULATED, "x"),
 }
+LINES = [(RECORDED, "o-", (4, -10)), (SURROGATE, "s--", (-2, 6))]
 
 
 def answer(row: pd.Series) -> str:
@@ -24,11 +27,12 @@ def answer(row: pd.Series) -> str:
         return "named"
     if row["covered"]:
         return "among several"
-    return {"adequate": "not noticed", "unexplained": "unexplained"}.get(row["verdict"], "wrong")
+    said = {"adequate": "not noticed", "unexplained": "unexplained", "ambiguous": "without the truth"}
+    return said.get(row["verdict"], "wrong name")
 
 
-def draw(table: pd.DataFrame, reliability: pd.DataFrame, path: str | Path) -> None:
-    """Draw the answers to single effects by their strength, and the reliability diagram."""
+def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str | Path) -> None:
+    """Draw the answers to single effects by their strength, and the reliability of two named kinds of cases."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 3.2), gridspec_kw={"width_ratios": [2, 1]})
     one = table[table["kind"] == "one"].copy()
     keys = sorted(one["truth"].unique())
@@ -43,12 +47,20 @@ def draw(table: pd.DataFrame, reliability: pd.DataFrame, path: str | Path) -> No
     left.set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
     left.set_xlabel("projected signature / detection limit")
     left.set_title("single concealed effects: the answer")
-    left.legend(fontsize=6.5, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=5, columnspacing=1.0)
+    left.legend(
+        fontsize=6.5, loc="upper left", bbox_to_anchor=(-0.35, -0.16), ncols=6, columnspacing=0.8, handletextpad=0.1
+    )
     right.plot([0, 1], [0, 1], color="0.8", lw=0.8)
-    right.plot(reliability["stated"], reliability["right"], "o-", color=RECORDED, ms=4)
-    for stated, found, count in reliability[["stated", "right", "cases"]].itertuples(index=False):
-        if np.isfinite(stated):
-            right.annotate(f"{count}", (stated, found), textcoords="offset points", xytext=(4, -9), fontsize=6.5)
+    for (kind, found), (colour, line, beside) in zip(reliability.items(), LINES, strict=True):
+        right.plot(found["stated"], found["right"], line, color=colour, ms=4, label=kind)
+        for stated, share, count in found[["stated", "right", "cases"]].itertuples(index=False):
+            if np.isfinite(stated):
+                right.annotate(
+                    f"{count}", (stated, share), textcoords="offset points", xytext=beside, fontsize=6.5, color=colour
+                )
+    right.set_xlim(-0.05, 1.12)
+    right.set_ylim(-0.05, 1.12)
+    right.legend(fontsize=6.5, loc="upper left")
     right.set_xlabel("stated probability")
     right.set_ylabel("share that is right")
     right.set_title("reliability", loc="left")
