@@ -105,7 +105,7 @@ def test_stiffness_is_the_derivative_of_the_force(friction, indenter):
     def evaluate(x):
         displacement = np.zeros((len(mesh.nodes), 2))
         displacement[free] = x[:-1]
-        contact = Contact.resume(mesh, profile, friction, problem.hold, state, state)
+        contact = Contact.resume(mesh, profile, friction, problem.hold, problem.large, state, state)
         contact.touching[:] = touching
         contact.anchor[:] = contact.r
         contact.anchor[1:3] += 1e-6, -1e-2
@@ -140,8 +140,9 @@ def test_law_holds_at_every_node(friction, large):
     assert states[-1][1].time == 22.0
     for problem, state in states:
         surface, attraction = problem.mesh.surface[:-1], problem.adhesion
-        distance = problem.mesh.nodes[surface, 0] + state.displacement[surface, 0]
-        height, slope, _ = problem.profile(distance)
+        height, slope, _ = problem.profile.beneath(
+            problem.mesh.nodes[surface, 0], state.displacement[surface, 0], large
+        )
         gap = height - state.depth - state.displacement[surface, 1]
         radial, vertical = state.force[surface].T
         touching = state.contact[surface]

@@ -260,3 +260,28 @@ def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stre
     assert outcome.reason == ""
     constant = outcome.depth[2:30] / np.sqrt(protocol.sample_load[2:30])
     assert constant == pytest.approx(constant.mean(), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("tip", "load", "large"),
+    [(Indenter("sphere", radius=1000.0), 0.3, False), (Indenter("sphero_cone", 70.3, 500.0), 3.0, True)],
+)
+def test_a_solid_that_never_hardens_bears_a_rounded_tip(tip, load, large):
+    """Its hardness is two to three times its yield stress, as slip lines have it, and its surface never folds."""
+    constants = {"youngs_modulus": 70.0, "poisson_ratio": 0.3, "yield_stress": 0.3, "hardening": 0.0}
+    hardness, stretches = [], []
+
+    def observe(problem, state):
+        surface = problem.mesh.surface
+        r, moved = problem.mesh.nodes[surface, 0], state.displacement[surface, 0]
+        stretches.append(1.0 + (np.diff(moved) / np.diff(r)).min())
+        edge = np.flatnonzero(state.contact[surface])[-1]
+        if 2.0 < state.time <= 10.0:
+            radius = (r + large * moved)[edge : edge + 2].mean()  # at small strains forces count per undeformed area
+            hardness.append(-state.force[:, 1].sum() / (np.pi * radius**2 * 0.3))
+
+    plastic, protocol = law("bilinear_plasticity", **constants), trapezoid(load, 10.0, 0.0, 10.0, points=40)
+    outcome = indent(Specimen(plastic), tip, protocol, STANDARD, large, observe=observe)
+    assert outcome.reason == ""
+    assert 1.6 < min(hardness) < max(hardness) < 3.0
+    assert min(stretches) > 0.0

@@ -49,10 +49,10 @@ def history(indenter, coefficients, protocol, resolution=STANDARD, large=False):
 def contact_forces(problem, state):
     """Return nodes in contact off the axis, their R, and sqrt(1 + f'^2) times their normal and tangential forces."""
     nodes = problem.mesh.surface[state.contact[problem.mesh.surface]][1:]
-    distance = problem.mesh.nodes[nodes, 0] + state.displacement[nodes, 0]
-    slope = problem.profile(distance)[1]
+    r, moved = problem.mesh.nodes[nodes, 0], state.displacement[nodes, 0]
+    slope = problem.profile.beneath(r, moved, problem.large)[1]
     radial, vertical = state.force[nodes].T
-    return nodes, distance, slope * radial - vertical, radial + slope * vertical
+    return nodes, r + moved, slope * radial - vertical, radial + slope * vertical
 
 
 @pytest.mark.parametrize("large", [False, True])

@@ -92,9 +92,8 @@ def exact_curve(specification: Specification, name: str) -> Simulation:
     """
     resolution = RESOLUTIONS[specification.accuracy]
     radii = mesh_radii(specification.specimen, specification.indenter, specification.protocol, resolution)
-    growth = radii[1] / radii[0]
     for third in range(3):
-        simulation = simulate(specification, radii * growth ** (third / 3) if third else None)
+        simulation = simulate(specification, radii * resolution.growth ** (third / 3) if third else None)
         if simulation.status == "ok":
             return simulation
     raise PalpateError(f"{name}: {simulation.reason}")

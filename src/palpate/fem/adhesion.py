@@ -110,8 +110,7 @@ class Adhesion:
         """
         surface, touching = contact.surface, contact.touching[contact.surface]
         equations = mesh.equations[surface]
-        distance = contact.r + displacement[surface, 0]
-        height, slope, curvature = contact.profile(distance)
+        height, slope, curvature = contact.profile.beneath(contact.r, displacement[surface, 0], contact.large)
         slope = np.where(contact.r > 0.0, slope, 0.0)
         pull = self.area * self.traction(np.where(touching, 0.0, height - depth - displacement[surface, 1]))
         stiffness = np.where(touching | (not softening), 0.0, -pull / self.reach)

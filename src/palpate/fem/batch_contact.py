@@ -1,8 +1,8 @@
 """Contact with a rigid frictionless indenter, as `palpate.fem.contact`, for `LANES` indentations at once.
 
 A node that touches, u_z = f(r + u_r) - depth, is eliminated from the assembled system: forces and matrix are those in
-the unknowns u_r and depth, K' = T^T K T and what the curvature of f adds. A lane in which a node does not touch has
-zeros in its place of the mask.
+the unknowns u_r and depth, K' = T^T K T and, at large strains, what the curvature of f adds. A lane in which a node
+does not touch has zeros in its place of the mask.
 """
 
 from __future__ import annotations
@@ -57,8 +57,11 @@ class Touch(NamedTuple):
 
 
 @njit(cache=True)
-def follow(body, touch, displacement, depth, done):
-    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`."""
+def follow(large, body, touch, displacement, depth, done):
+    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`.
+
+    The profile is that at the nodes, and at small strains its tangent where they were, see `palpate.fem.contact`.
+    """
     for lane in range(LANES):
         if done[lane]:
             continue
@@ -67,12 +70,14 @@ def follow(body, touch, displacement, depth, done):
         for k in range(body.radial.shape[0]):
             z = body.vertical[k]
             moved = displacement[body.radial[k], lane] if body.radial[k] >= 0 else 0.0
-            distance = body.distance[k] + moved
+            distance = body.distance[k] + moved if large else body.distance[k]
             height, slope, curvature = touch.flank[lane] * distance, touch.flank[lane], 0.0
             if radius > 0.0:
                 root = np.sqrt(radius**2 - min(distance, edge) ** 2)
                 height, slope = radius - root + max(distance - edge, 0.0) * slope, min(distance, edge) / root
                 curvature = radius**2 / root**3 if distance < edge else 0.0
+            if not large:
+                height, curvature = height + slope * moved, 0.0
             touch.slope[k, lane], touch.curvature[k, lane] = slope, curvature
             gap = height - depth[lane] - displacement[z, lane]
             touch.gap[k, lane] = 0.0

@@ -59,7 +59,7 @@ def advance(
     taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
     geometric, done = np.ones(LANES), ~alive
     for iteration in range(ITERATIONS):
-        follow(body, touch, displacement, depth, done)
+        follow(large, body, touch, displacement, depth, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
         joined = np.any(touch.joined & ~done)
         if joined:

@@ -1,8 +1,10 @@
 """What holds where a rigid axisymmetric indenter touches: which nodes do, its profile there, and friction.
 
-A node that touches lies on the indenter, u_z = f(R) - depth at R = r + u_r. One that an iteration finds inside it joins
-by the linearised constraint: the next change of displacements closes its gap together with everything around it, so
-that a law with a yield stress never sees one node moved alone.
+A node that touches lies on the indenter, u_z = f(R) - depth at R = r + u_r. At small strains f is taken along its
+tangent at r, linear in the displacements like all else there: the curvature of f pushes nodes outwards, and without
+what stress and stretch do against it at large strains a body that hardly hardens runs away under a sphere. A node that
+an iteration finds inside the indenter joins by the linearised constraint: the next change of displacements closes its
+gap together with everything around it, so that a law with a yield stress never sees one node moved alone.
 """
 
 from __future__ import annotations
@@ -74,6 +76,16 @@ class Profile:
         height = self.radius - root + np.where(on_cap, 0.0, (r - edge) * slope)
         return height, slope, np.where(on_cap, self.radius**2 / root**3, 0.0)
 
+    def beneath(self, r: np.ndarray, moved: np.ndarray, large: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return f, df/dr and d2f/dr2 for nodes that were at `r` and `moved` outwards [um], at small or large strains.
+
+        At small strains f(r + u) = f(r) + f'(r) u.
+        """
+        if large:
+            return self(r + moved)
+        height, slope, _ = self(r)
+        return height + slope * moved, slope, np.zeros_like(r)
+
     def depth_for(self, r: float) -> float:
         """Return f at one distance [um]."""
         return float(self(np.array([r]))[0][0])
@@ -100,6 +112,8 @@ class Contact:
         Slip since the anchor, in units of the friction's reach.
     hold : ndarray, shape (k,)
         Force along z by which adhesion holds each node [mN].
+    large
+        Whether strains are.
     joined
         Whether some gap is still to be closed.
     """
@@ -116,11 +130,12 @@ class Contact:
     rule: np.ndarray
     slip: np.ndarray
     hold: np.ndarray
+    large: bool
     joined: bool = False
 
     @classmethod
     def resume(
-        cls, mesh: Mesh, profile: Profile, coefficient: float, hold: np.ndarray, state: State, guess: State
+        cls, mesh: Mesh, profile: Profile, coefficient: float, hold: np.ndarray, large: bool, state: State, guess: State
     ) -> Contact:
         """Begin a step at a `state`, with another that guesses its end."""
         surface = mesh.surface
@@ -133,12 +148,13 @@ class Contact:
             r,
             start=r + u[:, 0],
             drift=guess.displacement[surface, 0] - u[:, 0],
-            opening=profile(r + u[:, 0])[0] - state.depth - u[:, 1],
+            opening=profile.beneath(r, u[:, 0], large)[0] - state.depth - u[:, 1],
             touching=state.contact.copy(),
             anchor=state.anchor.copy(),
             rule=np.zeros((len(mesh.nodes), 5)),
             slip=np.zeros(len(r)),
             hold=hold,
+            large=large,
         )
 
     def follow(self, displacement: np.ndarray, depth: float) -> bool:
@@ -153,8 +169,9 @@ class Contact:
         """
         surface, touched = self.surface, self.touching[self.surface]
         self._turn_back(displacement)
-        distance = self.r + displacement[surface, 0]
-        height, slope, curvature = self.profile(distance)
+        moved = displacement[surface, 0]
+        distance = self.r + moved
+        height, slope, curvature = self.profile.beneath(self.r, moved, self.large)
         gap = height - depth - displacement[surface, 1]
         displacement[surface, 1] += np.where(touched, gap, 0.0)
         joining = ~touched & (gap < -PENETRATION * abs(depth))

@@ -67,6 +67,16 @@ def profile_change(profile: Profile, directions: Directions, r: np.ndarray) -> t
     return height, inclination
 
 
+def change_beneath(
+    profile: Profile, directions: Directions, r: np.ndarray, moved: np.ndarray, large: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the changes (k, p) of f and df/dr as `palpate.fem.contact.Profile.beneath` gives them."""
+    if large:
+        return profile_change(profile, directions, r + moved)
+    height, inclination = profile_change(profile, directions, r)
+    return height + inclination * moved[:, None], inclination
+
+
 def resisted_change(
     laws: np.ndarray, specimen: Specimen, directions: Directions, depth: float, d_depth: np.ndarray
 ) -> np.ndarray:

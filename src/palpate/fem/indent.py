@@ -115,7 +115,7 @@ def _contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Proto
 
 def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
     """Return the radii [um] of the rings of the mesh that an indentation needs."""
-    return ring_radii(*contact_range(specimen, indenter, protocol), resolution)
+    return ring_radii(*contact_range(specimen, indenter, protocol), resolution, indenter.radius > 0.0)
 
 
 def step_times(protocol: Protocol, refine: int, yields: bool = False) -> np.ndarray:

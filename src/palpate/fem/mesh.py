@@ -2,6 +2,9 @@
 
 Rings of nodes grow geometrically from the tip, because a sharp indenter has no length of its own: the mesh then
 resolves every contact radius of a loading history equally well, the first point of a curve like the last.
+A rounded tip has a length, and a flat bottom: under it the rings within the smallest contact lie evenly. In a geometric
+series the innermost is many times wider than its neighbours; the pressure on it pushes its one node down the convex
+tip, and in a body that hardly hardens too little holds it back: it slides out over the nodes that follow.
 Beyond twice the largest contact radius the growth speeds up, slowly: the field there decays like 1/r, and elements that
 grow faster than 1.4 make the whole body visibly too stiff. Sectors are a little narrower near the surface.
 """
@@ -26,7 +29,7 @@ class Resolution:
     sectors
         Elements over the quarter circle between surface and axis.
     inner
-        Innermost ring radius over the smallest contact radius that counts.
+        Innermost ring radius over the smallest contact radius that counts, under a sharp tip.
     far
         Far boundary over the largest contact radius.
     outer_growth
@@ -78,10 +81,11 @@ class Mesh:
         return int(self.equations.max()) + 1
 
 
-def ring_radii(smallest: float, largest: float, resolution: Resolution) -> np.ndarray:
-    """Radii of the rings, for contact radii between `smallest` and `largest`."""
-    radii = [resolution.inner * smallest]
+def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
+    """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip."""
     growth = resolution.growth
+    even = round(1.0 / (growth - 1.0))
+    radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
     while radii[-1] < resolution.far * largest:
         radii.append(radii[-1] * growth)
         if radii[-1] > 2.0 * largest:

@@ -189,7 +189,7 @@ def advance(
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth
     guesses = state.guesses.copy()
-    contact = Contact.resume(mesh, profile, problem.friction, problem.hold, state, guess)
+    contact = Contact.resume(mesh, profile, problem.friction, problem.hold, problem.large, state, guess)
     force = np.empty((len(mesh.nodes), 2))
     free = mesh.equations >= 0
     diagonal = banded.diagonal(work.band, mesh.bandwidth)

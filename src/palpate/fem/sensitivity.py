@@ -16,7 +16,7 @@ from palpate.errors import ConvergenceError
 from palpate.fem import banded
 from palpate.fem.clock import Clock
 from palpate.fem.contact import RATIO, SLOPE
-from palpate.fem.directions import Directions, profile_change, resisted_change, weights_change
+from palpate.fem.directions import Directions, change_beneath, resisted_change, weights_change
 from palpate.fem.newton import Equilibrium, Problem, State, Workspace
 from palpate.fem.sensitivity_contact import AnchorChange
 from palpate.fem.sensitivity_element import carry, push, settle
@@ -82,8 +82,9 @@ class Sensitivity:
 
         surface = mesh.surface
         touching = after.contact[surface]
-        r = balance.contact.r + after.displacement[surface, 0]
-        lift, turn = (np.where(touching[:, None], d, 0.0) for d in profile_change(problem.profile, directions, r))
+        r, moved = balance.contact.r, after.displacement[surface, 0]
+        change = change_beneath(problem.profile, directions, r, moved, problem.large)
+        lift, turn = (np.where(touching[:, None], d, 0.0) for d in change)
         if directions.moves_tip:
             rise = np.zeros((len(mesh.nodes), directions.count))
             rise[surface] = lift
@@ -98,7 +99,7 @@ class Sensitivity:
         self._solve(work, balance, d_force, -d_supported - d_load, after.time)
         followed = balance.contact.rule[surface, SLOPE, None] * self.displacement[surface, 0] + lift - self.depth
         self.displacement[surface, 1] = np.where(touching[:, None], followed, self.displacement[surface, 1])
-        self.anchor.drag(balance.contact, r, self.displacement[surface, 0])
+        self.anchor.drag(balance.contact, r + moved, self.displacement[surface, 0])
         settle(*step, *changes, *points, self.displacement, self.material)
 
     def _guess(self, state: State, before: State | None, time: float) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.fem.contact import Contact
-from palpate.fem.directions import Directions, profile_change
+from palpate.fem.directions import Directions, change_beneath, profile_change
 from palpate.fem.friction import ELASTIC_SLIP
 from palpate.fem.newton import Problem, State
 
@@ -66,10 +66,10 @@ class AnchorChange:
     def _gap(
         self, r: np.ndarray, nodes: np.ndarray, state: State, d_u: np.ndarray, d_depth: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        distance = r + state.displacement[nodes, 0]
-        height, slope, _ = self.problem.profile(distance)
+        profile, large, moved = self.problem.profile, self.problem.large, state.displacement[nodes, 0]
+        height, slope, _ = profile.beneath(r, moved, large)
         gap = height - state.depth - state.displacement[nodes, 1]
-        lift, _ = profile_change(self.problem.profile, self.directions, distance)
+        lift, _ = change_beneath(profile, self.directions, r, moved, large)
         return gap[:, None], slope[:, None] * d_u[nodes, 0] + lift - d_depth - d_u[nodes, 1]
 
     def ratio(self, contact: Contact) -> np.ndarray:
