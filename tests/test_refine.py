@@ -21,10 +21,10 @@ def forward(monkeypatch):
     asked = []
 
     def with_change(change):
-        def simulated(study, condition, fit, z):
-            asked.append((condition.name, z))
-            curve = fit.problem.split(fit.problem.curves(fit.explanation, z[None])[0])[condition.name]
-            return curve + change(condition, z)
+        def simulated(study, conditions, fit, z):
+            asked.extend((condition.name, z) for condition in conditions)
+            curves = fit.problem.split(fit.problem.curves(fit.explanation, z[None])[0])
+            return [curves[condition.name] + change(condition, z) for condition in conditions]
 
         monkeypatch.setattr(refine, "simulated_at", simulated)
         return asked
@@ -41,7 +41,7 @@ def test_where_the_surrogates_are_wrong_the_fit_moves_to_what_the_forward_model_
     task = problem(recordings(np.random.default_rng(1)))
     fit = fitted(task)
     found = refine.refine(STUDY, fit, nothing)
-    simulated = np.concatenate([refine.simulated_at(STUDY, c, found, found.z) for c in CONDITIONS])
+    simulated = np.concatenate(refine.simulated_at(STUDY, CONDITIONS, found, found.z))
     assert np.abs(found.curve - simulated).max() < 0.2
     assert found.misfit < len(task.mean) + 4 * np.sqrt(2 * len(task.mean))
 

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError, PalpateError
-from palpate.fem.batch import Case, indent_batch
+from palpate.fem.batch import Case
 from palpate.fem.batch_vector import LANES
 from palpate.fem.directions import Directions
 from palpate.fem.indent import RESOLUTIONS, History, indent
 from palpate.fem.newton import Problem, State
+from palpate.fem.similar import indent_distinct
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
@@ -219,8 +220,8 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
 def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
-    The curves are those of `simulate`, to rounding; the solver's wall time is shared evenly. Where a pyramid is among
-    the indenters, they are simulated one after another.
+    Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding; the solver's
+    wall time is shared evenly. Where a pyramid is among the indenters, they are simulated one after another.
     """
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
@@ -230,7 +231,7 @@ def simulate_batch(specifications: Iterable[Specification]) -> list[Simulation]:
         for specification in specifications
         for part in range(specification.meshes)
     ]
-    histories = iter(indent_batch(cases))
+    histories = iter(indent_distinct(cases))
     return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.calibration.noise import mesh_ripple, model_covariance
+from palpate.config import Condition
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
 from palpate.diagnosis.problem import Explanation, Problem
@@ -83,19 +84,24 @@ def varying(explanation: Explanation) -> tuple[str, ...]:
 
 def components(problem: Problem, keys: Iterable[str], depth: np.ndarray) -> list[dict[str, np.ndarray]]:
     """Return the matrices of the variance components of each condition, of curves `depth` (n_all,) [nm]."""
-    found, curves = [], problem.split(depth)
-    for condition in problem.conditions:
-        time, curve = problem.observed[condition.name].time, curves[condition.name]
-        parts = {
-            "site": np.outer(curve, curve),
-            "wander": np.minimum.outer(time, time),
-            "background": np.outer(time, time),
-        }
-        for key in keys:
-            column = problem.unit_effect(key, condition)
-            parts[key] = np.outer(column, column)
-        found.append(parts)
-    return found
+    keys, curves = list(keys), problem.split(depth)
+    return [components_under(problem, keys, condition, curves[condition.name]) for condition in problem.conditions]
+
+
+def components_under(
+    problem: Problem, keys: Iterable[str], condition: Condition, curve: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm]."""
+    time = condition.protocol.sample_time
+    parts = {
+        "site": np.outer(curve, curve),
+        "wander": np.minimum.outer(time, time),
+        "background": np.outer(time, time),
+    }
+    for key in keys:
+        column = problem.unit_effect(key, condition)
+        parts[key] = np.outer(column, column)
+    return parts
 
 
 def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float) -> dict[str, float]:

@@ -14,8 +14,9 @@ from palpate.diagnosis.fit import Fit, solve, starting_points
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.problem import Explanation, Problem
-from palpate.diagnosis.refine import ABSURD, hopeless, refine
+from palpate.diagnosis.refine import ABSURD, hopeless, refine, sharpen
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)
 SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
@@ -111,6 +112,21 @@ class Search:
         except PalpateError:
             return self.examined(fit)
 
+    def sharpened(self, candidate: Candidate) -> Candidate:
+        """Let the forward model correct the slopes of an explanation that stands, on which its intervals rest.
+
+        What was learnt of an effect on the body, among few materials, needs it.
+        """
+        if not (candidate.confirmed and any(MECHANISMS[key].needs_learning for key in candidate.fit.explanation)):
+            return candidate
+        fit = candidate.fit
+        weighed = self._errors(fit.explanation, fit.residual, fit.z).exact
+        fit = replace(fit, errors=replace(weighed, between=fit.errors.between))
+        try:
+            return replace(self.examined(sharpen(self._study, fit, self._lacking)), confirmed=True)
+        except PalpateError:
+            return candidate
+
     def examined(self, fit: Fit) -> Candidate:
         """Test what a fit leaves."""
         left = examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
@@ -163,8 +179,13 @@ def diagnose(
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried = found + tried
-    standing = [candidate for candidate in found if candidate.adequate(level)]
-    verdict, standing, probabilities = _judge(standing, _best_evidence(tried))
+    near = _best_evidence(tried) - CLOSE
+    standing = [c for c in found if c.adequate(level) and c.fit.log_evidence >= near]
+    sharpened = [search.sharpened(candidate) for candidate in standing]
+    tried = sorted(
+        [*sharpened, *(c for c in tried if c not in standing)], key=lambda candidate: -candidate.fit.log_evidence
+    )
+    verdict, standing, probabilities = _judge([c for c in sharpened if c.adequate(level)], _best_evidence(tried))
     if verdict == "identified" and not base.fit.errors.noise.replicated:
         verdict = "ambiguous"
     return Diagnosis(verdict, base, standing, probabilities, [*tried, base])

@@ -55,14 +55,18 @@ class Correction:
         more = dimensions - len(self.at)
         return Correction(np.pad(self.at, (0, more)), self.shift, np.pad(self.slope, ((0, 0), (0, more))))
 
-    def moved(self, at: np.ndarray, shift: np.ndarray) -> Correction:
-        """Return the correction with a new shift elsewhere, the slope changed as little as this demands.
+    def with_secant(self, z: np.ndarray, shift: np.ndarray) -> Correction:
+        """Return the correction that is `shift` (n_all,) at z (k,), too, its slope changed as little as this demands.
 
         Source: C.G. Broyden, Math. Comp. 19 (1965) 577-593, eq. 4.5.
         """
-        step = at - self.at
-        missed = shift - self.shift - self.slope @ step
-        return Correction(at, shift, self.slope + np.outer(missed, step) / (step @ step))
+        step = z - self.at
+        missed = shift - self(z)
+        return replace(self, slope=self.slope + np.outer(missed, step) / (step @ step))
+
+    def moved(self, at: np.ndarray, shift: np.ndarray) -> Correction:
+        """Return the correction with a new shift elsewhere, the slope that of the secant between both places."""
+        return replace(self.with_secant(at, shift), at=at, shift=shift)
 
 
 @dataclass(frozen=True, eq=False)

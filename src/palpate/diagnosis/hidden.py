@@ -109,8 +109,7 @@ def _joined(fit: Fit, extras: list[Extra]) -> tuple[np.ndarray, np.ndarray]:
     The coordinates are those of the explanation, then the coefficients of the effects.
     """
     own = len(fit.z)
-    slopes = fit.problem.jacobian(fit.explanation, fit.z)
-    design = fit.whiten(np.column_stack([slopes, *(extra.column for extra in extras)]))
+    design = fit.whiten(np.column_stack([fit.tangent, *(extra.column for extra in extras)]))
     prior = np.append(np.full(own, 1.0 / PRIOR_VARIANCE), [1.0 / extra.variance for extra in extras])
     precision, pull = design.T @ design + np.diag(prior), design.T @ fit.white
     precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import toeplitz
 from scipy.stats import chi2, ncx2
 
 from palpate.config import Condition, Study
+from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import PalpateError
@@ -48,6 +48,11 @@ class FeasibleTest:
     settings: dict[str, float]
     protocol: Protocol
     indenter: Indenter | None = None
+
+    @property
+    def condition(self) -> Condition:
+        """The test as a condition that takes no part in the fit."""
+        return Condition("next", "validate", self.protocol)
 
 
 def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[FeasibleTest]:
@@ -93,9 +98,9 @@ def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> Feas
 def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
     """Return the test that separates the two best explanations most surely, with its expected power.
 
-    The distance of the two predicted curves is measured against noise and site scatter of three recordings and against
-    the uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is that of a
-    1 % test.
+    The distance of the two predicted curves is measured against noise, site scatter and slow drift of three recordings
+    and against the uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is
+    that of a 1 % test.
     """
     first, second = standing[:2]
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
@@ -108,9 +113,8 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
             )
         except PalpateError:
             continue
-        noise = first.errors.noise
-        point = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(len(a)))
-        spread = (point + noise.variances["site"] * np.outer(a, a)) / REPLICATES + spread_a + spread_b
+        parts = components_under(first.problem, (), test.condition, a)
+        spread = first.errors.noise.typical(parts) / REPLICATES + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.words, **test.settings, "expected_power": power, "distance": distance}
@@ -122,9 +126,8 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
 
 def _predicted(study: Study, fit: Fit, test: FeasibleTest, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
-    condition = Condition("next", "validate", test.protocol)
-    first, *others = (_of_test(specification_at(study, condition, fit, z), test) for z in (fit.z, *draws))
-    curve = on_fine_mesh(first, condition, fit, fit.z)
+    first, *others = (_of_test(specification_at(study, test.condition, fit, z), test) for z in (fit.z, *draws))
+    curve = on_fine_mesh(first, test.condition, fit, fit.z)
     outcomes = simulate_batch([first, *others])
     if any(outcome.status != "ok" for outcome in outcomes):
         raise PalpateError(f"{'+'.join(fit.explanation)}, {test.words}: a simulation failed")

@@ -56,6 +56,10 @@ class NoiseModel:
         """Return K (n, n) of condition number k [nm^2]."""
         return matrix_of(self.sigma[k], self.memory[k], self.variances, components)
 
+    def typical(self, components: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return K (n, n) of a condition of which only the `components` are known: median point noise [nm^2]."""
+        return matrix_of(float(np.median(self.sigma)), float(np.median(self.memory)), self.variances, components)
+
     def spread(self, places: Sequence[int], count: int) -> NoiseModel:
         """Return the model of `count` conditions of which those at `places` are this one's, in order.
 

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import toeplitz
 
 from palpate.calibration import Observation
 from palpate.calibration.noise import model_covariance
 from palpate.config import Study
-from palpate.diagnosis.covariance import varying
+from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import NORMAL_95, Law
 from palpate.diagnosis.refine import curve_under
@@ -27,9 +26,9 @@ def recording_values(
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
     By generalised least squares of what a recording departs from the forward model's curve, given the common material
-    and the common mean; its point noise, site scatter and the model's error are weighed, the uncertainty of the mean
-    is added. Where several mechanisms vary they are found together. What exact laws say about a recording by itself,
-    such as the drift in its own hold, joins as data. Held-out conditions under which the forward model fails have none.
+    and the common mean; its point noise, site scatter, slow drift and the model's error are weighed. Where several
+    mechanisms vary they are found together. What exact laws say about a recording by itself, such as the drift in its
+    own hold, joins as data. Held-out conditions under which the forward model fails have none.
 
     Parameters
     ----------
@@ -47,9 +46,7 @@ def recording_values(
             curve = curve_under(study, condition, fit)
         except PalpateError:
             continue
-        size = len(item.time)
-        covariance = float(np.median(noise.sigma)) ** 2 * toeplitz(float(np.median(noise.memory)) ** np.arange(size))
-        covariance += noise.variances["site"] * np.outer(curve, curve)
+        covariance = noise.typical(components_under(fit.problem, (), condition, curve))
         covariance += model_covariance({condition.name: curve}, study.calibration["solver_error"])
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)

@@ -7,6 +7,7 @@ differences of one another (ter Braak & Vrugt, Stat. Comput. 18 (2008) 435-446).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import emcee
@@ -17,6 +18,7 @@ from palpate.diagnosis.fit import Fit
 
 WALKERS_PER_DIMENSION = 6
 SETTLING, KEPT, THINNING = 150, 250, 5
+LEAPS = 0.1  # share of moves by a whole difference, which lead from one optimum to another
 
 
 def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
@@ -27,8 +29,7 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
     errors = fit.errors
     model = errors.model - errors.surrogate + surrogate_error(fit.problem, fit.explanation)
     fit = replace(fit, errors=replace(errors, model=model))
-    dimensions = len(fit.z)
-    walkers = WALKERS_PER_DIMENSION * dimensions
+    walkers = WALKERS_PER_DIMENSION * len(fit.z)
 
     def log_probability(z: np.ndarray) -> np.ndarray:
         inside = np.all((z >= 0.0) & (z <= 1.0), axis=1)
@@ -42,8 +43,15 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 
     start = rng.multivariate_normal(fit.z, fit.posterior, size=walkers, method="svd")
     start = np.clip(start, rng.uniform(0.0, 0.02, start.shape), rng.uniform(0.98, 1.0, start.shape))
-    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
-    sampler = emcee.EnsembleSampler(walkers, dimensions, log_probability, moves=moves, vectorize=True)
+    return sampled(log_probability, start, rng)
+
+
+def sampled(
+    log_probability: Callable[[np.ndarray], np.ndarray], start: np.ndarray, rng: np.random.Generator
+) -> np.ndarray:
+    """Return draws (m, k) from a density given by its logarithm at points (n, k), from walkers that `start` (n, k)."""
+    moves = [(emcee.moves.DEMove(), 1.0 - LEAPS), (emcee.moves.DEMove(gamma0=1.0), LEAPS)]
+    sampler = emcee.EnsembleSampler(*start.shape, log_probability, moves=moves, vectorize=True)
     sampler.random_state = np.random.RandomState(rng.integers(2**31)).get_state()
     sampler.run_mcmc(start, SETTLING + KEPT, skip_initial_state_check=True)
     return sampler.get_chain(discard=SETTLING, thin=THINNING, flat=True)

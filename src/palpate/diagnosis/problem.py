@@ -197,28 +197,6 @@ class Problem:
 
     def jacobian(self, explanation: Explanation, z: np.ndarray, step: float = 1e-4) -> np.ndarray:
         """Return the slope (n_all, k) of the curves by the coordinates z (k,), by central differences."""
-        u, own = self.parts(explanation, z)
-        free, extent = self.space.free, self.space.extent
-        physical = self.space.physical(u)[0]
-        base = [
-            self.base[c.name].jacobian(physical)[:, free] * self.refinement[c.name][:, None] for c in self.conditions
-        ]
-        slopes = [np.concatenate(base) * extent[free]]
-        for key, x in own.items():
-            slopes[0] = slopes[0] + self._material_slope(key, u, x)
-            ahead, behind = np.split(
-                self.effect(key, u, np.vstack([x + step * np.eye(len(x)), x - step * np.eye(len(x))])), 2
-            )
-            slopes.append((ahead - behind).T / (2 * step))
-        return np.column_stack(slopes)
-
-    def _material_slope(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the slope (n_all, p) by the material of what was learnt of an effect; the rest hardly has one."""
-        if not MECHANISMS[key].needs_learning:
-            return np.zeros((len(self.mean), len(u)))
-        point = np.concatenate([self.space.physical(u)[0][self.space.free], x])
-        slopes = []
-        for condition in self.conditions:
-            effect = self.effects[condition.name][key]
-            slopes.append(effect.spread @ effect.surrogate.jacobian(point)[:, : len(u)])
-        return np.concatenate(slopes) * self.space.extent[self.space.free]
+        steps = step * np.eye(len(z))
+        ahead, behind = np.split(self.curves(explanation, np.vstack([z + steps, z - steps])), 2)
+        return (ahead - behind).T / (2 * step)
