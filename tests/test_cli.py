@@ -88,9 +88,20 @@ def test_output_that_cannot_be_written(tmp_path, refused):
     file = tmp_path / "spec.yaml"
     file.write_text(yaml.safe_dump(SPEC))
     assert "folder is missing" in refused("simulate", file, "-o", tmp_path / "no/curve.csv")
+    assert f"{tmp_path}: is a folder; name a file in it" in refused("simulate", file, "-o", tmp_path)
     recording = tmp_path / "a.csv"
     recording.write_text("time_s,load_mN,depth_nm\n0,0,0\n1,1,1\n")
     assert str(recording) in refused("read", recording, "-o", recording)
+
+
+@pytest.mark.parametrize("value", [0.05, [0.05], "fast"])
+def test_a_mechanism_without_its_parameters_is_refused(tmp_path, refused, value):
+    file = tmp_path / "spec.yaml"
+    file.write_text(yaml.safe_dump(SPEC | {"mechanisms": {"thermal_drift": value}}))
+    for command in (["simulate", file, "-o", tmp_path / "c.csv"], ["fields", file, "--time", "1", "-o", tmp_path]):
+        line = refused(*command)
+        assert f"{file}, mechanisms.thermal_drift: mechanism thermal_drift is {value!r}, expected a table" in line
+        assert "{rate: ...}" in line
 
 
 def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, capsys):

@@ -70,9 +70,10 @@ def _mechanisms(given: Any) -> dict[str, dict[str, float]]:
                 f"mechanism {key!r} is not known", remedy=f"use one of: {', '.join(MECHANISMS)}", place="mechanisms"
             )
         try:
-            checked[key] = MECHANISMS[key].check(values or {})
+            checked[key] = MECHANISMS[key].check({} if values is None else values)
         except InputError as error:
-            raise InputError(error.problem, remedy=error.remedy, place=f"mechanisms.{key}.{error.place}") from None
+            place = ".".join(filter(None, ("mechanisms", key, error.place)))
+            raise InputError(error.problem, remedy=error.remedy, place=place) from None
     return checked
 
 

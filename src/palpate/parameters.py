@@ -67,10 +67,15 @@ def check_values(declared: Iterable[Parameter], values: Mapping[str, object], ow
     Raises
     ------
     InputError
-        On an unknown name, a missing required parameter, or a value outside its range.
+        On anything but a table, an unknown name, a missing required parameter, or a value outside its range.
     """
     declared = tuple(declared)
     names = [parameter.name for parameter in declared]
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"{owner} is {values!r}, expected a table of its parameters",
+            remedy=f"write {{{', '.join(f'{name}: ...' for name in names)}}}",
+        )
     for name in values:
         if name not in names:
             raise InputError(

@@ -27,6 +27,8 @@ def run(arguments: argparse.Namespace) -> int:
     values = read_yaml(path)
     if not arguments.output.parent.is_dir():
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
+    if arguments.output.is_dir():
+        raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
     try:
         simulation = simulate(specification_from(values))
     except InputError as error:
