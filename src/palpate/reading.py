@@ -40,6 +40,7 @@ def write_reading(study: Study, folder: Path) -> None:
             picture = folder / f"{condition}_{len(found)}.png"
             draw(found[-1], picture, chosen=_chosen(study, found[-1]))
             pieces += [f"<h3>{html.escape(condition)}: {html.escape(test.name)}</h3>", report.image(picture, test.name)]
+            pieces += [f"<p>{html.escape(warning)}</p>" for warning in test.warnings]
     rows = table(found)
     rows.to_csv(folder / "survey.csv", index=False)
     corrections = study.source.get("corrections")

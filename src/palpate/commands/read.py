@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,9 +42,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="begin at the file's contact, at the one found, nowhere (keep the approach), or at this depth",
     )
     parser.add_argument("--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="columns of a table")
-    parser.add_argument("--units", type=_pairs, default={}, metavar="time=s,load=mN,depth=nm", help="their units")
+    parser.add_argument(
+        "--units",
+        type=_pairs,
+        default={},
+        metavar="time=s,load=mN,depth=nm",
+        help="their units, in place of those that the table states; load=-mN turns the sign",
+    )
     parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
+    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+
+
+class _Formats(argparse.Action):
+    """Print what can be read, found when it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: object) -> None:
+        from palpate.readers import READERS
+        from palpate.readers.units import SCALES
+
+        print(*(reader.title for reader in READERS.values()), sep="\n")
+        print("any table, text or Excel, by --columns; units:")
+        print(*(f"  {key}: {', '.join(units)}" for key, units in SCALES.items()), sep="\n")
+        parser.exit()
 
 
 def _corrections(text: str) -> frozenset[str]:
@@ -71,25 +92,38 @@ def _pairs(text: str) -> dict[str, str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
+    from palpate.errors import InputError
     from palpate.readers import ColumnMap, read_vendor_file, select, zeroed
 
-    columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
-    tests = read_vendor_file(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
-    if arguments.test is not None:
-        tests = [select(tests, arguments.test, arguments.file)]
+    if arguments.units and not arguments.columns:
+        raise InputError(
+            "units are given without columns", remedy="add --columns, or leave --units off", file=arguments.file,
+            place="--units",
+        )  # fmt: skip
+    try:
+        columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
+        tests = read_vendor_file(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
+        if arguments.test is not None:
+            tests = [select(tests, arguments.test, arguments.file)]
+        recordings = [zeroed(test, arguments.contact).recording for test in tests]
+    except InputError as error:
+        raise error.located(file=arguments.file) from None
     chosen = arguments.corrections
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
     surveys = []
-    for test in tests:
-        recording = zeroed(test, arguments.contact).recording
-        notes = (*recording.notes, applied, *(f"{key}: {value}" for key, value in test.metadata.items()))
+    for test, recording in zip(tests, recordings, strict=True):
+        for warning in test.warnings:
+            print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
+        facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
+        notes = (*recording.notes, applied, *test.warnings, *facts)
         path = arguments.output / f"{re.sub(r'[^A-Za-z0-9._-]+', '_', test.name)}.csv"
         replace(recording, notes=notes).write(path)
         print(path)
         if arguments.survey:
             surveys.append(_survey(test, arguments.file, path.with_suffix(".png")))
+            print(path.with_suffix(".png"))
     if surveys:
         from palpate.survey import table
 

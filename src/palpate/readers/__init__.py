@@ -62,6 +62,8 @@ def read_vendor_file(
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     if sha256 is not None and hashlib.sha256(content).hexdigest() != sha256:
         raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again", file=path)
+    if not content.strip():
+        raise InputError("is empty", remedy="export or copy it again", file=path)
     source = Source(path, content)
     try:
         return [zeroed(test, contact) for test in _whole(source, corrections, columns)]
@@ -98,10 +100,12 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    known = "; ".join(reader.title for reader in READERS.values())
+    first = next((line.strip() for line in source.lines if line.strip()), "") if source.workbook is None else ""
+    begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
     raise InputError(
-        "is of no format that palpate knows",
-        remedy=f"give one of: {known}; or the columns of a table (--columns time=...,load=...,depth=...)",
+        f"is of no format that palpate knows{begins}",
+        remedy="name the columns of its table (--columns time=...,load=...,depth=...); "
+        "`palpate read --formats` lists formats and units",
         file=source.path,
     )
 

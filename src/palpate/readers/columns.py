@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+import csv
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.readers.source import LARGEST, UNITS, Source
-from palpate.readers.vendor import VendorTest, recording_from
+from palpate.readers.decimals import numbers
+from palpate.readers.source import Source
+from palpate.readers.units import CHANNELS, scale, stated
+from palpate.readers.vendor import MOST_LEFT_OUT, VendorTest, increasing
+from palpate.recording import Recording
 
-CHANNELS = {"time": "s", "load": "mN", "depth": "nm"}
-SCALES = {
-    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
-    "load": {unit: UNITS[unit] for unit in ("mN", "uN", "µN", "N")} | {"nN": 1e-6},
-    "depth": {unit: UNITS[unit] for unit in ("nm", "um", "µm")} | {"mm": 1e6, "m": 1e9, "A": 0.1},
-}
 DELIMITERS = ("\t", ";", ",")
+WORD = re.compile(r"[^\W\d_]")
+LISTED = 12
+PLACES = 3
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class ColumnMap:
     names
         Name of the column, or its number from 1, for each of ``time``, ``load`` and ``depth``.
     units
-        Their units; s, mN and nm where none is given.
+        Their units, where the table states none or wrong ones; ``-mN`` turns the sign. s, mN and nm where neither
+        says more.
     """
 
     names: Mapping[str, str]
@@ -45,79 +47,167 @@ class ColumnMap:
             for key in given:
                 if key not in CHANNELS:
                     raise InputError(f"{key!r} is no channel", remedy="use time, load and depth", place=place)
-        for key, unit in self.units.items():
-            if unit not in SCALES[key]:
+        owners: dict[str, str] = {}
+        for key, name in self.names.items():
+            if name in owners:
                 raise InputError(
-                    f"{key} in {unit!r} is not known", remedy=f"use one of: {', '.join(SCALES[key])}", place="units"
+                    f"{owners[name]} and {key} are both {name!r}", remedy="name a column for each", place="columns"
                 )
+            owners[name] = key
+        for key, unit in self.units.items():
+            scale(key, unit)
 
-    def scale(self, key: str) -> float:
-        """Return the factor that brings a channel to s, mN or nm."""
-        return SCALES[key][self.units.get(key, CHANNELS[key])]
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells, and where they stand.
+
+    Parameters
+    ----------
+    source, name
+        The file, and the table's name: its sheet's, or the file's own.
+    rows, numbers
+        Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
+    """
+
+    source: Source
+    name: str
+    rows: Sequence[Sequence[Any]]
+    numbers: Sequence[int]
+
+    def place(self, *rows: int) -> str:
+        """Return where the first few of `rows` stand, and how many more there are."""
+        named = ", ".join(str(self.numbers[row]) for row in rows[:PLACES])
+        more = f" and {len(rows) - PLACES} more" if len(rows) > PLACES else ""
+        return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named + more
+
+    def body(self, header: int | None, indices: Sequence[int]) -> Table:
+        """Return some columns of the rows below the header, or of all rows where there is none."""
+        start = 0 if header is None else header + 1
+        rows = [[row[k] if k < len(row) else "" for k in indices] for row in self.rows[start:]]
+        return Table(self.source, self.name, rows, self.numbers[start:])
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
     """Read the one table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    The header is the first row with all names; rows below it count from the first to the last that holds three numbers,
-    so a row of units and remarks at the end do no harm. Numbers beyond 1e300 stand for "invalid" and are dropped.
+    The header is the first row with all names. Rows without any number, of units and remarks, do no harm before and
+    after the numbers; other rows without three, or with a time that does not increase, are left out with a warning.
 
     Raises
     ------
     InputError
-        When no table has the columns, or too many of its values are no numbers.
+        When no table has the columns, more than a twentieth of its rows would be left out, or a unit is not known.
     """
-    tables = (
-        {name: source.sheet(name) for name in source.sheets} if source.workbook else {source.path.stem: _rows(source)}
-    )
-    tests = []
-    for name, rows in tables.items():
-        place = _columns_of(rows, columns)
-        if place is None:
-            continue
-        start, indices = place
-        cells = [[_number(row[k]) if k < len(row) else np.nan for k in indices] for row in rows[start:]]
-        values = np.array(cells, dtype=float).reshape(-1, 3)
-        values[np.abs(values) > LARGEST] = np.nan
-        whole = np.flatnonzero(np.isfinite(values).all(axis=1))
-        if not len(whole):
-            continue
-        values = values[whole[0] : whole[-1] + 1]
-        time, load, depth = (values[:, k] * columns.scale(key) for k, key in enumerate(CHANNELS))
-        tests.append(VendorTest(name, recording_from(source, name, name, time - time[0], load, depth)))
+    tables = _tables(source)
+    tests = [test for test in (_test(table, columns) for table in tables) if test is not None]
     if not tests:
         raise InputError(
             f"holds no table with numbers in the columns {', '.join(columns.names[key] for key in CHANNELS)}",
-            remedy="correct the map of columns; names are those of the header, or numbers from 1",
+            remedy=f"name columns of its header ({_header(tables)}), or give their numbers from 1",
             file=source.path,
         )
     return tests
 
 
-def _rows(source: Source) -> list[list[str]]:
-    """Split the lines at tabs, semicolons or commas, whichever most lines hold more than one of; else at blanks."""
-    lines = [line for line in source.lines if line.strip()]
+def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
+    """Return the test in a table, or None when it has no such columns or no numbers in them."""
+    found = _columns_of(table.rows, columns)
+    if found is None:
+        return None
+    header, indices = found
+    body = table.body(header, indices)
+    values = numbers(body.rows, body.place)
+    whole = np.isfinite(values).all(axis=1)
+    if not whole.any():
+        return None
+    kept, warnings = _kept(body, values)
+    above = [body.rows[row] for row in range(int(np.argmax(whole))) if not np.isfinite(values[row]).any()]
+    units, channels = {}, []
+    for k, key in enumerate(CHANNELS):
+        heading = None if header is None else str(table.rows[header][indices[k]])
+        units[key] = columns.units.get(key) or stated(key, heading, [str(row[k]) for row in above]) or CHANNELS[key]
+        channels.append(values[kept, k] * scale(key, units[key]))
+    time, load, depth = channels
+    facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
+    recording = Recording(time - time[0], load, depth, table.name, (f"from {table.source.path.name}",))
+    return VendorTest(table.name, recording, facts, warnings)
+
+
+def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return the rows of `values` (n, 3) that make a test, and what is left out in words.
+
+    Empty cells before the first and after the last whole row are no damage: a channel may begin later or end earlier.
+    """
+    whole, partly = np.isfinite(values).all(axis=1), np.isfinite(values).any(axis=1)
+    complete = np.flatnonzero(whole)
+    row = np.arange(len(values))
+    between = (row >= complete[0]) & (row <= complete[-1])
+    late = np.zeros(len(values), dtype=bool)
+    late[complete[~increasing(values[complete, 0])]] = True
+    spoilt = ~whole & (between | partly)
+    counted = between | (spoilt & (row > complete[-1]) & np.isnan(values).any(axis=1))
+    damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(whole & ~late)
+    if len(damaged) > MOST_LEFT_OUT * counted.sum():
+        first = int(damaged[0])
+        cells = ", ".join(str(cell) for cell in body.rows[first])
+        raise InputError(
+            f"{cells!r} {'does not come later than the rows before' if late[first] else 'is not three numbers'}; "
+            f"{len(damaged)} of {counted.sum()} rows cannot be used",
+            remedy="correct them, or export the test again",
+            place=body.place(first),
+        )
+    if len(kept) < 2:
+        raise InputError("is the only row of numbers", remedy="export the test again", place=body.place(int(kept[0])))
+    causes = [
+        f"{cause} ({body.place(*np.flatnonzero(rows))})"
+        for cause, rows in (("no three numbers", spoilt), ("time does not increase", late))
+        if rows.any()
+    ]
+    left_out = int((spoilt | late).sum())
+    return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+
+
+def _tables(source: Source) -> list[Table]:
+    """Return a workbook's sheets, or the one table of a text file.
+
+    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of; else at blanks.
+    """
+    if source.workbook:
+        sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
+        return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
+    lines = {number: line for number, line in enumerate(source.lines, 1) if line.strip()}
+    split = [line.split() for line in lines.values()]
     for delimiter in DELIMITERS:
-        if sum(line.count(delimiter) >= 2 for line in lines) > len(lines) / 2:
-            return [[cell.strip().strip('"') for cell in line.split(delimiter)] for line in lines]
-    return [line.split() for line in lines]
+        if sum(line.count(delimiter) >= 2 for line in lines.values()) > len(lines) / 2:
+            split = [_cells(line, delimiter) for line in lines.values()]
+            break
+    return [Table(source, source.path.stem, split, list(lines))]
 
 
-def _columns_of(rows: list[list[Any]], columns: ColumnMap) -> tuple[int, list[int]] | None:
-    """Return the first row below the header and the index of each channel, or None when the columns are not there."""
+def _cells(line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line; one in double quotes may hold the delimiter."""
+    try:
+        (cells,) = csv.reader([line], delimiter=delimiter, skipinitialspace=True)
+    except csv.Error:
+        return line.split(delimiter)
+    return [cell.strip() for cell in cells]
+
+
+def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int | None, list[int]] | None:
+    """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
     wanted = [columns.names[key].strip() for key in CHANNELS]
     for number, row in enumerate(rows):
         cells = [str(cell).strip() for cell in row]
         if all(name in cells for name in wanted):
-            return number + 1, [cells.index(name) for name in wanted]
+            return number, [cells.index(name) for name in wanted]
     if all(name.isdigit() and int(name) > 0 for name in wanted):
-        return 0, [int(name) - 1 for name in wanted]
+        return None, [int(name) - 1 for name in wanted]
     return None
 
 
-def _number(cell: Any) -> float:
-    """Return a cell's number, with decimal comma or point; NaN for anything else."""
-    if isinstance(cell, int | float):
-        return float(cell)
-    text = str(cell).strip().replace(",", ".")
-    return float(text) if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", text) else np.nan
+def _header(tables: Sequence[Table]) -> str:
+    """Return the names in the row that looks most like a header: the first with most words."""
+    rows = [[cell for cell in row if isinstance(cell, str) and WORD.search(cell)] for t in tables for row in t.rows]
+    names = max(rows, key=len, default=[])
+    return ", ".join(names[:LISTED]) + (", ..." if len(names) > LISTED else "") if names else "none is found"

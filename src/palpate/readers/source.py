@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 import re
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from python_calamine import CalamineWorkbook
 
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
+WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 LARGEST = 1e300
 UNITS = {
     "s": 1.0,
@@ -43,9 +45,9 @@ class Source:
 
     @cached_property
     def lines(self) -> list[str]:
-        """Lines of text, whatever ends them; UTF-8 where that fits, Latin-1 otherwise."""
+        """Lines of text, whatever ends them; UTF-16 where it is marked, UTF-8 where that fits, Latin-1 otherwise."""
         try:
-            text = self.content.decode("utf-8-sig")
+            text = self.content.decode("utf-16" if self.content.startswith(WIDE) else "utf-8-sig")
         except UnicodeDecodeError:
             text = self.content.decode("latin-1")
         return re.split(r"\r\n|\r|\n", text)
@@ -71,10 +73,17 @@ class Source:
 
     def sheet(self, name: str) -> list[list[Any]]:
         """Return the rows of a sheet, empty for another file; raises `InputError` when it is damaged."""
+        return self.placed_sheet(name)[1]
+
+    def placed_sheet(self, name: str) -> tuple[int, list[list[Any]]]:
+        """Return the rows of a sheet from the first that holds anything, and the number of that row, from 1."""
         from python_calamine import CalamineError
 
+        if self.workbook is None:
+            return 1, []
         try:
-            return self.workbook.get_sheet_by_name(name).to_python() if self.workbook else []
+            sheet = self.workbook.get_sheet_by_name(name)
+            return (sheet.start or (0, 0))[0] + 1, sheet.to_python()
         except CalamineError as error:
             raise InputError(
                 f"is damaged ({error})", remedy="copy or export it again", file=self.path, place=f"sheet {name}"

@@ -13,6 +13,7 @@ from palpate.readers.source import Source
 from palpate.recording import Recording
 
 CORRECTIONS = ("drift", "frame")
+MOST_LEFT_OUT = 0.05
 Corrections = frozenset[str] | None
 
 
@@ -28,11 +29,14 @@ class VendorTest:
         Time [s], load [mN], depth [nm], whole: time is zero at the file's own contact and negative in the approach.
     metadata
         Whatever the file says of instrument, tip, method and results, by the vendor's names.
+    warnings
+        What the user should know of the reading, such as rows that were left out.
     """
 
     name: str
     recording: Recording
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,11 @@ def contact(load: np.ndarray) -> int:
     return int(np.flatnonzero(early <= max(0.0, early.min()))[-1])
 
 
+def increasing(time: np.ndarray) -> np.ndarray:
+    """Return which points of `time` (n,) are later than all before them, by more than its rounding."""
+    return np.diff(np.maximum.accumulate(time), prepend=-np.inf) > 1e-9 * np.ptp(time)
+
+
 def recording_from(
     source: Source,
     place: str,
@@ -125,9 +134,8 @@ def recording_from(
         ends = np.flatnonzero(valid)[[0, -1]]
         time, load, depth, valid = (values[ends[0] : ends[1] + 1] for values in (time, load, depth, valid))
     time, load, depth = time[valid], load[valid], depth[valid]
-    least = 1e-9 * np.ptp(time) if len(time) else 0.0
-    later = np.append(True, np.diff(np.maximum.accumulate(time)) > least) if len(time) else valid[:0]
-    if len(time) < 2 or later.sum() < 0.95 * len(valid):
+    later = increasing(time) if len(time) else valid[:0]
+    if len(time) < 2 or later.sum() < (1 - MOST_LEFT_OUT) * len(valid):
         raise InputError(
             f"{len(valid) - int(later.sum())} of {len(valid)} points are invalid or go back in time",
             remedy="export the test again",

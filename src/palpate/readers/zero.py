@@ -8,10 +8,12 @@ import numpy as np
 
 from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
 from palpate.errors import InputError
+from palpate.readers.units import CHANNELS
 from palpate.readers.vendor import VendorTest
 from palpate.recording import Recording
 
 CONTACTS = ("file", "auto", "none")
+LEAST_RISE = 0.05
 
 
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
@@ -28,11 +30,13 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     Raises
     ------
     InputError
-        When the tip never comes to the depth given, or too few points are left to find contact in.
+        When load or depth has the wrong sign, the tip never comes to the depth given, or too few points are left to
+        find contact in.
     """
     r = test.recording
     if contact == "none":
         return test
+    _check_signs(test.name, r)
     if contact == "file":
         return replace(test, recording=until_retreat(r.at(slice(int(np.argmax(r.time >= 0)), None))))
     if isinstance(contact, str) and contact not in CONTACTS:
@@ -45,6 +49,22 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     except InputError as error:
         raise error.located(place=test.name) from None
     return replace(test, recording=until_retreat(begun(r, point)))
+
+
+def _check_signs(name: str, recording: Recording) -> None:
+    """Refuse a test whose load only falls, or whose depth is less at the largest load than at the start."""
+    load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
+    for channel, wrong, values in (
+        ("load", load[peak] - load[0] < LEAST_RISE * (load[0] - load.min()), (load[0], load.min())),
+        ("depth", depth[peak] < depth[0], (depth[0], depth[peak])),
+    ):
+        if wrong:
+            unit = CHANNELS[channel]
+            raise InputError(
+                f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses",
+                remedy=f"turn it (`palpate read --columns ... --units {channel}=-{unit}`), or export the loading too",
+                place=name,
+            )
 
 
 def begun(recording: Recording, point: ContactPoint) -> Recording:

@@ -1,0 +1,66 @@
+"""Numbers of a table whose decimal sign nobody states: a point or a comma, and the other one may part thousands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.readers.source import LARGEST
+
+MISSING = ("", "nan", "inf")
+OTHER = {".": ",", ",": "."}
+WRITTEN = {
+    sign: re.compile(
+        rf"[-+]?(?:(?:\d+[{sign}]?\d*|[{sign}]\d+)(?:[eE][-+]?\d+)?|[1-9]\d{{0,2}}(?:[{other}]\d{{3}})+(?:[{sign}]\d*)?)"
+    )
+    for sign, other in OTHER.items()
+}
+
+
+def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.ndarray:
+    """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
+
+    ``1,143.74`` and ``1.143,74`` are one number; ``1,200`` may be two. The sign that makes numbers of more of the
+    table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e300 stand for "invalid".
+
+    Parameters
+    ----------
+    place
+        Where a row stands in the file, for messages.
+
+    Raises
+    ------
+    InputError
+        When a point and a comma make numbers of as many cells, but not the same numbers.
+    """
+    point, comma = (
+        np.array([[_number(cell, sign) for cell in row] for row in rows]).reshape(len(rows), -1) for sign in OTHER
+    )
+    more = int(np.isfinite(point).sum()) - int(np.isfinite(comma).sum())
+    differ = (point != comma) & ~(np.isnan(point) & np.isnan(comma))
+    if more == 0 and differ.any():
+        row, column = (int(k) for k in np.argwhere(differ)[0])
+        raise InputError(
+            f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not tell which",
+            remedy="export the numbers without separators of thousands, or with other than three decimals",
+            place=place(row),
+        )
+    return point if more >= 0 else comma
+
+
+def _number(cell: Any, sign: str) -> float:
+    """Return a cell's number by a decimal `sign`, NaN for text, infinity for a cell that is empty or invalid."""
+    if isinstance(cell, int | float) and not isinstance(cell, bool):
+        value = float(cell)
+    else:
+        text = str(cell).strip()
+        if text.lower() in MISSING:
+            return np.inf
+        if not WRITTEN[sign].fullmatch(text):
+            return np.nan
+        value = float(text.replace(OTHER[sign], "").replace(sign, "."))
+    return value if abs(value) <= LARGEST else np.inf
