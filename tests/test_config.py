@@ -115,12 +115,16 @@ def spoiled(kind):
     elif kind == "micronewtons":
         load = load * 1000
     elif kind == "few":
-        t, load, depth = t[::16], load[::16], depth[::16]
+        t, load, depth = t[::79], load[::79], depth[::79]
     elif kind == "slow":
         t = np.where(t > 30, 30 + (t - 30) / 3, t)
         t[-1] = 60.0
     elif kind == "short":
         t, load, depth = t[:60], load[:60], depth[:60]
+    elif kind == "pulled":
+        load = -load
+    elif kind == "upwards":
+        depth = -depth
     return t, load, depth
 
 
@@ -131,7 +135,9 @@ def spoiled(kind):
         ("nan", "not a number"),
         ("micrometres", "micrometres"),
         ("micronewtons", "uN"),
-        ("few", "fewer than"),
+        ("few", "has 2 points for 2 free parameters"),
+        ("pulled", "the load is negative, down to -1 mN: its sign is wrong"),
+        ("upwards", "the depth is negative, down to -500 nm: its sign is wrong"),
         ("short", "ends after"),
         ("slow", "load departs"),
     ],
@@ -153,6 +159,8 @@ def test_a_bad_recording_is_refused_by_name(tmp_path, kind, words, capsys):
     [
         ("", "empty"),
         ("time,load,depth\n0,0,0\n", "header"),
+        ("time_s;load_mN;depth_nm\n0;0;0\n", "line 1: the columns are not separated by commas"),
+        ("time_s\tload_mN\tdepth_nm\n0\t0\t0\n", "palpate read --columns"),
         ("time_s,load_mN,depth_nm\n0,0,0\n1,abc,2\n", "line 3"),
         ("time_s,load_mN,depth_nm\n0;0;0\n", "line 2"),
     ],
@@ -211,7 +219,8 @@ def test_good_recordings_are_resampled(tmp_path):
     folder = tmp_path / "recordings"
     folder.mkdir()
     write(folder / "P1_T30_1.csv", *curve(160))
-    write(folder / "P1_T30_2.csv", *curve(100, scale=1.01))
+    write(folder / "P1_T30_2.CSV", *curve(100, scale=1.01))
+    (folder / "._P1_T30_1.csv").write_bytes(b"\x00\x05\x16\x07 what macOS leaves on foreign disks")
     item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
     assert item.depth.shape == (2, 100)
     assert (item.depth[1] / item.depth[0])[5:] == pytest.approx(1.01, abs=2e-3)

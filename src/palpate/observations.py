@@ -18,6 +18,7 @@ from palpate.readers import read_source
 from palpate.recording import Recording, read_recording
 
 LOAD_TOLERANCE = 0.05
+LEAST_POSITIVE = 0.05
 SHALLOWEST = 0.2
 DEEPEST = 30.0
 
@@ -35,7 +36,9 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
         raise InputError("the folder is missing", remedy=f"correct recordings.{name} in {study.file}", file=folder)
     names = [condition.name for condition in study.conditions]
     found: dict[str, list[Path]] = {name: [] for name in names}
-    for file in sorted(folder.glob("*.csv")):
+    for file in sorted(path for path in folder.iterdir() if path.suffix.lower() == ".csv"):
+        if file.name.startswith("."):
+            continue
         match = re.fullmatch(r"(.+)_[^_]+", file.stem)
         if match is None or match[1] not in found:
             raise InputError(
@@ -61,11 +64,9 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
         checked[condition] = []
         for file in files:
             try:
-                recording = _in_step(study.condition(condition), read_recording(file).from_contact())
-                _check_one(study, study.condition(condition), recording)
+                checked[condition].append(_checked(study, study.condition(condition), read_recording(file)))
             except InputError as error:
                 raise error.located(file=file) from None
-            checked[condition].append(recording)
     return checked
 
 
@@ -77,8 +78,7 @@ def check_given(study: Study) -> None:
     for condition, tests in (read_source(study.source) if study.source else {}).items():
         for test in tests:
             try:
-                followed = study.condition(condition)
-                _check_one(study, followed, _in_step(followed, test.recording.from_contact()))
+                _checked(study, study.condition(condition), test.recording)
             except InputError as error:
                 where = ", ".join(filter(None, (test.name, error.place)))
                 raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
@@ -96,23 +96,38 @@ def files_of(study: Study, name: str) -> list[Path]:
     return [file for files in find(study, name).values() for file in files]
 
 
-def _in_step(condition: Condition, recording: Recording) -> Recording:
-    """Return the recording on the clock of its condition, where that follows a recorded load."""
-    return aligned(recording, condition.protocol) if condition.follows else recording
+def _checked(study: Study, condition: Condition, recording: Recording) -> Recording:
+    """Return the recording from contact on, on the clock of its condition where that follows a recorded load, checked.
+
+    Raises
+    ------
+    InputError
+        When points are too few, load or depth is negative, or the recording is not one of the condition.
+    """
+    count = len(study.free_parameters)
+    if len(recording) <= count:
+        raise InputError(f"has {len(recording)} points for {count} free parameters", remedy="export the whole curve")
+    for channel, unit, values in (("load", "mN", recording.load), ("depth", "nm", recording.depth)):
+        if values.max() < LEAST_POSITIVE * -values.min():
+            raise InputError(
+                f"the {channel} is negative, down to {values.min():.4g} {unit}: its sign is wrong",
+                remedy=f"turn it (`palpate read --columns ... --units {channel}=-{unit}`)",
+                place=f"{channel}_{unit}",
+            )
+    begun = recording.from_contact()
+    if condition.follows:
+        begun = aligned(begun, condition.protocol)
+    _check_one(study, condition, begun)
+    return begun
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
-    """Check points, load, duration and depth.
+    """Check load, duration and depth.
 
     No body is shallower than an elastic one of its modulus, and soft metals in long creep lie within about ten times
     that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
-    count = len(study.levels)
-    if len(recording) <= count:
-        raise InputError(
-            f"has {len(recording)} points, fewer than the {count} parameters need", remedy="export the whole curve"
-        )
     peak, expected = recording.load.max(), condition.protocol.max_load
     if abs(peak / expected - 1) > LOAD_TOLERANCE:
         hint = "; are loads in uN?" if peak > 100 * expected else "; are loads in N?" if peak < expected / 100 else ""
@@ -196,4 +211,5 @@ def convert_source(study: Study, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for condition, tests in read_source(source).items():
         for number, test in enumerate(tests, 1):
-            replace(test.recording, notes=(*test.recording.notes, *notes)).write(folder / f"{condition}_{number}.csv")
+            said = (*test.recording.notes, *test.warnings, *notes)
+            replace(test.recording, notes=said).write(folder / f"{condition}_{number}.csv")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -141,6 +142,13 @@ def read_recording(path: str | Path) -> Recording:
     if not body:
         raise InputError("the recording is empty", remedy="export the test again", file=path)
     number, header = body[0]
+    if re.split(r"[;\t]", header.strip()) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+        raise InputError(
+            "the columns are not separated by commas",
+            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
+            file=path,
+            place=f"line {number}",
+        )
     if header.strip() not in (HEADER, WITH_STIFFNESS):
         raise InputError(
             f"header is {header.strip()[:60]!r}, expected {HEADER!r}",
