@@ -89,6 +89,7 @@ def test_output_that_cannot_be_written(tmp_path, refused):
     file.write_text(yaml.safe_dump(SPEC))
     assert "folder is missing" in refused("simulate", file, "-o", tmp_path / "no/curve.csv")
     assert f"{tmp_path}: is a folder; name a file in it" in refused("simulate", file, "-o", tmp_path)
+    assert f"{file}: is a file; name a folder" in refused("fields", file, "--time", "1", "-o", file)
     recording = tmp_path / "a.csv"
     recording.write_text("time_s,load_mN,depth_nm\n0,0,0\n1,1,1\n")
     assert str(recording) in refused("read", recording, "-o", recording)

@@ -169,6 +169,17 @@ def test_the_command_line_takes_corrections_off(tmp_path):
     assert "corrections in depth: none" in raw.notes
 
 
+def test_tests_whose_names_differ_by_odd_letters_alone_are_all_written(tmp_path):
+    file = tmp_path / "x.TXT"
+    names = [f"{axis}_{test}_{channel}" for test in ("tip α", "tip β") for axis, channel in (
+        ("X", "Time_[s]"), ("Y", "Fn_[mN]"), ("X", "Time_[s]"), ("Y", "Pd_[nm]"))]  # fmt: skip
+    rows = ["\t".join([f"{k}", f"{k}", f"{k}", f"{k}", f"{k}", f"{2 * k}", f"{k}", f"{k}"]) for k in range(9)]
+    file.write_text("\n".join(["\t".join(names), *rows]))
+    assert main(["read", str(file), "-o", str(tmp_path / "out")]) == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["tip_.csv", "tip__2.csv"]
+    assert read_recording(tmp_path / "out/tip__2.csv").load.max() == 16
+
+
 @needs_recordings
 def test_read_writes_recordings(tmp_path):
     assert main(["read", str(ANON), "-o", str(tmp_path)]) == 0
@@ -360,6 +371,30 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
         assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
         assert test.recording.load == pytest.approx(turn * FORCE, abs=1e-2 * abs(turn))
         assert f"[{load_unit}]" in test.metadata["columns"]
+
+
+@needs_recordings
+def test_a_row_of_a_sheet_is_told_by_its_number(tmp_path):
+    names = {"time": "Time On Sample", "load": "Load On Sample", "depth": "Displacement Into Surface"}
+    first = next(test for test in read_vendor_file(XP, columns=ColumnMap(names)) if test.name == "Test 001")
+    assert first.warnings == ("1 of 1521 rows left out: time does not increase (sheet Test 001, row 1495)",)
+    rows = Source(XP, XP.read_bytes()).sheet("Test 001")
+    time = rows[0].index("Time On Sample")
+    assert rows[1495 - 1][time] - rows[1494 - 1][time] < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; put numbers"),
+        ("t;P;h;t;P;h\n0;0;0;0;0;0\n1;1;1;1;1;1\n", "several columns are called 't'"),
+    ],
+)
+def test_columns_that_cannot_be_told_apart_are_refused(tmp_path, text, words):
+    file = tmp_path / "x.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=words):
+        read_vendor_file(file, columns=SHORT)
 
 
 def test_a_stated_unit_that_is_not_known_is_refused(tmp_path):

@@ -7,9 +7,10 @@ from test_readers import ANON, needs_recordings
 
 from palpate.config import load_study
 from palpate.errors import InputError
+from palpate.observations import convert_source
 from palpate.readers import read_vendor_file
 from palpate.reading import write_reading
-from palpate.recording import Recording
+from palpate.recording import Recording, read_recording
 from palpate.survey import survey
 
 STUDY = {
@@ -61,6 +62,7 @@ def test_page_on_the_recordings_of_a_study(tmp_path, contact):
         ("corrections", ["creep"], "'creep' is not one of"),
         ("condition", "A", "either condition or conditions"),
         ("columns", {"time": "t", "load": "P", "depth": "x"}, "no table with numbers"),
+        ("units", {"load": "kgf"}, "load in 'kgf' is not known"),
     ],
 )
 def test_a_wrong_source_gets_one_line(tmp_path, key, value, words):
@@ -70,6 +72,26 @@ def test_a_wrong_source_gets_one_line(tmp_path, key, value, words):
     path.write_text(yaml.safe_dump(values))
     with pytest.raises(InputError, match=words):
         load_study(path)
+
+
+def test_units_of_a_source_without_columns_are_refused(tmp_path):
+    path = workbook_like(tmp_path, "auto")
+    values = yaml.safe_load(path.read_text())
+    del values["source"]["columns"]
+    path.write_text(yaml.safe_dump({**values, "source": values["source"] | {"units": {"load": "uN"}}}))
+    with pytest.raises(InputError, match=r"source\.units: units are given without columns"):
+        load_study(path)
+
+
+def test_rows_that_were_left_out_are_told_on_the_page_and_in_the_recordings(tmp_path):
+    study = load_study(workbook_like(tmp_path, "auto"))
+    file = tmp_path / "glass.csv"
+    file.write_text(file.read_text() + "51,broken,1\n")
+    write_reading(study, tmp_path / "reading")
+    said = "1 of 502 rows left out: no three numbers (line 503)"
+    assert (tmp_path / "reading/reading.html").read_text().count(said) == 2
+    convert_source(study, tmp_path / "converted")
+    assert said in read_recording(tmp_path / "converted/B_1.csv").notes
 
 
 def test_a_study_without_a_source_has_no_such_page(tmp_path):

@@ -136,7 +136,9 @@ def read_recording(path: str | Path) -> Recording:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
-        raise InputError("is not a text file", remedy="convert vendor files with `palpate read`", file=path) from error
+        raise InputError(
+            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
+        ) from error
     notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not body:

@@ -33,6 +33,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     path = arguments.specification
     values = read_yaml(path)
+    if arguments.output.is_file():
+        raise InputError("is a file", remedy="name a folder", file=arguments.output)
     try:
         problem, states = states_at(specification_from(values), arguments.time)
     except InputError as error:

@@ -112,13 +112,15 @@ def run(arguments: argparse.Namespace) -> int:
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
-    surveys = []
-    for test, recording in zip(tests, recordings, strict=True):
+    surveys, taken = [], set[str]()
+    for number, (test, recording) in enumerate(zip(tests, recordings, strict=True), 1):
         for warning in test.warnings:
             print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*recording.notes, applied, *test.warnings, *facts)
-        path = arguments.output / f"{re.sub(r'[^A-Za-z0-9._-]+', '_', test.name)}.csv"
+        name = re.sub(r"[^A-Za-z0-9._-]+", "_", test.name)
+        path = arguments.output / f"{name}{f'_{number}' if name in taken else ''}.csv"
+        taken.add(name)
         replace(recording, notes=notes).write(path)
         print(path)
         if arguments.survey:

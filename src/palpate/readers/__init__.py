@@ -81,6 +81,10 @@ def locate(named: str, data: str | None) -> str:
 
 def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     """Read the tests of each condition from a study's section ``source``; raises `InputError` when one is missing."""
+    if "units" in source and "columns" not in source:
+        raise InputError(
+            "units are given without columns", remedy="add columns, or leave units off", place="source.units"
+        )
     columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
     tests = read_vendor_file(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)

@@ -97,7 +97,8 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
     Raises
     ------
     InputError
-        When no table has the columns, more than a twentieth of its rows would be left out, or a unit is not known.
+        When no table has the columns or one has several of a name, more than a twentieth of its rows would be left out,
+        rows have more cells than the header, or a unit is not known.
     """
     tables = _tables(source)
     tests = [test for test in (_test(table, columns) for table in tables) if test is not None]
@@ -121,6 +122,8 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
     whole = np.isfinite(values).all(axis=1)
     if not whole.any():
         return None
+    if header is not None:
+        _check_width(table, header, np.flatnonzero(whole) + header + 1)
     kept, warnings = _kept(body, values)
     above = [body.rows[row] for row in range(int(np.argmax(whole))) if not np.isfinite(values[row]).any()]
     units, channels = {}, []
@@ -132,6 +135,19 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, table.name, (f"from {table.source.path.name}",))
     return VendorTest(table.name, recording, facts, warnings)
+
+
+def _check_width(table: Table, header: int, rows: np.ndarray) -> None:
+    """Refuse `rows` of numbers with more cells than the header has: a separator within a number has torn it apart."""
+    width = len(table.rows[header])
+    for row in rows:
+        cells = table.rows[row]
+        if any(str(cell).strip() for cell in cells[width:]):
+            raise InputError(
+                f"has {len(cells)} cells, its header {width}",
+                remedy="put numbers that hold the separator in quotes, or give the columns by their numbers",
+                place=table.place(row),
+            )
 
 
 def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -200,6 +216,11 @@ def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int 
     for number, row in enumerate(rows):
         cells = [str(cell).strip() for cell in row]
         if all(name in cells for name in wanted):
+            for name in wanted:
+                if cells.count(name) > 1:
+                    raise InputError(
+                        f"several columns are called {name!r}", remedy="give the columns by their numbers, from 1"
+                    )
             return number, [cells.index(name) for name in wanted]
     if all(name.isdigit() and int(name) > 0 for name in wanted):
         return None, [int(name) - 1 for name in wanted]
