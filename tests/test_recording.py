@@ -83,6 +83,11 @@ def test_a_history_under_load_from_the_start_is_refused():
         recorded(np.array([0.0, 1.0, 2.0]), np.array([2.0, 4.0, 0.0]))
 
 
+def test_a_history_of_the_wrong_sign_is_refused():
+    with pytest.raises(InputError, match="never above zero; is its sign wrong"):
+        recorded(np.array([0.0, 1.0, 2.0]), np.array([0.0, -2.0, 0.0]))
+
+
 def test_notes_stay_on_their_line(tmp_path):
     Recording([0.0, 1.0], [0.0, 1.0], [0.0, 5.0], notes=("two\nlines",)).write(tmp_path / "a.csv")
     assert read_recording(tmp_path / "a.csv").notes == ("two lines",)

@@ -136,9 +136,16 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
     Raises
     ------
     InputError
-        When the history does not begin at zero load (within `tolerance`), or needs more than 500 corners.
+        When the load is never above zero, the history does not begin at zero load (within `tolerance`), or needs more
+        than 500 corners.
     """
     time, load = np.asarray(time, dtype=float) - time[0], np.clip(np.asarray(load, dtype=float), 0.0, None)
+    if load.max() == 0.0:
+        raise InputError(
+            "the load of the recording to follow is never above zero; is its sign wrong?",
+            remedy="turn it (`palpate read --columns ... --units load=-mN`)",
+            place="load_mN",
+        )
     if load[0] > tolerance * load.max():
         raise InputError(
             f"the load history begins at {load[0]:.4g} mN", remedy="begin it at contact, at zero load", place="load_mN"
