@@ -84,7 +84,7 @@ def test_a_history_under_load_from_the_start_is_refused():
 
 
 def test_a_history_of_the_wrong_sign_is_refused():
-    with pytest.raises(InputError, match="never above zero; is its sign wrong"):
+    with pytest.raises(InputError, match="never above zero, as if its sign were wrong"):
         recorded(np.array([0.0, 1.0, 2.0]), np.array([0.0, -2.0, 0.0]))
 
 

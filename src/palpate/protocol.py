@@ -142,7 +142,7 @@ def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: f
     time, load = np.asarray(time, dtype=float) - time[0], np.clip(np.asarray(load, dtype=float), 0.0, None)
     if load.max() == 0.0:
         raise InputError(
-            "the load of the recording to follow is never above zero; is its sign wrong?",
+            "the load of the recording to follow is never above zero, as if its sign were wrong",
             remedy="turn it (`palpate read --columns ... --units load=-mN`)",
             place="load_mN",
         )
