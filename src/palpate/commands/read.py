@@ -97,9 +97,11 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.units and not arguments.columns:
         raise InputError(
-            "units are given without columns", remedy="add --columns, or leave --units off", file=arguments.file,
+            "units are given without columns",
+            remedy="add --columns, or leave --units off",
+            file=arguments.file,
             place="--units",
-        )  # fmt: skip
+        )
     try:
         columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
         tests = read_vendor_file(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
