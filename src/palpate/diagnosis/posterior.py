@@ -13,7 +13,7 @@ from dataclasses import replace
 import emcee
 import numpy as np
 
-from palpate.diagnosis.covariance import surrogate_error
+from palpate.diagnosis.covariance import Errors, surrogate_error
 from palpate.diagnosis.fit import Fit
 
 WALKERS_PER_DIMENSION = 6
@@ -26,9 +26,7 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 
     Away from the best point the surrogates err again, also where the forward model has corrected them there.
     """
-    errors = fit.errors
-    model = errors.model - errors.surrogate + surrogate_error(fit.problem, fit.explanation)
-    fit = replace(fit, errors=replace(errors, model=model))
+    fit = replace(fit, errors=away(fit))
     walkers = WALKERS_PER_DIMENSION * len(fit.z)
 
     def log_probability(z: np.ndarray) -> np.ndarray:
@@ -44,6 +42,12 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
     start = rng.multivariate_normal(fit.z, fit.posterior, size=walkers, method="svd")
     start = np.clip(start, rng.uniform(0.0, 0.02, start.shape), rng.uniform(0.98, 1.0, start.shape))
     return sampled(log_probability, start, rng)
+
+
+def away(fit: Fit) -> Errors:
+    """Return the errors of a fit away from where the forward model has corrected it."""
+    model = fit.errors.model - fit.errors.surrogate + surrogate_error(fit.problem, fit.explanation)
+    return replace(fit.errors, model=model)
 
 
 def sampled(

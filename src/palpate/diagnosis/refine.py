@@ -22,6 +22,7 @@ import numpy as np
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Correction, Fit, solve
+from palpate.diagnosis.posterior import away
 from palpate.errors import PalpateError
 from palpate.model import Simulation, simulate, simulate_batch, smooth
 from palpate.specification import Specification
@@ -34,6 +35,7 @@ WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
 AXES = 4  # of the posterior, the widest, along which slopes are measured
+SHARPENED, FURTHER = 3, 1.0  # times at most, while the logarithm of the likelihood gains as much
 
 
 def hopeless(fit: Fit) -> bool:
@@ -109,22 +111,28 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
 
 
 def sharpen(study: Study, fit: Fit, lacking: Callable[[Fit], float]) -> Fit:
-    """Return a refined fit with the forward model's slopes along the widest axes of its posterior, fitted again.
+    """Return a refined fit with the forward model's slopes along what is known least, fitted again.
 
-    A step is one standard deviation long: what is measured over it must hold over it.
+    Steps are one standard deviation long, along the widest axes of the posterior with the surrogates' errors in it. A
+    search whose slopes are the surrogates' stops in a long valley where they say so; steps as long as they may be wrong
+    show where it leads. What has come further is measured once more there.
 
     Raises
     ------
     PalpateError
         When the forward model fails within the posterior.
     """
-    variances, axes = np.linalg.eigh(fit.posterior)
-    correction = fit.correction
-    for step in (np.sqrt(variances) * axes).T[: -AXES - 1 : -1]:
-        ends = np.clip([fit.z + step, fit.z - step], MARGIN, 1.0 - MARGIN)
-        z = ends[np.argmax(np.linalg.norm(ends - fit.z, axis=1))]
-        correction = correction.with_secant(z, missed_by_surrogates(study, fit, z))
-    return _followed(study, replace(fit, correction=correction), lacking)
+    for _ in range(SHARPENED):
+        variances, axes = np.linalg.eigh(replace(fit, errors=away(fit)).posterior)
+        correction = fit.correction
+        for step in (np.sqrt(variances) * axes).T[: -AXES - 1 : -1]:
+            ends = np.clip([fit.z + step, fit.z - step], MARGIN, 1.0 - MARGIN)
+            z = ends[np.argmax(np.linalg.norm(ends - fit.z, axis=1))]
+            correction = correction.with_secant(z, missed_by_surrogates(study, fit, z))
+        before, fit = fit, _followed(study, replace(fit, correction=correction), lacking)
+        if fit.log_likelihood - before.log_likelihood < FURTHER:
+            break
+    return fit
 
 
 def _followed(study: Study, best: Fit, lacking: Callable[[Fit], float], least: float = -np.inf) -> Fit:
