@@ -291,6 +291,11 @@ def test_a_study_states_where_an_effect_is_searched():
         ({"plastic_yield": {"yield_stress": [0.1, 0.2]}}, "yield_stress is not searched; use one of: flow_stress"),
         ({"frame_compliance": {"compliance": [1.0, 1.0]}}, "is no range"),
         ({"plastic_yield": {"flow_stress": [0.0, 0.2]}}, "both positive"),
+        ({"plastic_yield": {"flow_stress": [0.1, 1e5]}}, "yield_stress = 100000 GPa is outside its range"),
+        ({"friction": {"coefficient": [0.0, 3.0]}}, "ranges.friction: coefficient = 3 is outside its range 0 to 0.5"),
+        ({"film_on_substrate": {"thickness": [1, 10]}}, "film_on_substrate: thickness = 1 nm is less than an element"),
+        ({"tip_rounding": {"radius": [1, 1e8]}}, "ranges.tip_rounding: radius = 1e+08 nm is larger than the body"),
+        ({"controller_lag": {"lag": [0, 500]}}, "lag = 500 s is not shorter than the test"),
     ],
 )
 def test_ranges_that_mean_nothing_are_refused(ranges, words):

@@ -133,6 +133,9 @@ def test_a_mechanism_that_cannot_act_says_so():
     spec = BASE | {"material": elastic, "mechanisms": {"second_voigt": VISIBLE["second_voigt"]}}
     with pytest.raises(InputError, match="no Voigt element"):
         simulate(specification_from(spec))
+    late = BASE | {"mechanisms": {"controller_lag": {"lag": 500.0}}}
+    with pytest.raises(InputError, match="lag = 500 s is not shorter than the test"):
+        simulate(specification_from(late))
 
 
 def test_a_size_effect_beside_a_low_yield_stress_begins_under_the_first_node():

@@ -17,8 +17,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from palpate.config import Condition, Study
+from palpate.design import factorial
 from palpate.errors import InputError
-from palpate.fem.indent import contact_range, mean_pressure
+from palpate.fem.indent import RESOLUTIONS, check_size, contact_range, mean_pressure
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.model import smooth
 from palpate.protocol import Protocol
@@ -29,6 +30,7 @@ SMALL_LOAD = 0.2
 QUARTERS = (0.25, 0.75)
 MESHES = 2
 MOST_COORDINATES = 3
+SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +105,8 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
     specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
     _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
+    for key in scale.stated:
+        _check_ends(study, scale, MECHANISMS[key])
     found = {}
     for key in wanted:
         if key not in MECHANISMS:
@@ -142,6 +146,35 @@ def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
             if lower >= upper or (positive and lower <= 0.0):
                 remedy = f"give a lower and an upper value{', both positive' if positive else ''}"
                 raise InputError(f"{name}: [{lower:g}, {upper:g}] is no range", remedy=remedy, place=place)
+
+
+def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
+    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have."""
+    tests = [condition for condition in study.conditions if condition.role == "calibrate"]
+    tests.sort(key=lambda condition: -condition.protocol.max_load)
+    specifications = [study.specification(cell, test) for cell in extremes(study) for test in tests]
+    for ends in itertools.product((0.0, 1.0), repeat=mechanism_dimensions(mechanism, scale)):
+        values = amplitudes(mechanism, scale, np.array(ends))
+        try:
+            mechanism.check(values)
+            for specification in specifications if mechanism.needs_learning else ():
+                acting = mechanism.simulate(specification, values)
+                largest = contact_range(acting.specimen, acting.indenter, acting.protocol)[1]
+                check_size(acting.specimen, acting.indenter, RESOLUTIONS[acting.accuracy], largest)
+        except InputError as error:
+            place = f"diagnosis.ranges.{mechanism.key}"
+            raise InputError(error.problem, remedy=error.remedy, place=place) from None
+
+
+def extremes(study: Study) -> list[dict[str, float]]:
+    """Return the softest and the hardest material among the corners of the study's grid."""
+    corners = factorial({name: tuple(sorted({min(levels), max(levels)})) for name, levels in study.levels.items()})
+    longest = max(float(condition.protocol.knot_time[-1]) for condition in study.conditions)
+
+    def pressure(cell: Mapping[str, float]) -> float:
+        return mean_pressure(study.specification(cell, study.conditions[0]).coefficients, SLOPE, longest)
+
+    return [min(corners, key=pressure), max(corners, key=pressure)]
 
 
 def mechanism_dimensions(mechanism: Mechanism, scale: Scale) -> int:

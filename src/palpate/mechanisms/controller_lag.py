@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.errors import InputError
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.protocol import Protocol
@@ -13,11 +14,17 @@ from palpate.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Delay the load history and sample it when the recording does."""
+    """Delay the load history and sample it when the recording does; raises `InputError` where no load would act."""
     lag, protocol = values["lag"], specification.protocol
     if lag == 0.0:
         return specification
     end = protocol.knot_time[-1]
+    if lag >= end:
+        raise InputError(
+            f"lag = {lag:g} s is not shorter than the test, which lasts {end:g} s",
+            remedy="give a lag that is shorter than every test",
+            place="mechanisms.controller_lag.lag",
+        )
     inside = protocol.knot_time[(protocol.knot_time > 0) & (protocol.knot_time + lag < end)] + lag
     knots = np.concatenate([[0.0, lag], inside, [end]])
     loads = protocol.load_at(np.maximum(knots - lag, 0.0))
