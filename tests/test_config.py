@@ -56,6 +56,7 @@ def test_defaults_and_order(tmp_path):
         ({"parameters": STUDY["parameters"] | {"youngs_modulus": [3.0, -1.0]}}, "parameters.youngs_modulus", "-1"),
         ({"parameters": STUDY["parameters"] | {"steady_exponent": []}}, "parameters.steady_exponent", ""),
         ({"parameters": STUDY["parameters"] | {"steadyexponent": [1]}}, "parameters.steadyexponent", "did you mean"),
+        ({"parameters": {name: [value] for name, value in TRUTH.items()}}, "parameters", "at least two levels"),
         ({"indenter": {"shape": "cone", "half_angle": 7.03}}, "indenter.half_angle", "20 to 89"),
         ({"indenter": {"shape": "cone", "half_angle": 70.3, "friction": 3}}, "indenter.friction", "0 to 0.5"),
         ({"indenter": {"shape": "con"}}, "indenter.shape", "cone"),
@@ -73,7 +74,7 @@ def test_defaults_and_order(tmp_path):
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
-        ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--config data=PATH"),
+        ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "check --data PATH, snakemake --config data=PATH"),
     ],
 )
 def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, words):

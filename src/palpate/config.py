@@ -238,7 +238,7 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
     if not Path(source["file"]).is_file():
         raise InputError(
             f"the vendor's file {source['file']} is missing",
-            remedy="fetch it and give its place with --config data=PATH",
+            remedy="fetch it and give its place: palpate check --data PATH, snakemake --config data=PATH",
             place="source.file",
         )
     return source
@@ -282,6 +282,12 @@ def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[fl
     for name, levels in given.items():
         if len(set(levels)) != len(levels):
             raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")
+    if all(len(levels) == 1 for levels in given.values()):
+        raise InputError(
+            "every parameter is held constant, so that there is nothing to calibrate",
+            remedy="give one of them at least two levels, or simulate a single curve with palpate simulate",
+            place="parameters",
+        )
     return {name: tuple(float(level) for level in levels) for name, levels in given.items()}
 
 
