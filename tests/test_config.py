@@ -74,7 +74,7 @@ def test_defaults_and_order(tmp_path):
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
-        ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "check --data PATH, snakemake --config data=PATH"),
+        ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
     ],
 )
 def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, words):

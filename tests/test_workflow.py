@@ -55,17 +55,25 @@ TINY = {
 
 def snakemake(folder, *arguments, study=None):
     (folder / "study.yaml").write_text(yaml.safe_dump(study or TINY))
-    command = [sys.executable, "-m", "snakemake", "--cores", "2", *arguments, "--configfile", "study.yaml"]
+    return execute(folder, *arguments, "--configfile", "study.yaml")
+
+
+def execute(folder, *arguments):
+    command = [sys.executable, "-m", "snakemake", "--cores", "2", *arguments]
     environment = {key: value for key, value in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("workflow")
-    for name in ("Snakefile", "workflow", "profiles", "scripts", "envs"):
+def copied(folder, *further):
+    for name in ("Snakefile", "workflow", "profiles", "scripts", "envs", *further):
         source = ROOT / name
         (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = copied(tmp_path_factory.mktemp("workflow"))
     run = snakemake(folder)
     assert run.returncode == 0, run.stderr[-3000:]
     return folder
@@ -213,3 +221,10 @@ def test_bad_input_ends_with_one_line_and_exit_code_two(finished, change, words)
     assert "Traceback" not in run.stderr
     for word in words:
         assert word in lines[0]
+
+
+def test_recordings_that_were_not_fetched_are_told_before_anything_runs(tmp_path):
+    run = execute(copied(tmp_path, "config"), "real", "--dry-run", "--config", "data=nofolder")
+    assert run.returncode == 2
+    assert "the vendor's file nofolder is missing" in run.stderr
+    assert "Traceback" not in run.stderr

@@ -1,5 +1,6 @@
 # What all rules share: the checked study, its plan of snapshots, and the identity of this execution.
 import datetime
+import functools
 import os
 import re
 import sys
@@ -28,14 +29,22 @@ STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
 )
 DATA = config.get("data") if workflow.configfiles else None
-try:
-    STUDY = load_study(STUDY_FILE, data=DATA)
-    check_given(STUDY)
-    design.candidates(STUDY)
-except InputError as error:
-    print(f"palpate: {error}", file=sys.stderr)
-    sys.exit(2)
 
+
+@functools.cache
+def checked(file, data):
+    """The study in `file`, its recordings checked too; on a mistake one line tells it, and the execution ends."""
+    try:
+        study = load_study(file, data=data)
+        check_given(study)
+        design.candidates(study)
+    except InputError as error:
+        print(f"palpate: {error}", file=sys.stderr)
+        sys.exit(2)
+    return study
+
+
+STUDY = checked(STUDY_FILE, DATA)
 FOLDER = f"results/{STUDY.name}"
 BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [

@@ -2,9 +2,16 @@
 REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
 
 
+def vendor_file(wildcards):
+    """The vendor's file of a study that was checked."""
+    file = f"{workflow.basedir}/config/real/{wildcards.real}.yaml"
+    return checked(file, config.get("data")).source["file"]
+
+
 rule reading:
     input:
         study=f"{workflow.basedir}/config/real/{{real}}.yaml",
+        recordings=vendor_file,
     output:
         page="results/{real}/reading/reading.html",
         table="results/{real}/reading/survey.csv",
@@ -22,6 +29,7 @@ rule reading:
 rule real_study:
     input:
         study=f"{workflow.basedir}/config/real/{{real}}.yaml",
+        recordings=vendor_file,
     output:
         result="results/{real}/diagnosis/diagnosis.json",
         curves="results/{real}/diagnosis/diagnosis.curves.csv",
