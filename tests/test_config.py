@@ -49,6 +49,14 @@ def test_defaults_and_order(tmp_path):
     ("change", "place", "words"),
     [
         ({"conditons": []}, "conditons", "did you mean 'conditions'"),
+        ({"indenter": None}, "indenter", "nothing is given, expected a table of keys; see indenter in docs/study.md"),
+        ({"parameters": {"youngs_modulus": 2.5}}, "parameters.youngs_modulus", "2.5 is given, expected a list"),
+        ({"parameters": {"youngs_modulus": []}}, "youngs_modulus", "0 entries are given, expected 1 or more"),
+        ({"diagnosis": False}, "diagnosis", "false is given, expected a table of keys"),
+        ({"title": 3}, "title", "3 is given, expected text (in quotes where it looks like a number)"),
+        ({"conditions": [{"max_load": 1.0}]}, "conditions[0]", "'name' is missing; see conditions in docs/study.md"),
+        ({"points": 3}, "points", "3 is given, expected 10 or more"),
+        ({"surrogate": {"kernel": "thin"}}, "surrogate.kernel", "expected one of: linear, cubic"),
         ({"calibration": {"popolation": 3}}, "calibration.popolation", "did you mean 'population'"),
         ({"material": {"model": "burgers"}}, "material.model", "nonlinear_burgers"),
         ({"material": {"model": "nonlinear_burgers", "poisson_ratio": 0.5}}, "material.poisson_ratio", "0.4999"),
@@ -85,6 +93,13 @@ def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, w
     assert place in str(caught.value.place)
     assert words in message
     assert "\n" not in message
+
+
+def test_a_misspelt_key_is_told_before_the_one_that_is_missing_for_it(tmp_path):
+    file = tmp_path / "study.yaml"
+    file.write_text(yaml.safe_dump(STUDY).replace("indenter:", "indentor:"))
+    with pytest.raises(InputError, match="did you mean 'indenter'"):
+        load_study(file)
 
 
 def test_broken_yaml_names_the_line(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -10,16 +11,48 @@ import jsonschema
 
 from palpate.errors import InputError
 
+REFERENCE = "docs/study.md"
+TYPES = {
+    "array": "a list",
+    "boolean": "true or false",
+    "integer": "a whole number",
+    "null": "null",
+    "number": "a number",
+    "object": "a table of keys",
+    "string": "text (in quotes where it looks like a number)",
+}
+PROBLEMS = {
+    "type": "{value} is given, expected {wanted}",
+    "enum": "{value} is given, expected {wanted}",
+    "pattern": "{value} is not allowed",
+    "anyOf": "{value} is not allowed",
+    "oneOf": "{value} is not allowed",
+    "uniqueItems": "{value} names something twice",
+    "minimum": "{value} is given, expected {wanted} or more",
+    "maximum": "{value} is given, expected {wanted} or less",
+    "exclusiveMinimum": "{value} is given, expected more than {wanted}",
+    "exclusiveMaximum": "{value} is given, expected less than {wanted}",
+    "minItems": "{count} entries are given, expected {wanted} or more",
+    "maxItems": "{count} entries are given, expected {wanted} or fewer",
+    "minProperties": "{count} entries are given, expected {wanted} or more",
+    "required": "the key {missing!r} is missing",
+}
+LONGEST = 60
+
 
 def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
-    """Check what a YAML file holds.
+    """Check what a YAML file holds; keys that are not known are told before those that are missing for it.
 
     Raises
     ------
     InputError
         For the first thing that the schema does not allow, with its place and a remedy.
     """
-    errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=lambda e: list(map(str, e.path)))
+
+    def order(error: jsonschema.ValidationError) -> tuple[list[str], bool]:
+        return list(map(str, error.path)), error.validator != "additionalProperties"
+
+    errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=order)
     if not errors:
         return
     error = errors[0]
@@ -32,9 +65,25 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
             remedy=f"use one of: {', '.join(known)}",
             place=f"{place}.{key}".lstrip("."),
         )
-    problem = error.message if len(error.message) <= 160 else f"{error.message[:60]} ... {error.message[-90:]}"
-    remedy = error.schema.get("description", "see the study configuration in the README")
-    raise InputError(problem, remedy=remedy, place=place or "top level")
+    section = next(iter(error.absolute_path), "the keys")
+    remedy = error.schema.get("description", f"see {section} in {REFERENCE}")
+    raise InputError(_problem(error), remedy=remedy, place=place or "top level")
+
+
+def _problem(error: jsonschema.ValidationError) -> str:
+    """Say in plain words what the schema does not allow."""
+    found: Any = error.instance
+    wanted: Any = error.validator_value
+    kind = str(error.validator)
+    if kind == "type":
+        wanted = " or ".join(TYPES[name] for name in ([wanted] if isinstance(wanted, str) else wanted))
+    elif kind == "enum":
+        wanted = f"one of: {', '.join(wanted)}"
+    value = "nothing" if found is None else json.dumps(found, default=str, ensure_ascii=False, skipkeys=True)
+    value = value if len(value) <= LONGEST else f"{value[:LONGEST]} ..."
+    count = len(found) if isinstance(found, list | dict) else 0
+    missing = next((key for key in wanted if key not in found), None) if kind == "required" else None
+    return PROBLEMS[kind].format(value=value, wanted=wanted, count=count, missing=missing)
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
