@@ -102,6 +102,16 @@ def test_a_misspelt_key_is_told_before_the_one_that_is_missing_for_it(tmp_path):
         load_study(file)
 
 
+def test_numbers_may_be_written_as_everywhere_else(tmp_path):
+    """PyYAML follows YAML 1.1, to which 1e1 is a word."""
+    file = tmp_path / "study.yaml"
+    text = yaml.safe_dump(STUDY, default_flow_style=None, sort_keys=False)
+    file.write_text(text.replace("[3.0, 3.5]", "[1e1, 2E+1, 2.5e0, .5e2, 4.e-1]").replace("70.3", "7e1"))
+    study = load_study(file)
+    assert study.levels["youngs_modulus"] == (10.0, 20.0, 2.5, 50.0, 0.4)
+    assert study.indenter.half_angle == 70.0
+
+
 def test_broken_yaml_names_the_line(tmp_path):
     file = tmp_path / "study.yaml"
     file.write_text("study: s\nmaterial: {model: x\nparameters: 3\n")
