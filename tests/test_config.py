@@ -292,6 +292,8 @@ def test_simulate_writes_a_recording_and_refuses_bad_specifications(tmp_path, ca
         ({"protocol": {"max_load": -1, "loading_time": 1, "unloading_time": 1}}, "max_load"),
         ({"indenter": {"shape": "cone", "half_angle": 70.3, "friction": 3}}, "indenter.friction"),
         ({"accuracy": "best"}, "accuracy"),
+        ({"indenter": "cone"}, "indenter is 'cone', expected a table of keys; write such as indenter: {shape: cone"),
+        ({"protocol": 3}, "protocol is 3, expected a table of keys"),
     ):
         file.write_text(yaml.safe_dump(spec | change))
         assert main(["simulate", str(file), "-o", str(out)]) == 2

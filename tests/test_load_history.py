@@ -58,6 +58,12 @@ def test_cycles_of_a_trapezoid_are_the_trapezoid():
         assert getattr(one, name).tolist() == getattr(other, name).tolist()
 
 
+def test_the_corner_at_contact_may_be_listed():
+    listed = protocol_from({"times": [0, 30, 60], "loads": [0, 1, 0]})
+    assert listed.knot_time.tolist() == protocol_from({"times": [30, 60], "loads": [1, 0]}).knot_time.tolist()
+    assert listed.knot_load.tolist() == [0.0, 1.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("values", "place"),
     [
@@ -68,6 +74,8 @@ def test_cycles_of_a_trapezoid_are_the_trapezoid():
         ({"times": [2.0, 1.0], "loads": [1.0, 0.0]}, "times"),
         ({"times": [1.0, float("nan")], "loads": [1.0, 0.0]}, "times"),
         ({"times": [1.0, "x"], "loads": [1.0, 0.0]}, "times"),
+        ({"times": [0.0], "loads": [0.0]}, "times"),
+        ({"times": [0.0, 1.0], "loads": [0.5, 1.0]}, "loads"),
         ({"loads": [1.0, 0.0]}, "times"),
         ({"times": [1.0, 2.0], "loads": [1.0, 0.0], "hold_time": 1.0}, "hold_time"),
         ({"times": [1.0, 2.0, 3.0], "loads": [1.0, 0.5, 0.0], "points": 5}, "points"),

@@ -8,7 +8,8 @@
 
   The load rises to P_0 = `start_fraction` of the largest along the tangent of that curve, which begins at zero load
   t_0 = 1 / (2 r) earlier. Source: B. N. Lucas and W. C. Oliver, Metall. Mater. Trans. A 30 (1999) 601-610.
-- ``times, loads``: corners of any piecewise linear history, such as several cycles; it begins at zero time and load.
+- ``times, loads``: corners of any piecewise linear history, such as several cycles; it begins at zero time and load,
+  whether that corner is listed or not.
 """
 
 from __future__ import annotations
@@ -119,7 +120,13 @@ def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
         raise InputError(
             f"{len(times)} times and {len(loads)} loads are given", remedy="give a load for each time", place="loads"
         )
-    if not np.all(np.diff([0.0, *times]) > 0.0):
+    if times[0] == 0.0:
+        if loads[0] != 0.0:
+            raise InputError(
+                f"the load at time zero is {loads[0]:g} mN", remedy="begin at contact, at zero load", place="loads"
+            )
+        times, loads = times[1:], loads[1:]
+    if not times or not np.all(np.diff([0.0, *times]) > 0.0):
         raise InputError("the times do not increase from zero", remedy="give times after contact in s", place="times")
     return times, loads
 

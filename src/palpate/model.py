@@ -24,19 +24,25 @@ from palpate.protocol import Protocol
 from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
 
-KEYS = ("material", "indenter", "protocol", "kinematics", "mechanisms", "accuracy")
+SECTIONS = {
+    "material": "{model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}",
+    "indenter": "{shape: cone, half_angle: 70.3}",
+    "protocol": "{max_load: 1.0, loading_time: 30, unloading_time: 30}",
+}
+KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
 
 
 def specification_from(values: Mapping[str, Any]) -> Specification:
     """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`."""
     if not isinstance(values, Mapping):
-        raise InputError("the specification is not a table of keys", remedy=f"give {', '.join(KEYS[:3])}")
+        raise InputError("the specification is not a table of keys", remedy=f"give {', '.join(SECTIONS)}")
     for key in values:
         if key not in KEYS:
             raise InputError(f"unknown key {key!r}", remedy=f"use one of: {', '.join(KEYS)}", place=str(key))
-    for key in KEYS[:3]:
-        if key not in values or (key != "protocol" and not isinstance(values[key], Mapping)):
-            raise InputError(f"{key} is missing or not a table of keys", remedy=f"add a {key} section", place=key)
+    for key, example in SECTIONS.items():
+        if not isinstance(values.get(key), Mapping | Protocol):
+            problem = f"is {values[key]!r}, expected a table of keys" if key in values else "is missing"
+            raise InputError(f"{key} {problem}", remedy=f"write such as {key}: {example}", place=key)
     material = dict(values["material"])
     model = material.pop("model", None)
     try:
@@ -46,8 +52,6 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
         raise InputError(error.problem, remedy=error.remedy, place=place) from None
     protocol = values["protocol"]
     if not isinstance(protocol, Protocol):
-        if not isinstance(protocol, Mapping):
-            raise InputError("protocol is not a table of keys", remedy="give max_load and times", place="protocol")
         protocol = protocol_from(protocol)
     return Specification(
         str(model),
