@@ -1,12 +1,20 @@
 """Bad studies and recordings are refused with file, place and remedy; good ones mean what they say."""
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import yaml
 
+import palpate
 from palpate.cli import main
 from palpate.config import load_study
 from palpate.errors import InputError
+from palpate.indenters import SHAPES
+from palpate.materials import LAWS
+from palpate.mechanisms import MECHANISMS, Scale
 from palpate.observations import check, observations
 from palpate.protocol import recorded, trapezoid
 from palpate.recording import Recording, read_recording
@@ -26,6 +34,8 @@ STUDY = {
     "conditions": [{"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
 }
 TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
+SCHEMA = json.loads((Path(palpate.__file__).parent / "study.schema.json").read_text())
+REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
 
@@ -110,6 +120,43 @@ def test_numbers_may_be_written_as_everywhere_else(tmp_path):
     study = load_study(file)
     assert study.levels["youngs_modulus"] == (10.0, 20.0, 2.5, 50.0, 0.4)
     assert study.indenter.half_angle == 70.0
+
+
+def tables(rule, name=""):
+    """Yield every table of keys within a rule of the schema, with its name."""
+    if "properties" in rule:
+        yield name or "At the top", rule["properties"]
+    for key, inner in rule.get("properties", {}).items():
+        for part in (inner, inner.get("items"), inner.get("additionalProperties")):
+            if isinstance(part, dict):
+                yield from tables(part, f"{name}.{key}".lstrip("."))
+
+
+def section(name):
+    """Return what the reference says under a heading."""
+    return re.search(rf"^##+ `?{re.escape(name)}`?\n(.*?)(?=^##|\Z)", REFERENCE, re.MULTILINE | re.DOTALL)[1]
+
+
+@pytest.mark.parametrize(("name", "rules"), [pytest.param(*table, id=table[0]) for table in tables(SCHEMA)])
+def test_the_reference_tells_every_key_and_its_default(name, rules):
+    rows = re.search(r"\| key \| meaning \| accepted \| default \|\n.*?\n((?:\|.*\n)+)", section(name))[1].splitlines()
+    told = {re.match(r"\| `(\w+)` \|", row)[1]: row for row in rows}
+    further = {p.name for declared in SHAPES.values() for p in declared} if name == "indenter" else set()
+    assert set(told) == set(rules) | further
+    for key, rule in rules.items():
+        assert all(f"`{value}`" in told[key] for value in rule.get("enum", ())), key
+        if "default" in rule:
+            assert yaml.safe_load(told[key].split("|")[-2].strip(" `")) == rule["default"], key
+
+
+def test_the_reference_tells_what_laws_and_mechanisms_declare():
+    for law in LAWS.values():
+        assert f"`{law.key}`" in section("material")
+        assert all(f"`{p.name}`" in section("material") for p in law.parameters)
+    scale = Scale(depth=500.0, load=1.0, modulus=3.0, duration=60.0, loading_time=30.0, half_angle=70.3, pressure=0.1)
+    for mechanism in MECHANISMS.values():
+        row = re.search(rf"^\| `{mechanism.key}` \|(.*)$", section("diagnosis"), re.MULTILINE)[1]
+        assert all(f"`{name}`" in row for name in mechanism.searched(scale))
 
 
 def test_broken_yaml_names_the_line(tmp_path):
