@@ -36,6 +36,7 @@ STUDY = {
 TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
 SCHEMA = json.loads((Path(palpate.__file__).parent / "study.schema.json").read_text())
 REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
+CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
 
@@ -92,6 +93,11 @@ def test_defaults_and_order(tmp_path):
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
+        (
+            {"source": SOURCE, "recordings": {"lab": "x"}, "conditions": [CONDITION, CONDITION | {"name": "P2"}]},
+            "source",
+            "no test of condition 'P2' is named",
+        ),
         ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
     ],
 )
@@ -273,6 +279,30 @@ def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):
     write(folder / "P1_T30_2.csv", t + 54.4, force, depth)
     item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
     assert item.depth[1] == pytest.approx(item.depth[0], abs=0.5)
+
+
+def told(folder, capsys, **changes):
+    load(folder, **changes)
+    assert main(["check", str(folder / "study.yaml")]) == 0
+    return capsys.readouterr().out
+
+
+def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "nothing will be calibrated" in told(tmp_path, capsys)
+    (tmp_path / "own").mkdir()
+    conditions = [CONDITION, CONDITION | {"name": "V", "role": "validate"}]
+    for name in ("P1_T30_1", "V_1"):
+        write(tmp_path / f"own/{name}.csv", *curve())
+    once = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
+    assert "4 cells, 2 conditions, 4 snapshots" in once
+    assert "calibrated on P1_T30; judged by V" in once
+    assert f"recordings lab in {tmp_path / 'own'}: 1 of P1_T30, 1 of V" in once
+    assert "too few tests are repeated" in once
+    write(tmp_path / "own/P1_T30_2.csv", *curve())
+    again = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
+    assert "2 of P1_T30" in again
+    assert "too few" not in again
 
 
 def test_missing_recordings_and_strange_files(tmp_path):

@@ -235,6 +235,13 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
                 remedy=f"name one of the study's {key.rstrip('s')}s",
                 place=f"source.{key}",
             )
+    for name in conditions:
+        if name not in source.get("conditions", [source.get("condition")]):
+            raise InputError(
+                f"no test of condition {name!r} is named",
+                remedy="name its tests under source.conditions, or remove the condition",
+                place="source",
+            )
     if not Path(source["file"]).is_file():
         raise InputError(
             f"the vendor's file {source['file']} is missing",

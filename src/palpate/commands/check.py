@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from palpate.config import Study
 
 NAME = "check"
 HELP = "check a study and its recordings"
@@ -16,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check the study, and every set of recordings that is not written by the study itself."""
+    """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
     from palpate.config import load_study
     from palpate.diagnosis.design import candidates
     from palpate.observations import check_given
@@ -25,6 +30,35 @@ def run(arguments: argparse.Namespace) -> int:
     check_given(study)
     if study.diagnosis["enabled"]:
         candidates(study)
-    count = len(study.cells) * sum(condition.role == "calibrate" for condition in study.conditions)
-    print(f"{arguments.study}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots")
+    for line in described(study):
+        print(line)
     return 0
+
+
+def described(study: Study) -> Iterator[str]:
+    """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
+    roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
+    count = len(study.cells) * len(roles["calibrate"])
+    yield f"{study.file}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots"
+    yield f"calibrated on {', '.join(roles['calibrate'])}; judged by {', '.join(roles['validate']) or 'nothing else'}"
+    if not study.recordings:
+        yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
+    for name, folder in study.recordings.items():
+        tests = tests_of(study, name)
+        found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
+        yield f"recordings {name} in {folder.resolve()}: {found}"
+        repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
+        if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
+            yield f"recordings {name}: too few tests are repeated for the diagnosis to name an effect alone"
+
+
+def tests_of(study: Study, name: str) -> dict[str, int]:
+    """Return how many recordings of each condition set `name` holds, or will hold once the study has written it."""
+    from palpate.observations import find
+    from palpate.readers import read_source
+
+    if name in study.laboratory:
+        return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
+    if name == study.source.get("recordings"):
+        return {condition: len(tests) for condition, tests in read_source(study.source).items()}
+    return {condition: len(files) for condition, files in find(study, name).items()}
