@@ -32,7 +32,7 @@ ORDER = [
     {"figures", "report"},
     {"diagnosis"},
     {"steps", "reading", "verification", "challenge"},
-    {"thesis", "real"},
+    {"thesis", "real", "checking"},
     {"tracking"},
     {"commands"},
     {"cli"},

@@ -71,16 +71,17 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
 
 
 @pytest.mark.parametrize(
-    ("diagnosis", "words"),
+    ("section", "settings", "words"),
     [
-        ({"mechanisms": ["magic"]}, "diagnosis.mechanisms: mechanism 'magic' is not known"),
-        ({"ranges": {"frame_compliance": {"amount": [0, 1]}}}, "diagnosis.ranges.frame_compliance: amount is not"),
+        ("diagnosis", {"mechanisms": ["magic"]}, "diagnosis.mechanisms: mechanism 'magic' is not known"),
+        ("diagnosis", {"ranges": {"friction": {"amount": [0, 1]}}}, "diagnosis.ranges.friction: amount is not"),
+        ("calibration", {"population": 202}, "calibration.subpopulations: population 202 cannot be split into 4"),
     ],
 )
-def test_a_diagnosis_that_cannot_be_made_is_found_by_check(tmp_path, refused, diagnosis, words):
+def test_what_cannot_be_done_later_is_found_by_check(tmp_path, refused, section, settings, words):
     study = yaml.safe_load(CHALLENGE.read_text())
     file = tmp_path / "study.yaml"
-    file.write_text(yaml.safe_dump(study | {"diagnosis": diagnosis}))
+    file.write_text(yaml.safe_dump(study | {section: settings}))
     assert f"{file}, {words}" in refused("check", file)
 
 

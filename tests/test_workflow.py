@@ -228,3 +228,10 @@ def test_recordings_that_were_not_fetched_are_told_before_anything_runs(tmp_path
     assert run.returncode == 2
     assert "the vendor's file nofolder is missing" in run.stderr
     assert "Traceback" not in run.stderr
+
+
+def test_a_study_under_a_pyramid_is_planned_without_a_diagnosis(tmp_path):
+    pyramid = {"indenter": {"shape": "berkovich"}, "kinematics": "small", "diagnosis": {"enabled": False}}
+    rules = planned(copied(tmp_path), study=TINY | pyramid)
+    assert "calibration" in rules
+    assert not rules & {"effects", "diagnosis"}

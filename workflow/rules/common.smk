@@ -19,11 +19,11 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
 from palpate import snapshots
-from palpate.config import load_study
+from palpate.checking import checked_study
 from palpate.diagnosis import design
 from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.observations import check_given, files_of
+from palpate.observations import files_of
 
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
@@ -33,15 +33,12 @@ DATA = config.get("data") if workflow.configfiles else None
 
 @functools.cache
 def checked(file, data):
-    """The study in `file`, its recordings checked too; on a mistake one line tells it, and the execution ends."""
+    """The study in `file`, checked; a mistake ends the execution with one line."""
     try:
-        study = load_study(file, data=data)
-        check_given(study)
-        design.candidates(study)
+        return checked_study(file, data)
     except InputError as error:
         print(f"palpate: {error}", file=sys.stderr)
         sys.exit(2)
-    return study
 
 
 STUDY = checked(STUDY_FILE, DATA)

@@ -22,15 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
-    from palpate.config import load_study
-    from palpate.diagnosis.design import candidates
-    from palpate.observations import check_given
+    from palpate.checking import checked_study
 
-    study = load_study(arguments.study, data=arguments.data)
-    check_given(study)
-    if study.diagnosis["enabled"]:
-        candidates(study)
-    for line in described(study):
+    for line in described(checked_study(arguments.study, arguments.data)):
         print(line)
     return 0
 
