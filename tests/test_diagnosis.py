@@ -303,6 +303,13 @@ def test_ranges_that_mean_nothing_are_refused(ranges, words):
         candidates(ranged(ranges))
 
 
+def test_ranges_up_to_the_limits_are_taken():
+    """Also where what is plausible of the quantity that is not stated, 50 moduli of the film, is beyond its limit."""
+    stiff = ranged({"film_on_substrate": {"thickness": [7e3, 1e9]}})
+    assert "film_on_substrate" in candidates(replace(stiff, levels=stiff.levels | {"youngs_modulus": (60.0, 70.0)}))
+    candidates(ranged({"film_on_substrate": {"substrate_modulus": [0.7, 2000.0]}}))
+
+
 def test_what_lies_at_the_edge_of_the_search_is_said():
     """The modulus is 1, beyond a grid that ends at 0.9; a frame that gives 1.5 depth / load is beyond 0.3."""
     inside = problem(recordings(np.random.default_rng(3)))

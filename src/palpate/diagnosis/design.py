@@ -149,12 +149,17 @@ def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
 
 
 def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
-    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have."""
+    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have.
+
+    Quantities without a stated range are at their lowest, where bodies are softest.
+    """
     tests = [condition for condition in study.conditions if condition.role == "calibrate"]
     tests.sort(key=lambda condition: -condition.protocol.max_load)
     specifications = [study.specification(cell, test) for cell in extremes(study) for test in tests]
-    for ends in itertools.product((0.0, 1.0), repeat=mechanism_dimensions(mechanism, scale)):
-        values = amplitudes(mechanism, scale, np.array(ends))
+    ranges, stated = mechanism.searched(scale), scale.stated[mechanism.key]
+    ends = [(r.lower, r.upper) if name in stated else (r.lower,) for name, r in ranges.items()]
+    for searched in itertools.product(*ends):
+        values = dict(mechanism.from_search(dict(zip(ranges, searched, strict=True)), scale))
         try:
             mechanism.check(values)
             for specification in specifications if mechanism.needs_learning else ():
