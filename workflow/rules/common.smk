@@ -41,6 +41,12 @@ def checked(file, data):
         sys.exit(2)
 
 
+def vendor_file(wildcards):
+    """The file behind a study of config/real, which is checked first."""
+    file = f"{workflow.basedir}/config/real/{wildcards.real}.yaml"
+    return checked(file, config.get("data")).source["file"]
+
+
 STUDY = checked(STUDY_FILE, DATA)
 FOLDER = f"results/{STUDY.name}"
 BATCHES = snapshots.plan(STUDY)

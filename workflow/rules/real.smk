@@ -2,12 +2,6 @@
 REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
 
 
-def vendor_file(wildcards):
-    """The vendor's file of a study that was checked."""
-    file = f"{workflow.basedir}/config/real/{wildcards.real}.yaml"
-    return checked(file, config.get("data")).source["file"]
-
-
 rule reading:
     input:
         study=f"{workflow.basedir}/config/real/{{real}}.yaml",
