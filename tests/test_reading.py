@@ -59,7 +59,7 @@ def test_page_on_the_recordings_of_a_study(tmp_path, contact):
         ("conditions", {"A": [1], "B": [7]}, "has no test '7'"),
         ("contact", "automatic", "give file, auto or the depth"),
         ("contact", 1e4, "outside the way in"),
-        ("corrections", ["creep"], "'creep' is not one of"),
+        ("corrections", ["creep"], '"creep" is given, expected one of: drift, frame'),
         ("condition", "A", "either condition or conditions"),
         ("columns", {"time": "t", "load": "P", "depth": "x"}, "no table with numbers"),
         ("units", {"load": "kgf"}, "load in 'kgf' is not known"),
