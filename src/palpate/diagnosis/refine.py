@@ -35,7 +35,7 @@ WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
 AXES = 4  # of the posterior, the widest, along which slopes are measured
-SHARPENED, FURTHER = 3, 1.0  # times at most, while the logarithm of the likelihood gains as much
+SHARPENED, FURTHER = 2, 1.0  # times at most, while the logarithm of the likelihood gains as much
 
 
 def hopeless(fit: Fit) -> bool:
@@ -123,16 +123,22 @@ def sharpen(study: Study, fit: Fit, lacking: Callable[[Fit], float]) -> Fit:
         When the forward model fails within the posterior.
     """
     for _ in range(SHARPENED):
-        variances, axes = np.linalg.eigh(replace(fit, errors=away(fit)).posterior)
-        correction = fit.correction
-        for step in (np.sqrt(variances) * axes).T[: -AXES - 1 : -1]:
-            ends = np.clip([fit.z + step, fit.z - step], MARGIN, 1.0 - MARGIN)
-            z = ends[np.argmax(np.linalg.norm(ends - fit.z, axis=1))]
-            correction = correction.with_secant(z, missed_by_surrogates(study, fit, z))
-        before, fit = fit, _followed(study, replace(fit, correction=correction), lacking)
+        measured = replace(fit, correction=_measured(study, fit))
+        before, fit = fit, _followed(study, measured, lacking)
         if fit.log_likelihood - before.log_likelihood < FURTHER:
             break
     return fit
+
+
+def _measured(study: Study, fit: Fit) -> Correction:
+    """Return the correction of a fit with secants along the widest axes."""
+    variances, axes = np.linalg.eigh(replace(fit, errors=away(fit)).posterior)
+    correction = fit.correction
+    for step in (np.sqrt(variances) * axes).T[: -AXES - 1 : -1]:
+        ends = np.clip([fit.z + step, fit.z - step], MARGIN, 1.0 - MARGIN)
+        z = ends[np.argmax(np.linalg.norm(ends - fit.z, axis=1))]
+        correction = correction.with_secant(z, missed_by_surrogates(study, fit, z))
+    return correction
 
 
 def _followed(study: Study, best: Fit, lacking: Callable[[Fit], float], least: float = -np.inf) -> Fit:
