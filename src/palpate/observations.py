@@ -42,8 +42,8 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
         match = re.fullmatch(r"(.+)_[^_]+", file.stem)
         if match is None or match[1] not in found:
             raise InputError(
-                "the file's name is not CONDITION_REPLICATE.csv",
-                remedy=f"use one of the conditions {', '.join(names)}",
+                "the file's name is not CONDITION_REPLICATE.csv with a condition of the study",
+                remedy=f"move it away, or add its condition to {', '.join(names)}",
                 file=file,
             )
         found[match[1]].append(file)

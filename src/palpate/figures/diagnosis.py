@@ -44,7 +44,7 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
         if k >= len(names) - columns:
             axis.set_xlabel("time [s]")
     handles, labels = axes[0].get_legend_handles_labels()
-    bottom.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
+    bottom.legend(handles, labels, loc="outside lower right", ncols=3, fontsize=6.5)
     figure.suptitle(textwrap.fill(f"{title}: {content['verdict']}", 100), fontsize=9)
     mark_synthetic(figure, synthetic)
     save(figure, path)
@@ -68,7 +68,9 @@ def _map(content: Mapping[str, Any], axis) -> None:
     axis.set_yticks(range(len(conditions)), conditions, fontsize=6.5)
     axis.spines[["left", "bottom"]].set_visible(False)
     axis.tick_params(length=0)
-    axis.set_title(f"base model: recorded less simulated [nm]; dot: q < {CERTAIN:g}")
+    certain = any(row["q_value"] < CERTAIN for row in content["location"])
+    meaning = f"dot: q < {CERTAIN:g}" if certain else f"no part alone beyond chance, q < {CERTAIN:g}"
+    axis.set_title(f"base model: recorded less simulated [nm]; {meaning}", fontsize=7.5)
     axis.figure.colorbar(image, ax=axis, shrink=0.85)
 
 
@@ -92,7 +94,8 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
 
 def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:
     axis.axhline(0, color="0.7", lw=0.6)
-    axis.fill_between(curve["time_s"], -2 * curve["noise_nm"], 2 * curve["noise_nm"], color="0.9", lw=0)
+    noise = 2 * curve["noise_nm"]
+    axis.fill_between(curve["time_s"], -noise, noise, color="0.9", lw=0, label="noise, 95 %")
     before = curve["recorded_nm"] - curve["before_nm"]
     axis.plot(curve["time_s"], before, color=SURROGATE, lw=0.9, label="base model")
     if improved:

@@ -33,9 +33,12 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
             _condition(curves[curves["condition"] == name], upper, lower)
             if k == 0:
                 upper.set_ylabel("load [mN]")
-                lower.set_ylabel("sim. - rec.\n[nm]")
+                lower.set_ylabel("rec. - sim.\n[nm]")
             if k == 0 and row == 0:
                 upper.legend(loc="upper left", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
+    handles, labels = axes[1, 0].get_legend_handles_labels()
+    if handles:
+        figure.legend(handles, labels, loc="outside lower right", fontsize=6.5)
     figure.suptitle(textwrap.fill(title, 100 if columns > 1 else 52), fontsize=9)
     mark_synthetic(figure, synthetic)
     save(figure, path)
@@ -45,10 +48,10 @@ def _condition(curve, upper, lower) -> None:
     upper.plot(
         curve["recorded_nm"], curve["load_mN"], "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded"
     )
-    if curve["surrogate_nm"].notna().any():
-        upper.plot(curve["surrogate_nm"], curve["load_mN"], "--", color=SURROGATE, lw=1.0, label="surrogate")
     upper.plot(curve["simulated_nm"], curve["load_mN"], "-", color=SIMULATED, label="finite elements")
-    error = curve["simulated_nm"] - curve["recorded_nm"]
+    if curve["surrogate_nm"].notna().any():
+        upper.plot(curve["surrogate_nm"], curve["load_mN"], "--", color=SURROGATE, lw=0.8, label="surrogate")
+    error = curve["recorded_nm"] - curve["simulated_nm"]
     rmse = np.sqrt(np.mean(error**2))
     upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}, RMSE {rmse:.1f} nm")
     upper.set_xlabel("depth [nm]")
@@ -56,6 +59,7 @@ def _condition(curve, upper, lower) -> None:
     upper.set_ylim(bottom=0)
     lower.axhline(0, color="0.7", lw=0.6)
     if curve["spread_nm"].notna().any():
-        lower.fill_between(curve["time_s"], -curve["spread_nm"], curve["spread_nm"], color="0.88", lw=0)
+        band = lower.fill_between(curve["time_s"], -curve["spread_nm"], curve["spread_nm"], color="0.88", lw=0)
+        band.set_label("standard deviation of the replicates")
     lower.plot(curve["time_s"], error, color=SIMULATED, lw=0.9)
     lower.set_xlabel("time [s]")
