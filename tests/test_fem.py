@@ -11,7 +11,9 @@ from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.radial import step_weights
+from palpate.model import simulate
 from palpate.protocol import Protocol, trapezoid
+from palpate.specification import Specification
 from palpate.specimen import Specimen
 from palpate.verification.materials import BURGERS
 
@@ -285,3 +287,14 @@ def test_a_solid_that_never_hardens_bears_a_rounded_tip(tip, load, large):
     assert outcome.reason == ""
     assert 1.6 < min(hardness) < max(hardness) < 3.0
     assert min(stretches) > 0.0
+
+
+def test_a_sphere_that_sinks_in_beyond_its_radius_is_a_failure():
+    """At small strains nothing stops it: 20 radii deep, a curve would look whole."""
+    constants = {"youngs_modulus": 10.0, "poisson_ratio": 0.3, "yield_stress": 0.1, "hardening": 0.0}
+    tip, protocol = Indenter("sphere", radius=1000.0), trapezoid(1.0, 10.0, 0.0, 10.0, points=20)
+    outcome = simulate(Specification("bilinear_plasticity", constants, tip, protocol))
+    assert outcome.status == "failed"
+    assert "beyond its radius" in outcome.reason
+    assert np.isnan(outcome.depth[-1])
+    assert np.nanmax(outcome.depth) <= 1000.0

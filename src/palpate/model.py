@@ -140,8 +140,16 @@ def _indent(
 def _simulation(specification: Specification, histories: Sequence[History]) -> Simulation:
     """Return what is recorded of one indentation, simulated on some meshes."""
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
-    depth = recorded(specification, np.mean([history.depth for history in histories], axis=0))
+    depth = np.mean([history.depth for history in histories], axis=0)
     reason = next((history.reason for history in histories if history.reason), "")
+    indenter = specification.indenter
+    sunk = np.maximum.accumulate(depth) > indenter.radius
+    if indenter.shape == "sphere" and sunk.any() and not reason:
+        reason = (
+            f"the sphere sinks in beyond its radius after {time[sunk.argmax()]:.4g} s; press less, or a larger sphere"
+        )
+        depth = np.where(sunk, np.nan, depth)
+    depth = recorded(specification, depth)
     seconds = sum(history.seconds for history in histories)
     return Simulation(time, load, depth, "failed" if reason else "ok", reason, seconds)
 
