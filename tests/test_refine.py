@@ -81,3 +81,16 @@ def test_a_promise_leaves_out_what_errors_of_surrogates_cost():
     unsure = replace(fit, errors=errors)
     assert unsure.log_evidence < fit.log_evidence - 100.0
     assert unsure.promise >= fit.log_evidence, "a wider covariance excuses misfit; it costs nothing here"
+
+
+def test_what_a_fit_leaves_open_rests_on_the_forward_models_slopes(forward):
+    """Where surrogates see twice the slope there is, and no step shows it, a fit knows the parameter twice as well."""
+    task = problem(recordings(np.random.default_rng(1)))
+    rough = fitted(task)
+    slope = task.split(-0.5 * rough.tangent[:, 1])
+    forward(lambda condition, z: (z[1] - rough.z[1]) * slope[condition.name])
+    fit = refine.refine(STUDY, rough, nothing)
+    sharpened = refine.sharpen(STUDY, fit, nothing)
+    known, right = (np.sqrt(found.posterior[1, 1]) for found in (fit, sharpened))
+    assert known == pytest.approx(np.sqrt(rough.posterior[1, 1]), rel=0.05)
+    assert right == pytest.approx(2.0 * known, rel=0.1)
