@@ -69,8 +69,8 @@ def _map(content: Mapping[str, Any], axis) -> None:
     axis.spines[["left", "bottom"]].set_visible(False)
     axis.tick_params(length=0)
     certain = any(row["q_value"] < CERTAIN for row in content["location"])
-    meaning = f"dot: q < {CERTAIN:g}" if certain else f"no part alone beyond chance, q < {CERTAIN:g}"
-    axis.set_title(f"base model: recorded less simulated [nm]; {meaning}", fontsize=7.5)
+    meaning = "dot: q" if certain else "no part has q"
+    axis.set_title(f"base model: rec. - sim. [nm]; {meaning} < {CERTAIN:g}")
     axis.figure.colorbar(image, ax=axis, shrink=0.85)
 
 
