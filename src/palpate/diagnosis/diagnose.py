@@ -179,13 +179,11 @@ def diagnose(
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried = found + tried
-    near = _best_evidence(tried) - CLOSE
-    standing = [c for c in found if c.adequate(level) and c.fit.log_evidence >= near]
+    standing = _standing(found, tried, level)
     sharpened = [search.sharpened(candidate) for candidate in standing]
-    tried = sorted(
-        [*sharpened, *(c for c in tried if c not in standing)], key=lambda candidate: -candidate.fit.log_evidence
-    )
-    verdict, standing, probabilities = _judge([c for c in sharpened if c.adequate(level)], _best_evidence(tried))
+    tried = _best_first([*sharpened, *(candidate for candidate in tried if candidate not in standing)])
+    standing = _standing(sharpened, tried, level)
+    verdict, probabilities = _judge(standing)
     if verdict == "identified" and not base.fit.errors.noise.replicated:
         verdict = "ambiguous"
     return Diagnosis(verdict, base, standing, probabilities, [*tried, base])
@@ -218,7 +216,11 @@ def _refine_best(
             candidate = Candidate(fit)
             report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}")
         done.append(candidate)
-    return sorted(done, key=lambda candidate: -candidate.fit.log_evidence)
+    return _best_first(done)
+
+
+def _best_first(candidates: list[Candidate]) -> list[Candidate]:
+    return sorted(candidates, key=lambda candidate: -candidate.fit.log_evidence)
 
 
 def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str]]:
@@ -238,20 +240,23 @@ def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str
     return [(fit, key) for _, fit, key in sorted(promised.values(), key=lambda entry: -entry[0])[:MOST_SETS]]
 
 
-def _best_evidence(tried: list[Candidate]) -> float:
-    tested = [candidate for candidate in tried if candidate.p_value is not None and not candidate.contradicts]
-    return max((candidate.fit.log_evidence for candidate in tested), default=-np.inf)
+def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
+    """Return what passes of `found`, within the likelihood ratio of the best of all that were tried.
 
-
-def _judge(standing: list[Candidate], best: float) -> tuple[str, list[Candidate], list[float]]:
-    """Return the verdict, the explanations within the likelihood ratio of the best, and their probabilities.
-
-    The best is that of all that were tried, whether it stands or not: where something far likelier still leaves more
-    than noise, the truth is not among those that pass.
+    The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
+    that pass.
     """
-    standing = [candidate for candidate in standing if candidate.fit.log_evidence >= best - CLOSE]
+    tested = [candidate for candidate in tried if candidate.p_value is not None and not candidate.contradicts]
+    best = max((candidate.fit.log_evidence for candidate in tested), default=-np.inf)
+    return [
+        candidate for candidate in found if candidate.adequate(level) and candidate.fit.log_evidence >= best - CLOSE
+    ]
+
+
+def _judge(standing: list[Candidate]) -> tuple[str, list[float]]:
+    """Return the verdict, and the probabilities of the explanations that stand."""
     if not standing:
-        return "unexplained", [], []
+        return "unexplained", []
     evidence = np.array([candidate.fit.log_evidence for candidate in standing])
     weights = np.exp(evidence - evidence.max())
-    return ("identified" if len(standing) == 1 else "ambiguous"), standing, (weights / weights.sum()).tolist()
+    return ("identified" if len(standing) == 1 else "ambiguous"), (weights / weights.sum()).tolist()
