@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,24 +22,33 @@ REPLICATES = 3
 MESHES = 2  # no real recording ripples as contact passes from node to node
 
 
-def body_depths(study: Study, cases: Sequence[Case], condition: Condition, accuracy: str) -> list[np.ndarray]:
-    """Simulate what acts on the bodies themselves, without what varies between recordings [nm]; in lanes where it can.
+def body_depths(
+    study: Study, cases: Sequence[Case], conditions: Sequence[Condition], accuracy: str
+) -> list[list[np.ndarray]]:
+    """Simulate what acts on the bodies themselves, without what varies between recordings; all of it together.
+
+    Returns
+    -------
+    depths
+        For each of the conditions those of each of the cases [nm].
 
     Raises
     ------
     PalpateError
         When a simulation fails.
     """
+    wanted = list(itertools.product(conditions, cases))
     specifications = []
-    for case in cases:
+    for condition, case in wanted:
         acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
         specification = study.specification(case.parameters, condition, accuracy)
         specifications.append(replace(specification, mechanisms=acting, meshes=MESHES))
     outcomes = simulate_batch(specifications)
-    for case, outcome in zip(cases, outcomes, strict=True):
+    for (condition, case), outcome in zip(wanted, outcomes, strict=True):
         if outcome.status != "ok":
             raise PalpateError(f"{case.name}, {condition.name}: {outcome.reason}")
-    return [outcome.depth for outcome in outcomes]
+    depths = iter([outcome.depth for outcome in outcomes])
+    return [list(itertools.islice(depths, len(cases))) for _ in conditions]
 
 
 def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.Generator) -> list[Recording]:
@@ -65,9 +75,9 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
 def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
     """Write the recordings of some cases, each into a folder of its own."""
     generators = [np.random.default_rng(case.seed) for case in cases]
-    accuracy = study.challenge["accuracy"]
-    for condition in study.conditions:
-        for case, depth, rng in zip(cases, body_depths(study, cases, condition, accuracy), generators, strict=True):
+    depths = body_depths(study, cases, study.conditions, study.challenge["accuracy"])
+    for condition, of_cases in zip(study.conditions, depths, strict=True):
+        for case, depth, rng in zip(cases, of_cases, generators, strict=True):
             (folder / case.name).mkdir(parents=True, exist_ok=True)
             for recording in record(case, condition, depth, rng):
                 recording.write(folder / case.name / f"{recording.name}.csv")
