@@ -26,7 +26,12 @@ def forward(monkeypatch):
             curves = fit.problem.split(fit.problem.curves(fit.explanation, z[None])[0])
             return [curves[condition.name] + change(condition, z) for condition in conditions]
 
+        def changes_from(study, fit, places):
+            first, *others = (np.concatenate(simulated(study, CONDITIONS, fit, z)) for z in (fit.z, *places))
+            return np.array(others) - first
+
         monkeypatch.setattr(refine, "simulated_at", simulated)
+        monkeypatch.setattr(refine, "changes_from", changes_from)
         return asked
 
     return with_change
@@ -90,7 +95,7 @@ def test_what_a_fit_leaves_open_rests_on_the_forward_models_slopes(forward):
     slope = task.split(-0.5 * rough.tangent[:, 1])
     forward(lambda condition, z: (z[1] - rough.z[1]) * slope[condition.name])
     fit = refine.refine(STUDY, rough, nothing)
-    sharpened = refine.sharpen(STUDY, fit, nothing)
+    sharpened = refine.sharpen(STUDY, fit)
     known, right = (np.sqrt(found.posterior[1, 1]) for found in (fit, sharpened))
     assert known == pytest.approx(np.sqrt(rough.posterior[1, 1]), rel=0.05)
     assert right == pytest.approx(2.0 * known, rel=0.1)

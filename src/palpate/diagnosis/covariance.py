@@ -7,7 +7,7 @@ once the rate was below 0.05 nm/s).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -179,14 +179,25 @@ def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) ->
 
 
 def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:
-    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, in time, and mid-grid."""
-    blocks = []
-    for condition in problem.conditions:
-        found = [problem.base[condition.name].loo_error_]
-        effects: Mapping = problem.effects[condition.name]
-        for key in explanation:
-            found += [effects[key].error, effects[key].unresolved] if key in effects else []
-        if condition.name in problem.interior:
-            found.append(problem.interior[condition.name][None])
-        blocks.append(sum(error.T @ error / len(error) for error in found))
-    return block_diag(*blocks)
+    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, in time, and mid-grid.
+
+    The same materials were simulated under all conditions, and what is missed of one is missed together: where nothing
+    has a length, tests that differ in the load alone miss the same.
+    """
+    names = [condition.name for condition in problem.conditions]
+    found = [[problem.base[name].loo_error_ for name in names]]
+    for key in explanation:
+        if key in problem.effects[names[0]]:
+            effects = [problem.effects[name][key] for name in names]
+            found += [[effect.error for effect in effects], [effect.unresolved for effect in effects]]
+    if problem.interior:
+        found.append([problem.interior[name][None] for name in names])
+    return np.sum([_covariance(errors) for errors in found], axis=0)
+
+
+def _covariance(errors: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the covariance of `errors` (m, n) of all conditions, where each has one of every material."""
+    if len({len(rows) for rows in errors}) > 1:
+        return block_diag(*(rows.T @ rows / len(rows) for rows in errors))
+    rows = np.hstack(list(errors))
+    return rows.T @ rows / len(rows)

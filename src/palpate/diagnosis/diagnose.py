@@ -113,9 +113,9 @@ class Search:
             return self.examined(fit)
 
     def sharpened(self, candidate: Candidate) -> Candidate:
-        """Let the forward model correct the slopes of an explanation that stands, on which its intervals rest.
+        """Put the forward model's own slopes in place of the surrogates' around an explanation that stands.
 
-        What was learnt of an effect on the body, among few materials, needs it.
+        Its intervals rest on them, and what was learnt of an effect on the body, among few materials, is rough.
         """
         if not (candidate.confirmed and any(MECHANISMS[key].needs_learning for key in candidate.fit.explanation)):
             return candidate
@@ -123,7 +123,7 @@ class Search:
         weighed = self._errors(fit.explanation, fit.residual, fit.z).exact
         fit = replace(fit, errors=replace(weighed, between=fit.errors.between))
         try:
-            return replace(self.examined(sharpen(self._study, fit, self._lacking)), confirmed=True)
+            return replace(self.examined(sharpen(self._study, fit)), confirmed=True)
         except PalpateError:
             return candidate
 

@@ -14,6 +14,7 @@ from scipy.stats import qmc
 from palpate.diagnosis.covariance import Errors, varying
 from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.law import Law, departures
+from palpate.diagnosis.local import Local
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
@@ -85,6 +86,8 @@ class Fit:
         What the forward model adds to the surrogates' curves near z.
     laws
         What exact laws say about amplitudes: data, too.
+    local
+        The forward model's curves around z, once known: they take the place of surrogates and correction.
     """
 
     problem: Problem
@@ -93,6 +96,7 @@ class Fit:
     errors: Errors
     correction: Correction
     laws: tuple[Law, ...] = ()
+    local: Local | None = None
 
     @cached_property
     def factor(self) -> np.ndarray:
@@ -105,7 +109,7 @@ class Fit:
 
     def curves(self, z: np.ndarray) -> np.ndarray:
         """Return the curves (m, n_all) at coordinates z (m, k) [nm]."""
-        return self.problem.curves(self.explanation, z) + self.correction(z)
+        return self.local(z) if self.local else self.problem.curves(self.explanation, z) + self.correction(z)
 
     @cached_property
     def curve(self) -> np.ndarray:
@@ -120,6 +124,8 @@ class Fit:
     @cached_property
     def tangent(self) -> np.ndarray:
         """Slope of the curves (n_all, k) [nm]."""
+        if self.local:
+            return self.local.slope
         return self.problem.jacobian(self.explanation, self.z) + self.correction.slope
 
     @cached_property
@@ -201,12 +207,12 @@ def solve(
 ) -> Fit:
     """Find the best coordinates within `radius` of any of the given starts by bounded least squares."""
     correction = correction or Correction.none(len(problem.mean), problem.dimensions(explanation))
-    found = [_minimised(Fit(problem, explanation, z, errors, correction, tuple(laws)), radius) for z in starts]
+    found = [minimised(Fit(problem, explanation, z, errors, correction, tuple(laws)), radius) for z in starts]
     return spread_own_values(min(found, key=lambda fit: fit.misfit), radius)
 
 
-def _minimised(fit: Fit, radius: float) -> Fit:
-    """Return the fit at the least misfit reached from its coordinates."""
+def minimised(fit: Fit, radius: float) -> Fit:
+    """Return the fit at the least misfit reached from its coordinates, within `radius` of each."""
 
     def at(z: np.ndarray) -> Fit:
         moved = replace(fit, z=z)
@@ -241,7 +247,7 @@ def spread_own_values(fit: Fit, radius: float) -> Fit:
                 best, chosen = likelihood, trial
         fit = chosen
     changed = any(variance != given.get(key, 0.0) for key, variance in fit.errors.between.items())
-    return _minimised(fit, radius) if changed else fit
+    return minimised(fit, radius) if changed else fit
 
 
 def starting_points(base: Fit, key: str, count: int = 2) -> list[np.ndarray]:

@@ -5,12 +5,11 @@ repeated, until the likelihood settles, or promises little of the way to what no
 Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361); there, a promise counts as the last was kept. A
 step that makes it worse is tried again within a third of its length (Bakr et al., same Trans. 46 (1998) 2412-2425).
 
-The surrogates' slopes are corrected by secants, of the steps that were taken; of an explanation that stands, also along
-what the recordings tell least about (`sharpen`). Surrogates add up effects that were learnt one by one, and what
-follows from another effect's being there is missing: friction beside yielding would seem known to half its uncertainty.
-The solver's own derivatives ripple from node to node of the contact by some per cent, which would make coordinates that
-the data hardly tell apart look independent. Its curves ripple too, by a thousandth, and the surrogates with them; the
-mean over several meshes takes their place here.
+The surrogates' slopes are corrected by secants, of the steps that were taken. Around an explanation that stands the
+forward model's own slopes take their place (`sharpen`). Surrogates are rough, and add up effects that were learnt one
+by one: friction beside yielding would seem known to half its uncertainty. The solver's own derivatives ripple from node
+to node of the contact by some per cent, which would make coordinates that the data hardly tell apart look independent.
+Its curves ripple too, by a thousandth, and the surrogates with them; the mean over several meshes takes their place.
 """
 
 from __future__ import annotations
@@ -21,7 +20,10 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.config import Condition, Study
-from palpate.diagnosis.fit import Correction, Fit, solve
+from palpate.diagnosis.design import thinned
+from palpate.diagnosis.effects import interpolation
+from palpate.diagnosis.fit import Correction, Fit, minimised, solve, spread_own_values
+from palpate.diagnosis.local import Local, two_level
 from palpate.diagnosis.posterior import away
 from palpate.errors import PalpateError
 from palpate.model import Simulation, simulate, simulate_batch, smooth
@@ -34,8 +36,7 @@ HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a su
 WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
-AXES = 4  # of the posterior, the widest, along which slopes are measured
-SHARPENED, FURTHER = 2, 1.0  # times at most, while the logarithm of the likelihood gains as much
+SHARPENED, REACH = 2, 2.0  # designs at most, while the optimum lies so many standard deviations from the last one
 
 
 def hopeless(fit: Fit) -> bool:
@@ -74,11 +75,18 @@ def on_fine_mesh(specification: Specification, condition: Condition, fit: Fit, z
     return _finer(simulate(smooth(specification)), condition, fit, z)
 
 
-def _finer(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
-    """Return the curve [nm] of a simulation, with the mesh's correction."""
+def _depth(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
+    """Return the curve [nm] of a simulation that did not fail."""
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    return outcome.depth * fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])
+    return outcome.depth
+
+
+def _finer(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
+    """Return the curve [nm] of a simulation, with the mesh's correction."""
+    return _depth(outcome, condition, fit) * fit.problem.mesh_factor(
+        condition, fit.problem.parts(fit.explanation, z)[1]
+    )
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
@@ -110,35 +118,60 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
     return _followed(study, best, lacking, least)
 
 
-def sharpen(study: Study, fit: Fit, lacking: Callable[[Fit], float]) -> Fit:
-    """Return a refined fit with the forward model's slopes along what is known least, fitted again.
+def sharpen(study: Study, fit: Fit) -> Fit:
+    """Return a refined fit, fitted again to the forward model's curves around it, without the surrogates.
 
-    Steps are one standard deviation long, along the widest axes of the posterior with the surrogates' errors in it. A
-    search whose slopes are the surrogates' stops in a long valley where they say so; steps as long as they may be wrong
-    show where it leads. What has come further is measured once more there.
+    The forward model runs in a design over the posterior. Where that leads far away, a search whose slopes were the
+    surrogates' had stopped in a long valley; then it runs in a second design, there.
 
     Raises
     ------
     PalpateError
         When the forward model fails within the posterior.
     """
+    region, places, curves = replace(fit, errors=away(fit)).posterior, [], []
+    fit = replace(fit, z=fit.correction.at)
     for _ in range(SHARPENED):
-        measured = replace(fit, correction=_measured(study, fit))
-        before, fit = fit, _followed(study, measured, lacking)
-        if fit.log_likelihood - before.log_likelihood < FURTHER:
+        design = np.clip(two_level(fit.z, region), MARGIN, 1.0 - MARGIN)
+        places += [fit.z, *design]
+        curves += [fit.curve, *(fit.curve + changes_from(study, fit, design))]
+        plane = Local.through(fit.z, fit.curve, np.array(places), np.array(curves))
+        fit = replace(fit, local=plane)
+        found = minimised(fit, RADIUS)
+        step = found.z - fit.z
+        beyond = float(np.sqrt(step @ np.linalg.solve(region, step) / len(step)))
+        z = np.clip(found.z, MARGIN, 1.0 - MARGIN)
+        curve = np.concatenate(simulated_at(study, fit.problem.conditions, fit, z))
+        fit = max(fit, replace(found, z=z, local=plane.moved(z, curve)), key=lambda found: found.log_likelihood)
+        region = fit.posterior
+        if beyond < REACH:
             break
-    return fit
+    rough = replace(fit.errors, model=fit.errors.model + plane.scatter)
+    return spread_own_values(minimised(replace(fit, errors=rough), RADIUS), RADIUS)
 
 
-def _measured(study: Study, fit: Fit) -> Correction:
-    """Return the correction of a fit with secants along the widest axes."""
-    variances, axes = np.linalg.eigh(replace(fit, errors=away(fit)).posterior)
-    correction = fit.correction
-    for step in (np.sqrt(variances) * axes).T[: -AXES - 1 : -1]:
-        ends = np.clip([fit.z + step, fit.z - step], MARGIN, 1.0 - MARGIN)
-        z = ends[np.argmax(np.linalg.norm(ends - fit.z, axis=1))]
-        correction = correction.with_secant(z, missed_by_surrogates(study, fit, z))
-    return correction
+def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
+    """Return by how much the curves differ between some coordinates (m, k) and the fit's (m, n_all) [nm].
+
+    With a third of the points in time, and so of the time steps; in differences their error cancels.
+
+    Raises
+    ------
+    PalpateError
+        When the solver fails.
+    """
+    problem = fit.problem
+    short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
+    wanted = [(z, condition) for z in (fit.z, *places) for condition in short]
+    outcomes = simulate_batch([smooth(specification_at(study, condition, fit, z)) for z, condition in wanted])
+    curves = []
+    for (z, condition), outcome in zip(wanted, outcomes, strict=True):
+        every = problem.observed[condition.name].time
+        spread = interpolation(condition.protocol.sample_time, every)
+        factor = problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1])
+        curves.append(_depth(outcome, condition, fit) @ spread.T * factor)
+    rows = np.concatenate(curves).reshape(1 + len(places), -1)
+    return rows[1:] - rows[0]
 
 
 def _followed(study: Study, best: Fit, lacking: Callable[[Fit], float], least: float = -np.inf) -> Fit:
