@@ -1,0 +1,224 @@
+"""Tables by a map of their columns: separators, units, rows and signs, read as written or refused with one line."""
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.errors import InputError
+from palpate.readers import ColumnMap, read_vendor_file
+from palpate.recording import read_recording
+
+TIME = np.linspace(0, 60, 61)
+FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])
+PATH = 0.25 * np.sqrt(FORCE / 2e3) + 0.001 * TIME
+NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
+MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})
+
+
+def rows_of(delimiter, comma):
+    head = ["Sample: glass", "", delimiter.join(["No", "h", "t / s", "Fn"]), delimiter.join(["", "um", "s", "uN"])]
+    body = [delimiter.join(f"{x:.7f}" for x in (k, *row)) for k, row in enumerate(zip(PATH, TIME, FORCE, strict=True))]
+    return "\n".join([*head, *(line.replace(".", ",") if comma else line for line in body), "end of test", ""])
+
+
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True), (";", False), ("\t", True), ("\t", False)])
+def test_any_text_table_by_its_columns(tmp_path, delimiter, comma):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(delimiter, comma))
+    (test,) = read_vendor_file(file, columns=MAP)
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(FORCE / 1e3, abs=1e-6)
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-3)
+
+
+def test_columns_by_number(tmp_path):
+    file = tmp_path / "bare.txt"
+    np.savetxt(file, np.column_stack([TIME, FORCE, PATH]))
+    (test,) = read_vendor_file(file, columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}, dict(MAP.units)))
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-6)
+
+
+SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"})
+
+
+def english(value):
+    return f'"{value:,.2f}"' if value >= 1000 else f"{value:g}"
+
+
+def german(value):
+    return english(value).strip('"').translate(str.maketrans(",.", ".,"))
+
+
+@pytest.mark.parametrize(("written", "delimiter"), [(english, ","), (german, ";"), (german, "\t")])
+def test_separators_of_thousands_are_read(tmp_path, written, delimiter):
+    depth = np.array([0, 412.5, 900, 1143.74, 1200, 1000, 950.25])
+    rows = [delimiter.join(written(x) for x in row) for row in zip(TIME[:7], FORCE[:7] / 1e4, depth, strict=True)]
+    file = tmp_path / "x.csv"
+    file.write_text("\n".join([delimiter.join("tPh"), *rows]))
+    (test,) = read_vendor_file(file, columns=SHORT)
+    assert test.recording.depth == pytest.approx(depth)
+    assert test.warnings == ()
+
+
+@pytest.mark.parametrize("row", ["2;2;1.143", "2;2;1,143"])
+def test_a_decimal_sign_that_the_table_does_not_tell_is_refused(tmp_path, row):
+    file = tmp_path / "x.csv"
+    file.write_text(f"t;P;h\n0;0;0\n1;1;1\n{row}\n3;1;1\n")
+    with pytest.raises(InputError, match=r"x.csv, line 4: '1.143' has a decimal sign or parts thousands"):
+        read_vendor_file(file, columns=SHORT)
+
+
+def hundred(changes):
+    rows = {k: f"{k},{min(k, 100 - k)},{10 * min(k, 100 - k)}" for k in range(101)} | changes
+    return "t,P,h\n" + "\n".join(rows.values()) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("changes", "warning"),
+    [
+        ({}, None),
+        ({40: "40,,400"}, "1 of 101 rows left out: no three numbers (line 42)"),
+        ({40: "40,-,400", 60: "60,ERROR,400"}, "2 of 101 rows left out: no three numbers (line 42, 62)"),
+        ({60: "59,41,410"}, "1 of 101 rows left out: time does not increase (line 62)"),
+        ({100: "100,0"}, "1 of 101 rows left out: no three numbers (line 102)"),
+        ({100: "mean,of,all"}, None),
+        (
+            dict.fromkeys(range(10, 14), "x,1,2"),
+            "4 of 101 rows left out: no three numbers (line 12, 13, 14 and 1 more)",
+        ),
+    ],
+)
+def test_rows_are_left_out_with_a_word(tmp_path, changes, warning, capsys):
+    file = tmp_path / "x.csv"
+    file.write_text(hundred(changes))
+    assert main(["read", str(file), "--columns", "time=t,load=P,depth=h", "-o", str(tmp_path)]) == 0
+    said = capsys.readouterr().err
+    assert said == (f"palpate: {file}, x: {warning}\n" if warning else "")
+    assert warning is None or warning in read_recording(tmp_path / "x.csv").notes
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {k: f"{k},{100 - k},1'000" for k in range(90, 101)},
+            r"line 92: .90, 10, 1.000. is not three numbers; 11 of 101",
+        ),
+        ({k: f"{k - 50},1,1" for k in range(60, 70)}, r"line 62: .10, 1, 1. does not come later .* 10 of 101 rows"),
+        (dict.fromkeys(range(1, 101), "a,b,c"), "line 2: is the only row of numbers"),
+    ],
+)
+def test_many_bad_rows_are_refused_with_the_first(tmp_path, changes, words):
+    file = tmp_path / "x.csv"
+    file.write_text(hundred(changes))
+    with pytest.raises(InputError, match=words):
+        read_vendor_file(file, columns=SHORT)
+
+
+@pytest.mark.parametrize(
+    ("headings", "below"),
+    [
+        (("Time (s)", "Load (µN)", "Depth (µm)"), []),
+        (("t / s", "P / uN", "h / um"), []),
+        (("time_s", "load_uN", "depth_um"), []),
+        (("t", "F_N", "h"), ["s\tµN\t[μm]"]),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_units_that_the_table_states_are_used(tmp_path, headings, below, encoding):
+    file = tmp_path / "x.txt"
+    rows = [f"{a:g}\t{b:.6f}\t{c:.6f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
+    file.write_text("\n".join(["\t".join(headings), *below, *rows]), encoding=encoding)
+    names = dict(zip(("time", "load", "depth"), headings, strict=True))
+    for given, load_unit, turn in (({}, "uN", 1e-3), ({"load": "-N"}, "-N", -1e3)):
+        (test,) = read_vendor_file(file, columns=ColumnMap(names, given), contact="none")
+        assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
+        assert test.recording.load == pytest.approx(turn * FORCE, abs=1e-2 * abs(turn))
+        assert f"[{load_unit}]" in test.metadata["columns"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; put numbers"),
+        ("t;P;h;t;P;h\n0;0;0;0;0;0\n1;1;1;1;1;1\n", "several columns are called 't'"),
+    ],
+)
+def test_columns_that_cannot_be_told_apart_are_refused(tmp_path, text, words):
+    file = tmp_path / "x.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=words):
+        read_vendor_file(file, columns=SHORT)
+
+
+def test_a_stated_unit_that_is_not_known_is_refused(tmp_path):
+    file = tmp_path / "x.csv"
+    file.write_text("t,P (kgf),h\n0,0,0\n1,1,1\n")
+    names = {"time": "t", "load": "P (kgf)", "depth": "h"}
+    with pytest.raises(InputError, match=r"x.csv, column P \(kgf\): the load's unit 'kgf' is not known.*mN, uN"):
+        read_vendor_file(file, columns=ColumnMap(names))
+    (test,) = read_vendor_file(file, columns=ColumnMap(names, {"load": "N"}))
+    assert test.recording.load.max() == 1000
+
+
+@pytest.mark.parametrize("contact", ["file", "auto"])
+@pytest.mark.parametrize(("channel", "signs"), [("load", (-1, 1)), ("depth", (1, -1)), ("load", (-1, -1))])
+def test_a_wrong_sign_is_told(tmp_path, channel, signs, contact):
+    file = tmp_path / "x.csv"
+    depth = 500 * np.sqrt(FORCE / 2e3)
+    rows = zip(TIME, signs[0] * FORCE / 1e3, signs[1] * depth, strict=True)
+    file.write_text("time_s,load_mN,depth_nm\n" + "\n".join(f"{a},{b},{c}" for a, b, c in rows))
+    with pytest.raises(InputError, match=f"x.csv, x: the {channel} falls from .*--units {channel}=-"):
+        read_vendor_file(file, contact=contact)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--columns", "time=t / s,load=Fn,depth=hh"], "columns of its header (No, h, t / s, Fn)"),
+        (["--columns", "time=t / s,load=Fn,depth=Fn"], "load and depth are both 'Fn'"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--contact", "5e9"], "outside the way in"),
+        (["--units", "load=uN"], "add --columns"),
+        (["--columns", "time=t / s,load=Fn"], "no column is named for depth"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=kg"], "load in 'kg' is not known"),
+        (["--columns", "time=t / s,load=Fn,depth=h,force=Fn"], "'force' is no channel"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--raw"], "final channels only"),
+        ([], "no format that palpate knows"),
+    ],
+)
+def test_a_wrong_map_gets_one_line(tmp_path, arguments, words, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(",", False))
+    assert main(["read", str(file), *arguments, "-o", str(tmp_path / "out")]) == 2
+    line = capsys.readouterr().err.strip()
+    assert words in line
+    assert str(file) in line
+    assert "\n" not in line
+
+
+def test_the_command_line_reads_a_table_and_surveys_it(tmp_path, capsys):
+    file = tmp_path / "table.dat"
+    file.write_text(rows_of(";", True))
+    chosen = ["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=uN,depth=um"]
+    assert main(["read", str(file), *chosen, "--survey", "-o", str(tmp_path / "out")]) == 0
+    assert read_recording(tmp_path / "out/table.csv").depth.max() == pytest.approx(1e3 * PATH.max(), rel=1e-4)
+    assert (tmp_path / "out/table.png").stat().st_size > 10000
+    assert capsys.readouterr().out.split() == [
+        f"{tmp_path}/out/{name}" for name in ("table.csv", "table.png", "table_survey.txt")
+    ]
+    assert "unloading" in (tmp_path / "out/table_survey.txt").read_text()
+
+
+def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
+    file = tmp_path / "x.csv"
+    load = FORCE.copy()
+    load[20] = 1.7976931348623157e308
+    file.write_text("t,P,h\n" + "\n".join(f"{a},{b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True)))
+    columns = ColumnMap({"time": "t", "load": "P", "depth": "h"})
+    (test,) = read_vendor_file(file, columns=columns)
+    assert len(test.recording) == len(TIME) - 1
+    file.write_text(
+        "t,P,h\n" + "\n".join(f"{a},{1.8e308 if a % 3 else b},{c}" for a, b, c in zip(TIME, load, PATH, strict=True))
+    )
+    with pytest.raises(InputError, match="is not three numbers; 40 of 61 rows"):
+        read_vendor_file(file, columns=columns)
