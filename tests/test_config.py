@@ -271,6 +271,18 @@ def test_mistaken_units_show_even_under_the_recorded_load(tmp_path, load_factor,
             check(study, "lab")
 
 
+@pytest.mark.parametrize("ending", ["csv", "CSV"])
+def test_a_load_history_is_taken_from_the_recording_of_its_condition(tmp_path, ending):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve()
+    write(folder / f"P1_T30_2_1.{ending}", t, 2 * force, depth)
+    write(folder / f"P1_T30_1.{ending}", t, force, depth)
+    history = [{"name": "P1_T30", "load_history": "recorded"}]
+    (condition,) = load(tmp_path, recordings={"lab": str(folder)}, conditions=history).conditions
+    assert condition.protocol.max_load == pytest.approx(force.max(), rel=1e-2)
+
+
 def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):
     folder = tmp_path / "recordings"
     folder.mkdir()

@@ -17,7 +17,7 @@ from palpate.load_history import KEYS, protocol_from
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
-from palpate.recording import Recording, read_recording
+from palpate.recording import Recording, condition_of, read_recording, recording_files
 from palpate.schema import check_schema, suggestion, with_defaults
 from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
@@ -336,8 +336,9 @@ def _load_history(
     if entry["name"] in source.get("conditions", [source.get("condition")]):
         return tests()[entry["name"]][0].recording
     for folder in recordings.values():
-        for file in sorted(folder.glob(f"{entry['name']}_*.csv")):
-            return read_recording(file)
+        for file in recording_files(folder):
+            if condition_of(file) == entry["name"]:
+                return read_recording(file)
     raise InputError(
         "load_history is `recorded`, but there is no recording of this condition",
         remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",

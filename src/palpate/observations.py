@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.readers import read_source
-from palpate.recording import Recording, read_recording
+from palpate.recording import Recording, condition_of, read_recording, recording_files
 
 LOAD_TOLERANCE = 0.05
 LEAST_POSITIVE = 0.05
@@ -36,17 +35,15 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
         raise InputError("the folder is missing", remedy=f"correct recordings.{name} in {study.file}", file=folder)
     names = [condition.name for condition in study.conditions]
     found: dict[str, list[Path]] = {name: [] for name in names}
-    for file in sorted(path for path in folder.iterdir() if path.suffix.lower() == ".csv"):
-        if file.name.startswith("."):
-            continue
-        match = re.fullmatch(r"(.+)_[^_]+", file.stem)
-        if match is None or match[1] not in found:
+    for file in recording_files(folder):
+        condition = condition_of(file)
+        if condition not in found:
             raise InputError(
                 "the file's name is not CONDITION_REPLICATE.csv with a condition of the study",
                 remedy=f"move it away, or add its condition to {', '.join(names)}",
                 file=file,
             )
-        found[match[1]].append(file)
+        found[condition].append(file)
     for condition, files in found.items():
         if not files:
             raise InputError(

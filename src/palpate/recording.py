@@ -122,6 +122,17 @@ class Recording:
         partial.replace(path)
 
 
+def recording_files(folder: Path) -> list[Path]:
+    """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
+
+
+def condition_of(file: Path) -> str:
+    """Return the condition that the name of a recording's file begins with."""
+    return file.stem.rpartition("_")[0]
+
+
 def read_recording(path: str | Path) -> Recording:
     """Read a recording CSV and check it.
 
