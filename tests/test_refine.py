@@ -7,9 +7,14 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
+from palpate.calibration import Observation
+from palpate.calibration.space import Space
 from palpate.config import load_study
 from palpate.diagnosis import refine
+from palpate.diagnosis.design import scale_of
 from palpate.diagnosis.detect import excess
+from palpate.diagnosis.fit import Correction, Fit
+from palpate.diagnosis.problem import Problem
 
 STUDY = load_study(Path(__file__).parents[1] / "config" / "challenge.yaml")
 DRIFT = ("thermal_drift",)
@@ -99,3 +104,25 @@ def test_what_a_fit_leaves_open_rests_on_the_forward_models_slopes(forward):
     known, right = (np.sqrt(found.posterior[1, 1]) for found in (fit, sharpened))
     assert known == pytest.approx(np.sqrt(rough.posterior[1, 1]), rel=0.05)
     assert right == pytest.approx(2.0 * known, rel=0.1)
+
+
+@pytest.mark.parametrize(("key", "own", "within"), [("second_voigt", 3, 0.01), ("plastic_yield", 2, 0.05)])
+def test_changes_by_a_third_of_the_points_are_those_of_all(key, own, within):
+    condition = STUDY.conditions[0]
+    time = condition.protocol.sample_time
+    space = Space({name: (min(levels), max(levels)) for name, levels in STUDY.levels.items()})
+    task = Problem(
+        (condition,),
+        {condition.name: Observation(time, np.zeros((1, len(time))))},
+        space,
+        {},
+        {condition.name: {}},
+        {condition.name: np.linspace(1.02, 1.01, len(time))},
+        scale_of(STUDY),
+    )
+    at = np.full(space.dimensions + own, 0.4)
+    place = at + np.append([0.1, -0.1, 0.05, 0.1], np.full(own, 0.1))
+    fit = Fit(task, (key,), at, None, Correction.none(len(time), len(at)))
+    there, here = (np.concatenate(refine.simulated_at(STUDY, [condition], fit, z)) for z in (place, at))
+    change = refine.changes_from(STUDY, fit, place[None])[0]
+    assert change == pytest.approx(there - here, abs=within * np.abs(there - here).max())
