@@ -6,7 +6,7 @@ import pytest
 from palpate.diagnosis.local import Local, two_level
 
 
-@pytest.mark.parametrize("dimensions", [1, 5, 7, 8])
+@pytest.mark.parametrize("dimensions", [1, 5, 7, 8, 11])
 def test_a_design_reaches_one_standard_deviation_along_every_axis(dimensions):
     rng = np.random.default_rng(3)
     root = rng.standard_normal((dimensions, dimensions))

@@ -11,7 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import hadamard
+from scipy.linalg import circulant, hadamard
+
+TWELVE = np.array([1, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1])  # Plackett and Burman's first of twelve runs
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,5 +58,11 @@ class Local:
 def two_level(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Return a design (m, k) of one standard deviation up or down along every principal axis of a covariance (k, k)."""
     variances, axes = np.linalg.eigh(covariance)
-    runs = 2 ** int(np.ceil(np.log2(len(centre) + 1)))
-    return centre + hadamard(runs)[:, 1 : len(centre) + 1] @ (axes * np.sqrt(variances)).T
+    return centre + _levels(len(centre)) @ (axes * np.sqrt(variances)).T
+
+
+def _levels(factors: int) -> np.ndarray:
+    """Return orthogonal columns (m, factors) of levels -1 and 1."""
+    if 7 < factors < 12:
+        return np.vstack([circulant(TWELVE).T, -np.ones(11)])[:, :factors]
+    return hadamard(2 ** int(np.ceil(np.log2(factors + 1))))[:, 1 : factors + 1]
