@@ -18,7 +18,7 @@ ANSWERS = {
     "without the truth": (SIMULATED, "+"),
     "wrong name": (SIMULATED, "x"),
 }
-LINES = [(RECORDED, "o-", (4, -10)), (SURROGATE, "s--", (-2, 6))]
+LINES = [(RECORDED, "o-", (-2, -10)), (SURROGATE, "s--", (-2, 6))]
 
 
 def answer(row: pd.Series) -> str:
@@ -60,7 +60,7 @@ def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str
                 )
     right.set_xlim(-0.05, 1.12)
     right.set_ylim(-0.05, 1.12)
-    right.legend(fontsize=6.5, loc="upper left")
+    right.legend(fontsize=6.5, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, columnspacing=0.8)
     right.set_xlabel("stated probability")
     right.set_ylabel("share that is right")
     right.set_title("reliability", loc="left")
