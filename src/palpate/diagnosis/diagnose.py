@@ -179,8 +179,7 @@ def diagnose(
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried = found + tried
-    passing = [candidate for candidate in found if candidate.adequate(level)]
-    standing = _standing(found, tried, level) or passing[:1]  # outdone, it may have stopped in a long valley
+    standing = _standing(found, tried, level)
     sharpened = [search.sharpened(candidate) for candidate in standing]
     tried = _best_first([*sharpened, *(candidate for candidate in tried if candidate not in standing)])
     standing = _standing(sharpened, tried, level)
