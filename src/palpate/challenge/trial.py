@@ -65,10 +65,10 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
     """Return what each mechanism of a case adds to the depth of all conditions (n_all, mechanisms) [nm]."""
     bodily = [key for key in case.mechanisms if not MECHANISMS[key].varies]
     without = [replace(case, mechanisms={k: v for k, v in case.mechanisms.items() if k != key}) for key in bodily]
-    simulated = body_depths(study, [case, *without], problem.conditions, study.accuracy)
+    simulated = body_depths(study, [case, *without] if bodily else [], problem.conditions, study.accuracy)
     parts = []
-    for condition, (whole, *lesser) in zip(problem.conditions, simulated, strict=True):
-        added = {key: whole - depth for key, depth in zip(bodily, lesser, strict=True)}
+    for condition, depths in zip(problem.conditions, simulated, strict=True):
+        added = {key: depths[0] - depth for key, depth in zip(bodily, depths[1:], strict=True)}
         for key in case.mechanisms:
             if key not in added:
                 added[key] = problem.recorded_effect(key, condition, case.mechanisms[key])
