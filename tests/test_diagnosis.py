@@ -12,12 +12,13 @@ from scipy.linalg import toeplitz
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition, load_study
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.edges import at_edges
-from palpate.diagnosis.fit import Correction, solve, starting_points
+from palpate.diagnosis.fit import solve, starting_points
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
@@ -145,7 +146,7 @@ def test_a_correction_found_where_a_fit_is_hopeless_is_not_carried_on():
     base = replace(search.base(), correction=wrong)
     assert base.misfit > 3.0 * len(base.residual)
     drifting = search.extended(base, "thermal_drift")
-    assert not drifting.correction.shift.any()
+    assert not drifting.correction.value.any()
     assert drifting.misfit < 1.5 * len(base.residual)
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from test_diagnosis import fitted, problem, recordings
 
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors
-from palpate.diagnosis.fit import Correction, solve
+from palpate.diagnosis.fit import solve
 from palpate.diagnosis.posterior import posterior_draws, sampled
 
 TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
@@ -48,4 +49,4 @@ def test_a_secant_correction_keeps_what_both_points_say():
     at, shift = rng.random(3), rng.random(20)
     second = first.moved(at, shift)
     assert second(at[None])[0] == pytest.approx(shift)
-    assert second(first.at[None])[0] == pytest.approx(first.shift)
+    assert second(first.at[None])[0] == pytest.approx(first.value)

@@ -11,9 +11,10 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import load_study
 from palpate.diagnosis import refine
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.design import scale_of
 from palpate.diagnosis.detect import excess
-from palpate.diagnosis.fit import Correction, Fit
+from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.problem import Problem
 
 STUDY = load_study(Path(__file__).parents[1] / "config" / "challenge.yaml")

@@ -11,6 +11,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import Errors, varying
 from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.law import Law, departures
@@ -22,52 +23,6 @@ PRIOR_VARIANCE = 1.0 / 12.0
 STEP = 1e-4
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
 TRIALS = 32
-
-
-@dataclass(frozen=True, eq=False)
-class Correction:
-    """What the forward model adds to the surrogates' curves near some coordinates: a shift and a slope.
-
-    Parameters
-    ----------
-    at : ndarray, shape (k,)
-        The coordinates.
-    shift : ndarray, shape (n_all,)
-        [nm]
-    slope : ndarray, shape (n_all, k)
-        [nm]
-    """
-
-    at: np.ndarray
-    shift: np.ndarray
-    slope: np.ndarray
-
-    @classmethod
-    def none(cls, points: int, dimensions: int) -> Correction:
-        """Return the correction that trusts the surrogates."""
-        return cls(np.zeros(dimensions), np.zeros(points), np.zeros((points, dimensions)))
-
-    def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Return the correction (m, n_all) at coordinates z (m, k) [nm]."""
-        return self.shift + (z - self.at) @ self.slope.T
-
-    def widened(self, dimensions: int) -> Correction:
-        """Return the correction for an explanation with more coordinates, on which it does not depend."""
-        more = dimensions - len(self.at)
-        return Correction(np.pad(self.at, (0, more)), self.shift, np.pad(self.slope, ((0, 0), (0, more))))
-
-    def with_secant(self, z: np.ndarray, shift: np.ndarray) -> Correction:
-        """Return the correction that is `shift` (n_all,) at z (k,), too, its slope changed as little as this demands.
-
-        Source: C.G. Broyden, Math. Comp. 19 (1965) 577-593, eq. 4.5.
-        """
-        step = z - self.at
-        missed = shift - self(z)
-        return replace(self, slope=self.slope + np.outer(missed, step) / (step @ step))
-
-    def moved(self, at: np.ndarray, shift: np.ndarray) -> Correction:
-        """Return the correction with a new shift elsewhere, the slope that of the secant between both places."""
-        return replace(self.with_secant(at, shift), at=at, shift=shift)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,28 +13,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import circulant, hadamard
 
+from palpate.diagnosis.plane import Plane
+
 TWELVE = np.array([1, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1])  # Plackett and Burman's first of twelve runs
 
 
 @dataclass(frozen=True, eq=False)
-class Local:
-    """Curves near some coordinates.
+class Local(Plane):
+    """Curves near some coordinates, simulated there; the slope is one by least squares over runs.
 
     Parameters
     ----------
-    at : ndarray, shape (k,)
-        The coordinates.
-    curve : ndarray, shape (n_all,)
-        Simulated there [nm].
-    slope : ndarray, shape (n_all, k)
-        By least squares over runs [nm].
+    at, value, slope
+        See `palpate.diagnosis.plane.Plane`.
     scatter : ndarray, shape (n_all, n_all)
         Covariance of what the runs depart from a plane [nm^2].
     """
 
-    at: np.ndarray
-    curve: np.ndarray
-    slope: np.ndarray
     scatter: np.ndarray
 
     @classmethod
@@ -46,13 +41,9 @@ class Local:
         left = curves - terms @ found
         return cls(at, curve, (found[1:] / scale[:, None]).T, left.T @ left / max(len(terms) - terms.shape[1], 1))
 
-    def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Return the curves (m, n_all) at coordinates z (m, k) [nm]."""
-        return self.curve + (z - self.at) @ self.slope.T
-
     def moved(self, at: np.ndarray, curve: np.ndarray) -> Local:
         """Return the same plane through what was simulated elsewhere."""
-        return replace(self, at=at, curve=curve)
+        return replace(self, at=at, value=curve)
 
 
 def two_level(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:

@@ -20,9 +20,10 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.config import Condition, Study
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.design import thinned
 from palpate.diagnosis.effects import interpolation
-from palpate.diagnosis.fit import Correction, Fit, minimised, solve, spread_own_values
+from palpate.diagnosis.fit import Fit, minimised, solve, spread_own_values
 from palpate.diagnosis.local import Local, two_level
 from palpate.diagnosis.posterior import away
 from palpate.errors import PalpateError
@@ -111,7 +112,7 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
         When the forward model fails at the fit's coordinates.
     """
     z = np.clip(fit.z, MARGIN, 1.0 - MARGIN)
-    start = replace(Correction.none(len(fit.residual), len(z)), at=z, shift=missed_by_surrogates(study, fit, z))
+    start = replace(Correction.none(len(fit.residual), len(z)), at=z, value=missed_by_surrogates(study, fit, z))
     best = replace(fit, z=z, correction=start, errors=fit.errors.exact)
     if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
         return best
