@@ -102,7 +102,7 @@ def test_newton_converges_quadratically(large):
     region = np.zeros(len(mesh.elements), dtype=np.int64)
     problem = Problem(mesh, Profile.of(CONE), Specimen(law()), law()[None], region, large)
     work, state, before = Workspace.of(problem), State.initial(problem), None
-    for time in step_times(protocol, 1)[:12]:
+    for time in step_times(protocol, STANDARD)[:12]:
         state, before, _ = march(problem, protocol, state, before, time, work)
     advance(problem, state, 1.2 * time, float(protocol.load_at(1.2 * time)), 1.0, state, work)
     norms = np.array(work.norms)
@@ -233,7 +233,7 @@ def test_a_step_that_cannot_converge_is_reported(monkeypatch):
 
 def test_where_a_body_yields_the_load_grows_little_within_a_step():
     protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=20)
-    times, usual = step_times(protocol, 1, yields=True), step_times(protocol, 1)
+    times, usual = step_times(protocol, STANDARD, yields=True), step_times(protocol, STANDARD)
     load = protocol.load_at(times)
     assert np.isin(usual, times).all()
     assert (load[1:] / np.maximum(load[:-1], 1e-12)).max() < 1.1251

@@ -40,7 +40,7 @@ def history(indenter, coefficients, protocol, resolution=STANDARD, large=False):
         mesh, Profile.of(indenter), specimen, coefficients[None], region, large, friction=indenter.friction
     )
     work, states, before = Workspace.of(problem), [State.initial(problem)], None
-    for time in step_times(protocol, 1):
+    for time in step_times(protocol, STANDARD):
         state, before, _ = march(problem, protocol, states[-1], before, time, work)
         states.append(state)
     return problem, states

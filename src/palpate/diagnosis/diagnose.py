@@ -152,10 +152,10 @@ def diagnose(
     """Diagnose one set of recordings.
 
     The base model is tested first. If it fails, every mechanism is fitted together with the material; those whose
-    evidence is near the best go to the forward model and are tested in turn. If none of them leaves only noise, sets
-    with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Among the smallest
-    explanations that pass, those within a likelihood ratio of 100 stand, so that a name given alone should be wrong in
-    less than one case of a hundred. One that contradicts an exact law never passes.
+    evidence is near the best go to the forward model and are tested in turn. One stands that leaves only noise, within
+    a likelihood ratio of 100 of the best tried, so that a name given alone should be wrong in less than one case of a
+    hundred. While none stands, sets with one mechanism more are tried in the same way, up to the study's
+    ``diagnosis.largest_set``. One that contradicts an exact law never passes.
     Where most conditions have no replicates part of the noise is assumed, and no explanation is given alone.
 
     Parameters
@@ -174,7 +174,7 @@ def diagnose(
     singles = [search.extended(base.fit, key) for key in keys]
     tried = found = _refine_best(search, singles, MOST_REFINED, level, report)
     for _ in range(1, study.diagnosis["largest_set"]):
-        if any(candidate.adequate(level) for candidate in found):
+        if _standing(found, tried, level):
             break
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)

@@ -13,14 +13,14 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.refine import on_fine_mesh, specification_at
-from palpate.errors import PalpateError
+from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.model import simulate_batch
+from palpate.model import Simulation, simulate_batch, smooth
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
 
 POINTS = 30
-DRAWS = 6
+DRAWS = 7  # with the best one they fill the lanes of one run
 REPLICATES = 3
 FALSE_ALARM = 0.01
 OF_THE_TIP = ("tip_angle", "tip_rounding")  # effects that stay behind with the tip
@@ -106,13 +106,12 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
     scale = first.problem.scale
     best: dict[str, Any] | None = None
-    for test in feasible(scale.load, scale.loading_time, study.indenter):
-        try:
-            (a, spread_a), (b, spread_b) = (
-                _predicted(study, fit, test, sample) for fit, sample in zip((first, second), samples, strict=True)
-            )
-        except PalpateError:
+    tests = list(feasible(scale.load, scale.loading_time, study.indenter))
+    predicted = (_predicted(study, fit, tests, sample) for fit, sample in zip((first, second), samples, strict=True))
+    for test, *both in zip(tests, *predicted, strict=True):
+        if None in both:
             continue
+        (a, spread_a), (b, spread_b) = both
         parts = components_under(first.problem, (), test.condition, a)
         spread = first.errors.noise.typical(parts) / REPLICATES + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
@@ -124,15 +123,35 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     return best
 
 
-def _predicted(study: Study, fit: Fit, test: FeasibleTest, draws: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the predicted curve of a new test and the covariance that the uncertain parameters give it."""
-    first, *others = (_of_test(specification_at(study, test.condition, fit, z), test) for z in (fit.z, *draws))
-    curve = on_fine_mesh(first, test.condition, fit, fit.z)
-    outcomes = simulate_batch([first, *others])
-    if any(outcome.status != "ok" for outcome in outcomes):
-        raise PalpateError(f"{'+'.join(fit.explanation)}, {test.words}: a simulation failed")
-    departures = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
-    return curve, departures.T @ departures / len(draws)
+def _predicted(
+    study: Study, fit: Fit, tests: list[FeasibleTest], draws: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray] | None]:
+    """Return the predicted curve of each test and the covariance that the uncertain parameters give it.
+
+    None where the forward model fails.
+    """
+    rows = [
+        [_of_test(specification_at(study, test.condition, fit, z), test) for z in (fit.z, *draws)] for test in tests
+    ]
+    at_best = _simulated([[smooth(first)] for first, *_ in rows])
+    predicted: list[tuple[np.ndarray, np.ndarray] | None] = []
+    for test, best, outcomes in zip(tests, at_best, _simulated(rows, roughly=True), strict=True):
+        if any(outcome.status != "ok" for outcome in (*best, *outcomes)) or not (best and outcomes):
+            predicted.append(None)
+            continue
+        departures = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
+        spread = departures.T @ departures / len(draws)
+        predicted.append((on_fine_mesh(best[0], test.condition, fit, fit.z), spread))
+    return predicted
+
+
+def _simulated(rows: list[list[Specification]], roughly: bool = False) -> list[list[Simulation]]:
+    """Simulate what each row holds, all together, or row by row where one is refused; that one comes back empty."""
+    try:
+        outcomes = iter(simulate_batch([specification for row in rows for specification in row], roughly))
+        return [[next(outcomes) for _ in row] for row in rows]
+    except InputError:
+        return [found for row in rows for found in _simulated([row], roughly)] if len(rows) > 1 else [[]]
 
 
 def _of_test(specification: Specification, test: FeasibleTest) -> Specification:

@@ -27,7 +27,8 @@ from palpate.diagnosis.fit import Fit, minimised, solve, spread_own_values
 from palpate.diagnosis.local import Local, two_level
 from palpate.diagnosis.posterior import away
 from palpate.errors import PalpateError
-from palpate.model import Simulation, simulate, simulate_batch, smooth
+from palpate.mechanisms import MECHANISMS
+from palpate.model import Simulation, simulate_batch, smooth
 from palpate.specification import Specification
 
 ROUNDS = 8
@@ -37,6 +38,7 @@ HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a su
 WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
+ROUGH = 0.1  # scatter of an effect between meshes, from which wider elements do not serve
 SHARPENED, REACH = 2, 2.0  # designs at most, while the optimum lies so many standard deviations from the last one
 
 
@@ -62,18 +64,7 @@ def simulated_at(study: Study, conditions: Iterable[Condition], fit: Fit, z: np.
     """
     conditions = list(conditions)
     outcomes = simulate_batch([smooth(specification_at(study, condition, fit, z)) for condition in conditions])
-    return [_finer(outcome, condition, fit, z) for outcome, condition in zip(outcomes, conditions, strict=True)]
-
-
-def on_fine_mesh(specification: Specification, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
-    """Return the smooth curve [nm] of a specification, with the mesh's correction for an explanation at coordinates z.
-
-    Raises
-    ------
-    PalpateError
-        When the solver fails.
-    """
-    return _finer(simulate(smooth(specification)), condition, fit, z)
+    return [on_fine_mesh(outcome, condition, fit, z) for outcome, condition in zip(outcomes, conditions, strict=True)]
 
 
 def _depth(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
@@ -83,11 +74,16 @@ def _depth(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
     return outcome.depth
 
 
-def _finer(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
-    """Return the curve [nm] of a simulation, with the mesh's correction."""
-    return _depth(outcome, condition, fit) * fit.problem.mesh_factor(
-        condition, fit.problem.parts(fit.explanation, z)[1]
-    )
+def on_fine_mesh(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
+    """Return the curve [nm] of a simulation, with the mesh's correction for an explanation at coordinates z.
+
+    Raises
+    ------
+    PalpateError
+        When the solver failed.
+    """
+    _, amplitudes = fit.problem.parts(fit.explanation, z)
+    return _depth(outcome, condition, fit) * fit.problem.mesh_factor(condition, amplitudes)
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
@@ -154,7 +150,8 @@ def sharpen(study: Study, fit: Fit) -> Fit:
 def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     """Return by how much the curves differ between some coordinates (m, k) and the fit's (m, n_all) [nm].
 
-    With a third of the points in time, and so of the time steps; in differences their error cancels.
+    With a third of the points in time, so that there are fewer steps, and on wider elements, unless an effect is rough
+    there: in differences their error cancels.
 
     Raises
     ------
@@ -164,7 +161,9 @@ def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     problem = fit.problem
     short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
     wanted = [(z, condition) for z in (fit.z, *places) for condition in short]
-    outcomes = simulate_batch([smooth(specification_at(study, condition, fit, z)) for z, condition in wanted])
+    specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition in wanted]
+    roughly = all(MECHANISMS[key].solver_scatter < ROUGH for key in fit.explanation)
+    outcomes = simulate_batch(specifications, roughly)
     curves = []
     for (z, condition), outcome in zip(wanted, outcomes, strict=True):
         every = problem.observed[condition.name].time

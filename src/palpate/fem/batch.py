@@ -76,7 +76,7 @@ class Case:
     @cached_property
     def times(self) -> np.ndarray:
         """Ends of the time steps [s]."""
-        return step_times(self.protocol, self.resolution.refine, self.specimen.yields)
+        return step_times(self.protocol, self.resolution, self.specimen.yields)
 
     @property
     def carries(self) -> np.ndarray:

@@ -25,12 +25,14 @@ from palpate.specimen import Specimen, series
 
 RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=8),
-    "medium": Resolution(growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2),
-    "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2),
+    "medium": Resolution(
+        growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
+    ),
+    "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
 }
+ROUGH = Resolution(growth=1.20, sectors=6, far=1000.0, outer_growth=1.6, load_growth=0.25)  # for differences of curves
 LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
-GROWTH = 0.125  # of the load within one step, where a body yields
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,15 +120,15 @@ def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resol
     return ring_radii(*contact_range(specimen, indenter, protocol), resolution, indenter.radius > 0.0)
 
 
-def step_times(protocol: Protocol, refine: int, yields: bool = False) -> np.ndarray:
-    """Return the ends of all time steps: samples, knots, `refine` steps between them, and a graded onset of loading.
+def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False) -> np.ndarray:
+    """Return the ends of all time steps: samples, knots, steps between them, and a graded onset of loading.
 
-    Where a body yields, a step in which the load grows by more than `GROWTH` / refine is divided: the direction of
+    Where a body yields, a step in which the load grows by more than the resolution's share is divided: the direction of
     plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile.
     """
     ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
     ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
-    fine = divided(ends, np.full(len(ends), refine))
+    fine = divided(ends, np.full(len(ends), resolution.refine))
     onset = protocol.knot_time[np.flatnonzero(protocol.knot_load > 0)[0] - 1]
     first = fine[fine > onset * (1 + 1e-9)][0]
     graded = np.union1d(fine, onset + (first - onset) * GRADED_START)
@@ -135,7 +137,7 @@ def step_times(protocol: Protocol, refine: int, yields: bool = False) -> np.ndar
     load = protocol.load_at(graded)
     before = np.append(0.0, load[:-1])
     growth = np.divide(load - before, before, out=np.zeros_like(load), where=before > 0.0)
-    return divided(graded, np.maximum(np.ceil(growth * refine / GROWTH - 1e-6), 1).astype(int))
+    return divided(graded, np.maximum(np.ceil(growth / resolution.load_growth - 1e-6), 1).astype(int))
 
 
 def divided(ends: np.ndarray, parts: np.ndarray) -> np.ndarray:
@@ -240,7 +242,7 @@ def indent(
     adhesion = attraction(specimen, resolution, largest, mesh)
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)
-    steps_of = partial(step_times, refine=resolution.refine, yields=specimen.yields)
+    steps_of = partial(step_times, resolution=resolution, yields=specimen.yields)
     ends = steps_of(protocol)
     sensitivity = None
     if directions:

@@ -36,6 +36,8 @@ class Resolution:
         Largest ratio of neighbouring ring radii far from the contact.
     refine
         Time steps taken between two samples.
+    load_growth
+        Largest growth of the load within one step, where a body yields.
     """
 
     growth: float
@@ -44,6 +46,7 @@ class Resolution:
     far: float = 2000.0
     outer_growth: float = 1.4
     refine: int = 1
+    load_growth: float = 0.125
 
 
 @dataclass(frozen=True, eq=False)
