@@ -11,6 +11,7 @@ from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
 from palpate.materials import LAWS
 from palpate.materials.radial import commit, history, invariant, solve_radial, state_size, step_weights
 from palpate.model import specification_from
+from palpate.specification import ACCURACIES
 
 NORTON = {
     "model": "nonlinear_burgers",
@@ -54,6 +55,12 @@ def export(tmp_path, capsys):
 def area(corners):
     x, y = corners[..., 0], corners[..., 1]
     return 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1)
+
+
+def test_every_accuracy_has_a_mesh_and_finer_means_more_nodes():
+    meshes = [quadratic_mesh(specification_from(values()), RESOLUTIONS[accuracy]) for accuracy in ACCURACIES]
+    sizes = [len(mesh.nodes) for mesh in meshes]
+    assert sizes == sorted(set(sizes))
 
 
 @pytest.mark.parametrize("indenter", [{"shape": "cone", "half_angle": 70.3}, {"shape": "sphere", "radius": 5000.0}])

@@ -1,4 +1,4 @@
-"""Constant strain rate and cycles: the laws they are made for, and what they refuse."""
+"""Load histories: constant strain rate and cycles, the laws they are made for and what they refuse; recorded ones."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 from palpate.errors import InputError
 from palpate.load_history import constant_strain_rate, cycles, protocol_from
 from palpate.model import simulate, specification_from
+from palpate.protocol import recorded, trapezoid
 from palpate.verification.materials import BURGERS as EPOXY
 
 CREEP = {"model": "nonlinear_burgers", **EPOXY}
@@ -90,3 +91,19 @@ def test_bad_values_are_refused_by_name(values, place):
 def test_a_history_that_loads_nothing_is_refused():
     with pytest.raises(InputError, match="positive maximum"):
         protocol_from({"times": [1.0, 2.0], "loads": [0.0, 0.0]})
+
+
+def test_recorded_history_is_thinned_within_its_tolerance():
+    t = np.linspace(0, 60, 5000)
+    load = np.interp(t, [0, 30, 40, 60], [0, 5, 5, 0]) + 1e-3 * np.sin(40 * t)
+    protocol = recorded(t, load)
+    assert len(protocol.knot_time) < 60
+    assert np.abs(protocol.load_at(t) - load).max() < 2e-3 * load.max() + 1e-3
+
+
+def test_trapezoid_samples_all_corners():
+    protocol = trapezoid(2.0, 10.0, 3.0, 5.0, points=31)
+    assert len(protocol.sample_time) == 31
+    for corner in (10.0, 13.0, 18.0):
+        assert np.isclose(protocol.sample_time, corner).any()
+    assert protocol.sample_load[-1] == 0.0

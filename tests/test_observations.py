@@ -1,0 +1,205 @@
+"""Recordings of a study: good ones are resampled, bad ones are refused with file, place and remedy."""
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate.cli import main
+from palpate.config import load_study
+from palpate.errors import InputError
+from palpate.observations import check, observations
+from palpate.protocol import trapezoid
+from palpate.recording import Recording, read_recording
+
+CONDITION = {"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
+STUDY = {
+    "study": "s",
+    "material": {"model": "bilinear_plasticity", "poisson_ratio": 0.34},
+    "parameters": {"youngs_modulus": [3.0, 3.5], "yield_stress": [0.05, 0.1], "hardening": [0.0]},
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "conditions": [CONDITION],
+}
+
+
+def load(folder, **changes):
+    file = folder / "study.yaml"
+    file.write_text(yaml.safe_dump(STUDY | changes, sort_keys=False))
+    return load_study(file)
+
+
+def curve(n=80, scale=1.0, end=60.0):
+    protocol = trapezoid(1.0, 30.0, 0.0, 30.0, points=n)
+    t = protocol.sample_time
+    return t * end / 60.0, protocol.sample_load, 500 * scale * np.sqrt(np.minimum(t, 30) / 30)
+
+
+def write(path, t, load, depth):
+    rows = [f"{a:.6g},{b:.6g},{c:.6g}" for a, b, c in zip(t, load, depth, strict=True)]
+    path.write_text("\n".join(["# note", "time_s,load_mN,depth_nm", *rows]) + "\n")
+
+
+def spoiled(kind):
+    t, load, depth = curve()
+    if kind == "backwards":
+        t[10] = t[9]
+    elif kind == "nan":
+        depth[5] = np.nan
+    elif kind == "micrometres":
+        depth = depth / 1000
+    elif kind == "micronewtons":
+        load = load * 1000
+    elif kind == "few":
+        t, load, depth = t[::79], load[::79], depth[::79]
+    elif kind == "slow":
+        t = np.where(t > 30, 30 + (t - 30) / 3, t)
+        t[-1] = 60.0
+    elif kind == "short":
+        t, load, depth = t[:60], load[:60], depth[:60]
+    elif kind == "pulled":
+        load = -load
+    elif kind == "upwards":
+        depth = -depth
+    return t, load, depth
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("backwards", "time does not increase"),
+        ("nan", "not a number"),
+        ("micrometres", "micrometres"),
+        ("micronewtons", "uN"),
+        ("few", "has 2 points for 2 free parameters"),
+        ("pulled", "the load is negative, down to -1 mN: its sign is wrong"),
+        ("upwards", "the depth is negative, down to -500 nm: its sign is wrong"),
+        ("short", "ends after"),
+        ("slow", "load departs"),
+    ],
+)
+def test_a_bad_recording_is_refused_by_name(tmp_path, kind, words, capsys):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    write(folder / "P1_T30_1.csv", *spoiled(kind))
+    load(tmp_path, recordings={"lab": str(folder)})
+    assert main(["check", str(tmp_path / "study.yaml")]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1
+    assert "P1_T30_1.csv" in lines[0]
+    assert words in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "empty"),
+        ("time,load,depth\n0,0,0\n", "header"),
+        ("time_s;load_mN;depth_nm\n0;0;0\n", "line 1: the columns are not separated by commas"),
+        ("time_s\tload_mN\tdepth_nm\n0\t0\t0\n", "palpate read --columns"),
+        ("time_s,load_mN,depth_nm\n0,0,0\n1,abc,2\n", "line 3"),
+        ("time_s,load_mN,depth_nm\n0;0;0\n", "line 2"),
+    ],
+)
+def test_a_malformed_file_is_refused_with_its_line(tmp_path, text, words):
+    file = tmp_path / "r.csv"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_recording(file)
+    assert words in str(caught.value)
+    assert str(file) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("load_factor", "depth_factor", "words"),
+    [(1, 1, None), (1000, 1, "loads in uN"), (1e-3, 1, "loads in N"), (1, 1e-3, "micrometres"), (1, 1e3, "in pm")],
+)
+def test_mistaken_units_show_even_under_the_recorded_load(tmp_path, load_factor, depth_factor, words):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve()
+    write(folder / "P1_T30_1.csv", t, load_factor * force, depth_factor * depth)
+    history = [{"name": "P1_T30", "load_history": "recorded"}]
+    study = load(tmp_path, recordings={"lab": str(folder)}, conditions=history)
+    if words is None:
+        check(study, "lab")
+    else:
+        with pytest.raises(InputError, match=words):
+            check(study, "lab")
+
+
+@pytest.mark.parametrize("ending", ["csv", "CSV"])
+def test_a_load_history_is_taken_from_the_recording_of_its_condition(tmp_path, ending):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve()
+    write(folder / f"P1_T30_2_1.{ending}", t, 2 * force, depth)
+    write(folder / f"P1_T30_1.{ending}", t, force, depth)
+    history = [{"name": "P1_T30", "load_history": "recorded"}]
+    (condition,) = load(tmp_path, recordings={"lab": str(folder)}, conditions=history).conditions
+    assert condition.protocol.max_load == pytest.approx(force.max(), rel=1e-2)
+
+
+def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    t, force, depth = curve(300)
+    write(folder / "P1_T30_1.csv", t, force, depth)
+    write(folder / "P1_T30_2.csv", t + 54.4, force, depth)
+    item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
+    assert item.depth[1] == pytest.approx(item.depth[0], abs=0.5)
+
+
+def told(folder, capsys, **changes):
+    load(folder, **changes)
+    assert main(["check", str(folder / "study.yaml")]) == 0
+    return capsys.readouterr().out
+
+
+def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "nothing will be calibrated" in told(tmp_path, capsys)
+    (tmp_path / "own").mkdir()
+    conditions = [CONDITION, CONDITION | {"name": "V", "role": "validate"}]
+    for name in ("P1_T30_1", "V_1"):
+        write(tmp_path / f"own/{name}.csv", *curve())
+    once = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
+    assert "4 cells, 2 conditions, 4 snapshots" in once
+    assert "calibrated on P1_T30; judged by V" in once
+    assert f"recordings lab in {tmp_path / 'own'}: 1 of P1_T30, 1 of V" in once
+    assert "too few tests are repeated" in once
+    write(tmp_path / "own/P1_T30_2.csv", *curve())
+    again = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
+    assert "2 of P1_T30" in again
+    assert "too few" not in again
+
+
+def test_missing_recordings_and_strange_files(tmp_path):
+    folder = tmp_path / "recordings"
+    study = load(tmp_path, recordings={"lab": str(folder)})
+    with pytest.raises(InputError, match="folder is missing"):
+        check(study, "lab")
+    folder.mkdir()
+    with pytest.raises(InputError, match="no recording of condition"):
+        check(study, "lab")
+    write(folder / "P2_T30_1.csv", *curve())
+    with pytest.raises(InputError, match="CONDITION_REPLICATE"):
+        check(study, "lab")
+
+
+def test_good_recordings_are_resampled(tmp_path):
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    write(folder / "P1_T30_1.csv", *curve(160))
+    write(folder / "P1_T30_2.CSV", *curve(100, scale=1.01))
+    (folder / "._P1_T30_1.csv").write_bytes(b"\x00\x05\x16\x07 what macOS leaves on foreign disks")
+    item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
+    assert item.depth.shape == (2, 100)
+    assert (item.depth[1] / item.depth[0])[5:] == pytest.approx(1.01, abs=2e-3)
+
+
+def test_recordings_survive_writing(tmp_path):
+    one = Recording(*curve(), name="a", notes=("hello",))
+    one.write(tmp_path / "a.csv")
+    other = read_recording(tmp_path / "a.csv")
+    assert other.depth == pytest.approx(one.depth, rel=1e-8)
+    assert other.notes == ("hello",)
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
