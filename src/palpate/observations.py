@@ -14,6 +14,7 @@ from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.readers import read_source
+from palpate.readers.units import CHANNELS, to_turn
 from palpate.recording import Recording, condition_of, read_recording, recording_files
 
 LOAD_TOLERANCE = 0.05
@@ -104,11 +105,12 @@ def _checked(study: Study, condition: Condition, recording: Recording) -> Record
     count = len(study.free_parameters)
     if len(recording) <= count:
         raise InputError(f"has {len(recording)} points for {count} free parameters", remedy="export the whole curve")
-    for channel, unit, values in (("load", "mN", recording.load), ("depth", "nm", recording.depth)):
+    for channel, values in (("load", recording.load), ("depth", recording.depth)):
         if values.max() < LEAST_POSITIVE * -values.min():
+            unit = CHANNELS[channel]
             raise InputError(
                 f"the {channel} is negative, down to {values.min():.4g} {unit}: its sign is wrong",
-                remedy=f"turn it (`palpate read --columns ... --units {channel}=-{unit}`)",
+                remedy=to_turn(channel),
                 place=f"{channel}_{unit}",
             )
     begun = recording.from_contact()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.readers.units import SCALES, plain
 
 if TYPE_CHECKING:
     from python_calamine import CalamineWorkbook
@@ -20,12 +21,7 @@ if TYPE_CHECKING:
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 LARGEST = 1e300
-UNITS = {
-    "s": 1.0,
-    "nm": 1.0, "um": 1e3, "µm": 1e3,
-    "N": 1e3, "mN": 1.0, "uN": 1e-3, "µN": 1e-3,
-    "N/m": 1.0, "nm/s": 1.0,
-}  # fmt: skip
+UNITS = {**SCALES["time"], **SCALES["load"], **SCALES["depth"], "N/m": 1.0, "nm/s": 1.0}
 
 
 @dataclass(frozen=True)
@@ -109,7 +105,7 @@ class Source:
                     place=f"sheet {sheet}",
                 )  # fmt: skip
             index = names.index(name)
-            unit = str(rows[1][index]).strip()
+            unit = plain(str(rows[1][index]))
             if unit not in UNITS:
                 raise InputError(
                     f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(UNITS)}", file=self.path,

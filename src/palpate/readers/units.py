@@ -38,6 +38,11 @@ def scale(key: str, unit: str) -> float:
     return -known[name[1:]] if name.startswith("-") else known[name]
 
 
+def to_turn(key: str) -> str:
+    """Return the remedy where a channel has the wrong sign."""
+    return f"turn it (`palpate read --columns ... --units {key}=-{CHANNELS[key]}`)"
+
+
 def stated(key: str, heading: str | None, below: Sequence[str]) -> str | None:
     """Return the unit that a column states before its numbers, or None.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
 from palpate.errors import InputError
-from palpate.readers.units import CHANNELS
+from palpate.readers.units import CHANNELS, to_turn
 from palpate.readers.vendor import VendorTest
 from palpate.recording import Recording
 
@@ -62,7 +62,7 @@ def _check_signs(name: str, recording: Recording) -> None:
             unit = CHANNELS[channel]
             raise InputError(
                 f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses",
-                remedy=f"turn it (`palpate read --columns ... --units {channel}=-{unit}`), or export the loading too",
+                remedy=f"{to_turn(channel)}, or export the loading too",
                 place=name,
             )
 
