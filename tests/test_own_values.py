@@ -16,7 +16,7 @@ from palpate.diagnosis.fit import solve
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.own_values import recording_values
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.result import curves
+from palpate.diagnosis.result import curves, own_values
 from palpate.errors import PalpateError
 from palpate.mechanisms import Scale
 from palpate.protocol import Protocol, trapezoid
@@ -59,6 +59,17 @@ def test_every_recording_has_its_own_zero():
     assert [row["number"] for row in rows] == [1, 2, 3, 4]
     assert [row["estimate"] for row in rows] == pytest.approx(OFFSETS, abs=1.5)
     assert all(row["lower"] < offset < row["upper"] for row, offset in zip(rows, OFFSETS, strict=True))
+
+
+def test_two_effects_that_vary_share_what_they_both_could_explain():
+    """A departure of the zero point alone is not counted again as a drift."""
+    _, fit = solved(("thermal_drift", "zero_offset"))
+    noise = replace(
+        fit.errors.noise, variances=fit.errors.noise.variances | {"thermal_drift": 0.1, "zero_offset": 100.0}
+    )
+    fit = replace(fit, errors=replace(fit.errors, noise=noise))
+    departure = 5.0 * fit.problem.unit_effect("zero_offset", CONDITION)
+    assert own_values(fit, CONDITION, departure, count=4) == pytest.approx(departure, rel=0.05)
 
 
 def test_what_belongs_to_the_instrument_has_no_value_of_a_recording():

@@ -173,16 +173,13 @@ def diagnose(
         return Diagnosis("adequate", base, [], [], [base])
     singles = [search.extended(base.fit, key) for key in keys]
     tried = found = _refine_best(search, singles, MOST_REFINED, level, report)
+    tried, standing = _sharpened(search, found, tried, level)
     for _ in range(1, study.diagnosis["largest_set"]):
-        if _standing(found, tried, level):
+        if standing:
             break
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
-        tried = found + tried
-    standing = _standing(found, tried, level)
-    sharpened = [search.sharpened(candidate) for candidate in standing]
-    tried = _best_first([*sharpened, *(candidate for candidate in tried if candidate not in standing)])
-    standing = _standing(sharpened, tried, level)
+        tried, standing = _sharpened(search, found, found + tried, level)
     verdict, probabilities = _judge(standing)
     if verdict == "identified" and not base.fit.errors.noise.replicated:
         verdict = "ambiguous"
@@ -217,6 +214,16 @@ def _refine_best(
             report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}")
         done.append(candidate)
     return _best_first(done)
+
+
+def _sharpened(
+    search: Search, found: list[Candidate], tried: list[Candidate], level: float
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Return all that were tried, best first, and what stands of `found`, once that has been sharpened."""
+    stood = _standing(found, tried, level)
+    sharpened = [search.sharpened(candidate) for candidate in stood]
+    tried = _best_first([*sharpened, *(candidate for candidate in tried if candidate not in stood)])
+    return tried, _standing(sharpened, tried, level)
 
 
 def _best_first(candidates: list[Candidate]) -> list[Candidate]:

@@ -82,16 +82,21 @@ def curves(
 
 
 def own_values(fit: Fit, condition: Condition, residual: np.ndarray, count: int) -> np.ndarray:
-    """Return what the varying mechanisms' departures from their mean value add under one condition (n_points,) [nm]."""
-    total = np.zeros_like(residual)
-    noise = fit.errors.noise
+    """Return what the varying mechanisms' departures from their mean value add under one condition (n_points,) [nm].
+
+    All together they are the likeliest, given how much each varies, and the noise.
+    """
+    noise, columns, spreads = fit.errors.noise, [], []
     for key in varying(fit.explanation):
-        column = fit.problem.unit_effect(key, condition)
-        weight = float(column @ column) / float(np.median(noise.sigma)) ** 2
         spread = noise.variances[key] / count if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
-        best = float(column @ residual) / float(column @ column)
-        total += best * weight * spread / (1.0 + weight * spread) * column if spread > 0 else 0.0
-    return total
+        if spread > 0:
+            columns.append(fit.problem.unit_effect(key, condition))
+            spreads.append(spread)
+    if not columns:
+        return np.zeros_like(residual)
+    effects, variance = np.column_stack(columns), float(np.median(noise.sigma)) ** 2
+    precision = effects.T @ effects / variance + np.diag(1.0 / np.array(spreads))
+    return effects @ np.linalg.solve(precision, effects.T @ residual / variance)
 
 
 def noise_variance(fit: Fit, item: Observation) -> np.ndarray:

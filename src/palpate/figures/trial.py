@@ -59,7 +59,7 @@ def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str
                     f"{count}", (stated, share), textcoords="offset points", xytext=beside, fontsize=6.5, color=colour
                 )
     right.set_xlim(-0.05, 1.12)
-    right.set_ylim(-0.05, 1.12)
+    right.set_ylim(-0.12, 1.12)
     right.legend(fontsize=6.5, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, columnspacing=0.8)
     right.set_xlabel("stated probability")
     right.set_ylabel("share that is right")
