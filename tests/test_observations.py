@@ -2,29 +2,13 @@
 
 import numpy as np
 import pytest
-import yaml
+from test_config import CONDITION, load
 
 from palpate.cli import main
-from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.observations import check, observations
 from palpate.protocol import trapezoid
 from palpate.recording import Recording, read_recording
-
-CONDITION = {"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
-STUDY = {
-    "study": "s",
-    "material": {"model": "bilinear_plasticity", "poisson_ratio": 0.34},
-    "parameters": {"youngs_modulus": [3.0, 3.5], "yield_stress": [0.05, 0.1], "hardening": [0.0]},
-    "indenter": {"shape": "cone", "half_angle": 70.3},
-    "conditions": [CONDITION],
-}
-
-
-def load(folder, **changes):
-    file = folder / "study.yaml"
-    file.write_text(yaml.safe_dump(STUDY | changes, sort_keys=False))
-    return load_study(file)
 
 
 def curve(n=80, scale=1.0, end=60.0):
