@@ -60,6 +60,15 @@ def test_sphere_clings_at_zero_load_as_jkr_say():
     assert depth(200.0)[-1] == pytest.approx(float(exact), rel=0.07)
 
 
+@pytest.mark.parametrize("accuracy", ["standard", "fine"])
+@pytest.mark.parametrize(("radius", "work", "load"), [(5e4, 300.0, 1e-3), (5e3, 500.0, 1e-3), (5e3, 100.0, 1e-4)])
+def test_a_contact_that_adhesion_makes_is_resolved(radius, work, load, accuracy):
+    """The load alone would make a contact a sixth as wide; a mesh for that sinks in by up to 84 % too far."""
+    protocol = trapezoid(load, 30.0, 0.0, 30.0, points=10)
+    exact = jkr.Contact.sphere(E, NU, radius, work).depth(protocol.sample_load)
+    assert depth(work, Indenter("sphere", radius=radius), accuracy, protocol=protocol) == pytest.approx(exact, rel=0.1)
+
+
 def test_cone_sinks_in_as_maugis_and_barquins_say():
     exact = jkr.Contact.cone(E, NU, FLAT_CONE.half_angle, 200.0).depth(TEST.sample_load[:-1])
     assert depth(200.0, FLAT_CONE)[:-1] == pytest.approx(exact, rel=0.02)

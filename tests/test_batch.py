@@ -12,7 +12,7 @@ from palpate.fem.batch_banded import PANEL, solve
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import NOTHING, TOLERANCE, Points, law_rows, solve_radial, weight_rows
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, splat, store
-from palpate.fem.indent import RESOLUTIONS
+from palpate.fem.indent import RESOLUTIONS, indent
 from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS, radial
@@ -160,7 +160,7 @@ def test_holds_elastic_bodies_and_several_voigt_elements():
 
 def test_large_strains_in_lanes(monkeypatch):
     """No lane falls back to the single solver, which may halve a step of the onset: curves part by some millionths."""
-    monkeypatch.setattr(batch, "indent", None)
+    monkeypatch.setattr(batch, "indent_on", None)
     flows = [(0.02, 0.35), (0.1, 0.15), (0.0, 0.2)]
     grid = [{"steady_coefficient": c_s, "steady_exponent": m_s} for c_s, m_s in flows]
     blunt = specification(indenter={"half_angle": 75.0}, kinematics="large")
@@ -213,7 +213,7 @@ def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
     assert cases[0].kind == cases[1].kind
     assert not np.array_equal(cases[0].carries, cases[1].carries)
     alone = [c.alone().depth for c in cases]
-    monkeypatch.setattr(batch, "indent", None)
+    monkeypatch.setattr(batch, "indent_on", None)
     for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
         assert np.abs(history.depth - depth).max() < 1e-8 * depth.max()
 
@@ -252,7 +252,7 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, 
         for shift in (0.0, 0.5)
     ]
     alone = [case.alone().depth for case in cases]
-    monkeypatch.setattr(batch, "indent", None)
+    monkeypatch.setattr(batch, "indent_on", None)
     within = 1e-5 if large or "material" in changes else 1e-8
     if large and solid.size_length:
         within = 1e-3
@@ -311,7 +311,7 @@ def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
     monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=1000))
     first, second = case(), case(indenter=Indenter("cone", 68.0))
     histories = batch.indent_batch([first, second])
-    alone = batch.indent(second.specimen, second.indenter, second.protocol, second.resolution)
+    alone = indent(second.specimen, second.indenter, second.protocol, second.resolution)
     assert histories[0].reason == ""
     np.testing.assert_array_equal(histories[1].depth, alone.depth)
 
@@ -321,7 +321,7 @@ def test_a_lane_that_finds_equilibrium_in_parts_of_a_step_goes_on_in_lanes(monke
     cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
     whole = batch.indent_batch(cases)
     monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=3))
-    monkeypatch.setattr(batch, "indent", None)
+    monkeypatch.setattr(batch, "indent_on", None)
     histories = batch.indent_batch(cases)
     for place in (0, 2):
         np.testing.assert_allclose(histories[place].depth, whole[place].depth, rtol=1e-12)

@@ -111,6 +111,15 @@ def test_calculix_deck_holds_the_law_and_the_load(export):
     assert [float(part) for part in amplitude[-2].split(",")] == [65.0, 0.0]
 
 
+@pytest.mark.parametrize(("form", "name"), [("calculix", ""), ("abaqus", "indentation.inp")])
+def test_friction_goes_with_the_contact(export, form, name):
+    rough = values(METAL) | {"indenter": {"shape": "cone", "half_angle": 70.3, "friction": 0.25}}
+    for given, coefficients in ((rough, ["0.25"]), (values(METAL), [])):
+        _, _, path = export(given, form)
+        text = (path / name if name else path).read_text()
+        assert [part.split(",")[0].strip() for part in text.split("*FRICTION\n")[1:]] == coefficients
+
+
 def test_plasticity_is_a_hardening_line():
     assert "*PLASTIC\n0.1, 0.\n5.1, 10." in deck(specification_from(values(METAL)))
 

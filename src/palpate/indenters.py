@@ -69,6 +69,11 @@ class Indenter:
         return self.shape != "berkovich"
 
     @property
+    def sharp(self) -> bool:
+        """Whether the tip has no length of its own."""
+        return self.radius == 0.0
+
+    @property
     def slope(self) -> float:
         """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere.
 

@@ -217,7 +217,7 @@ def to_mapping(
         "verdict": verdict,
         "p_value": base.p_value,
         "location": location(base.fit),
-        "similarity": similarity(base.fit),
+        "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,
         "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.standing], draws)

@@ -21,7 +21,7 @@ SAME = 1e-6
 
 
 def similarity(fit: Fit) -> list[dict[str, Any]]:
-    """Test the law on every pair of conditions that it binds; none for a tip that is not sharp.
+    """Test the law, which is a sharp tip's, on every pair of conditions that it binds.
 
     Returns
     -------
@@ -30,8 +30,6 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
         chi-square test with the difference's mean and slow trends; noise and site scatter count, the model does not.
     """
     problem = fit.problem
-    if problem.scale.half_angle == 0.0:
-        return []
     blocks = fit.errors.blocks(fit.errors.noise)
     found = []
     for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):

@@ -66,5 +66,6 @@ def run_diagnosis(
     content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
     content |= {"study": study.name, "recordings": recordings}
     content["laws"] = [law.row() for law in laws]
-    content["zero_points"] = zero_points({c.name: recorded[c.name] for c in study.conditions if c.follows}, laws)
+    measured = {c.name: recorded[c.name] for c in study.conditions if c.follows and study.indenter.shape != "sphere"}
+    content["zero_points"] = zero_points(measured, laws)
     return content | {"sentence": sentence(content)}, curves

@@ -53,6 +53,7 @@ def deck(specification: Specification) -> str:
         )
     mesh = quadratic_mesh(specification, RESOLUTIONS[specification.accuracy])
     material = _user_material(specification) if creeps(specification) else material_cards(specification)
+    friction = specification.indenter.friction
     sections = [
         "*MATERIAL, NAME=INDENTER",
         "*ELASTIC",
@@ -61,6 +62,7 @@ def deck(specification: Specification) -> str:
         "*SOLID SECTION, ELSET=RINGS, MATERIAL=BODY",
         "*SOLID SECTION, ELSET=INDENTER, MATERIAL=INDENTER",
         "*SURFACE INTERACTION, NAME=CONTACT",
+        *(["*FRICTION", f"{friction:.6g},"] if friction else []),
         "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
         "SURFACE, FACE",
     ]

@@ -2,10 +2,10 @@
 
 Norton's law, rate = A q^n with q von Mises' stress, is steady creep d e_s/dt = C_s J2^m_s s with n = 2 m_s + 1 and
 A = (2/3) C_s 3^(-m_s), because q = sqrt(3 J2) and the equivalent creep strain is sqrt(2/3) |e_s|. Units um, mN, s, so
-stresses are in GPa. Axisymmetric second-order elements with reduced integration, small strains, a rigid indenter
-without friction, surface-to-surface penalty contact. Depth is the tip's initial overlap plus the rise of the body's far
-boundary. CalculiX finds no contact between bodies that only touch, hence the overlap; it lets an overlap become
-contact over the first step, hence a first, very short step in which the body is held.
+stresses are in GPa. Axisymmetric second-order elements with reduced integration, small strains, a rigid indenter,
+surface-to-surface penalty contact with Coulomb friction. Depth is the tip's initial overlap plus the rise of the
+body's far boundary. CalculiX finds no contact between bodies that only touch, hence the overlap; it lets an overlap
+become contact over the first step, hence a first, very short step in which the body is held.
 
 Source: G. Dhondt, CalculiX CrunchiX User's Manual version 2.20, *CREEP, *PLASTIC, *CONTACT PAIR, *TIME POINTS.
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
+from palpate.export.cards import REFERENCE, amplitude_cards, friction_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
 from palpate.fem.contact import Profile
@@ -100,6 +100,7 @@ def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[st
         "*SURFACE INTERACTION, NAME=CONTACT",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
         f"{stiffness:.6g}",
+        *friction_cards(specification.indenter.friction, stiffness),
         "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
         "SURFACE, FACE",
     ]

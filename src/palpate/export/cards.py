@@ -12,6 +12,7 @@ from palpate.protocol import Protocol
 REFERENCE = "REFERENCE"
 HELD = ("AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2")
 ONSET = 1e-8
+STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 
 
 def mesh_cards(mesh: QuadraticMesh) -> list[str]:
@@ -40,6 +41,11 @@ def mesh_cards(mesh: QuadraticMesh) -> list[str]:
     for node in mesh.far[1:]:
         lines += ["*EQUATION", "2", f"{node + 1}, 2, 1., {mesh.far[0] + 1}, 2, -1."]
     return [*lines, "*BOUNDARY", *HELD]
+
+
+def friction_cards(coefficient: float, stiffness: float) -> list[str]:
+    """Return Coulomb's law as CalculiX takes it, of a contact with a `stiffness` against penetration; none without."""
+    return ["*FRICTION", f"{coefficient:.6g}, {STICKING * stiffness:.6g}"] if coefficient else []
 
 
 def amplitude_cards(protocol: Protocol) -> list[str]:

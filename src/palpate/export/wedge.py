@@ -11,12 +11,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from palpate.export.cards import friction_cards
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.shell import WEDGE
 
 INCREMENTS = 8
 PENETRATION = 2e-4  # of the depth, under a pressure of a fifth of Young's modulus
-STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 FACES = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: (2, 6, 7, 3), 6: (3, 7, 4, 0)}
 
 
@@ -74,7 +74,7 @@ def deck(
             "*SURFACE INTERACTION, NAME=CONTACT",
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
             f"{stiffness:.6g}",
-            *(["*FRICTION", f"{friction:.6g}, {STICKING * stiffness:.6g}"] if friction > 0.0 else []),
+            *friction_cards(friction, stiffness),
             "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
             "SURFACE, FACE",
             *_held(mesh),

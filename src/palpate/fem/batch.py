@@ -13,7 +13,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -26,12 +26,13 @@ from palpate.fem.batch_march import March, States
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_vector import LANES
 from palpate.fem.contact import Profile
+from palpate.fem.folding import merged, mergings
 from palpate.fem.indent import (
     GRADED_START,
     History,
     check_size,
     contact_range,
-    indent,
+    indent_on,
     mesh_radii,
     resolved,
     step_times,
@@ -44,7 +45,10 @@ from palpate.specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The arguments of `palpate.fem.indent.indent`, with a `shift` of all nodes outwards, in rings, for its mesh."""
+    """The arguments of `palpate.fem.indent.indent`, and what becomes of its mesh.
+
+    All nodes have a `shift` outwards, in rings; the innermost rings are `merged` so many times.
+    """
 
     specimen: Specimen
     indenter: Indenter
@@ -52,6 +56,7 @@ class Case:
     resolution: Resolution
     large: bool = False
     shift: float = 0.0
+    merged: int = 0
 
     @property
     def suits(self) -> bool:
@@ -67,11 +72,17 @@ class Case:
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
         usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
-        return usual * self.resolution.growth**self.shift
+        rings = merged(usual, self.resolution, self.indenter.radius > 0.0, self.merged)
+        return rings * self.resolution.growth**self.shift
+
+    @property
+    def mergeable(self) -> bool:
+        """Whether its innermost rings may be merged once more."""
+        return self.merged < mergings(self.specimen, self.large)
 
     def alone(self) -> History:
         """Simulate it by itself."""
-        return indent(self.specimen, self.indenter, self.protocol, self.resolution, self.large, self.radii)
+        return indent_on(self.radii, self.specimen, self.indenter, self.protocol, self.resolution, self.large)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -97,14 +108,15 @@ class Case:
 def indent_batch(cases: Sequence[Case]) -> list[History]:
     """Simulate several indentations: in SIMD lanes those that suit, by `palpate.fem.indent.indent` all others.
 
-    A lane that finds no equilibrium in the smallest parts of a step is simulated again alone.
+    A lane that finds no equilibrium in the smallest parts of a step is simulated again: with its innermost rings merged
+    where that may help, alone else.
 
     Raises
     ------
     InputError
         See `palpate.fem.indent.indent`.
     """
-    histories: dict[int, History] = {}
+    histories: dict[int, History | None] = {}
     kinds: dict[tuple, list[int]] = {}
     for number, case in enumerate(cases):
         if case.suits:
@@ -113,9 +125,17 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
             if len(chosen) > 1:
-                found = run_lanes([cases[number] for number in chosen])
-                histories |= {number: history for number, history in zip(chosen, found, strict=True) if history}
-    return [histories.get(number) or case.alone() for number, case in enumerate(cases)]
+                histories |= zip(chosen, run_lanes([cases[number] for number in chosen]), strict=True)
+    again = []
+    for number, case in enumerate(cases):
+        if number not in histories or not (histories[number] or case.mergeable):
+            histories[number] = case.alone()
+        if case.mergeable and ((history := histories[number]) is None or history.reason):
+            again.append(number)
+    if again:
+        wider = [replace(cases[number], merged=cases[number].merged + 1) for number in again]
+        histories |= zip(again, indent_batch(wider), strict=True)
+    return [history for _, history in sorted(histories.items()) if history]
 
 
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:

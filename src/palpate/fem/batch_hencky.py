@@ -5,8 +5,10 @@ difference h and the shear c, and s = h^2 + c^2, the logarithmic strain is an is
 
     E = alpha 1 + beta (h, c),   alpha = (1/4) ln q,   beta = A(s / (1 + m)^2) / (2 (1 + m)),   q = (1 + m)^2 - s,
 
-with A(y) = artanh(sqrt y) / sqrt y. The tangent's unsymmetric part, which true stress brings, is replaced by its
-symmetric half: Newton's method then takes an iteration or so more, and Cholesky's factorisation serves.
+with A(y) = artanh(sqrt y) / sqrt y. As q is the square of the determinant of the displacement gradient with 1, it is
+taken from there: where an element is squeezed to a hundredth the difference would have lost half of its digits. The
+tangent's unsymmetric part, which true stress brings, is replaced by its symmetric half: Newton's method then takes an
+iteration or so more, and Cholesky's factorisation serves.
 
 The return to the law stands in `internal_forces` here and in `batch_element`: as one function that both call, inlined
 or not, it makes a run a fifth slower.
@@ -41,11 +43,12 @@ def stretch(gradients, u, parts):
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
     s = half * half + c12 * c12
     s = where_less(s, splat(NOTHING), splat(NOTHING), s)
-    whole = 1.0 + mean
+    area = hrr + hzz + hrr * hzz - hrz * hzr
+    upright, whole = 1.0 + area, 1.0 + mean
     y = s / (whole * whole)
     x = root(y)
-    a0 = 0.5 * log_of_one_plus(2.0 * x / (1.0 - x)) / x
-    near, inverse = 1.0 / (1.0 - y), 0.5 / y
+    near, inverse = (whole * whole) / (upright * upright), 0.5 / y
+    a0 = 0.5 * log_of_one_plus(2.0 * x * (1.0 + x) * near) / x
     first = 1 / 3 + y * (2 / 5 + y * (3 / 7 + y * (4 / 9 + y * (5 / 11 + y * (6 / 13 + y * (7 / 15))))))
     second = 2 / 5 + y * (6 / 7 + y * (12 / 9 + y * (20 / 11 + y * (30 / 13))))
     a1 = where_less(y, splat(SMALL), first, (near - a0) * inverse)
@@ -60,13 +63,11 @@ def stretch(gradients, u, parts):
     store(parts, MEAN, whole)
     store(parts, HALF, half)
     store(parts, SHEAR, c12)
-    upright = (1.0 + hrr) * (1.0 + hzz) - hrz * hzr
-    logarithm = log_of_one_plus(2.0 * mean + mean * mean - s)
-    store(parts, ALPHA, where_less(splat(0.0), upright, 0.25 * logarithm, splat(np.nan)))
+    store(parts, ALPHA, where_less(splat(0.0), upright, 0.5 * log_of_one_plus(area), splat(np.nan)))
     store(parts, BETA, 0.5 * a0 * scale)
     store(parts, BETA_S, a1 * cube)
     store(parts, BETA_SS, a2 * cube * scale * scale)
-    store(parts, INVERSE_Q, 1.0 / (whole * whole - s))
+    store(parts, INVERSE_Q, 1.0 / (upright * upright))
     store(parts, HOOP, where_less(splat(-1.0), htt, log_of_one_plus(htt), splat(np.nan)))
 
 

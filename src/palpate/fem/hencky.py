@@ -6,7 +6,9 @@ axes of the right stretch, with squared stretches l_a and d = (ln l_1 - ln l_2) 
 
     dE_aa = dC_aa / (2 l_a),   dE_12 = d dC_12,
 
-and the second derivative follows from the second divided differences. tr E = ln J, averaged over the element.
+and the second derivative follows from the second divided differences. tr E = ln J, averaged over the element. The
+smaller stretch in r and z follows from the larger one and the change of area, and the axis along it from the other one:
+where a sharp tip squeezes an element to a thousandth, differences of what is large would lose all their digits.
 
 The law's stress T counts per present area, as a laboratory and Abaqus mean it: its power is J T : dE/dt per undeformed
 volume. Where the axes keep still T is the Cauchy stress; without the factor J it would be Kirchhoff's, which under a
@@ -54,7 +56,8 @@ def strain_at(gradients, u, strain, b, frame):
         hzr += nr * u[2 * a + 1]
         hzz += nz * u[2 * a + 1]
         htt += gradients[2, a] * u[2 * a]
-    if (1.0 + hrr) * (1.0 + hzz) - hrz * hzr <= 0.0 or htt <= -1.0:
+    area = hrr + hzz + hrr * hzz - hrz * hzr
+    if area <= -1.0 or htt <= -1.0:
         return False
     # Twice the Green-Lagrange strain, so that tiny strains far away keep all their digits.
     c11 = 2.0 * hrr + hrr * hrr + hzr * hzr
@@ -62,15 +65,16 @@ def strain_at(gradients, u, strain, b, frame):
     c12 = hrz + hzr + hrr * hrz + hzr * hzz
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
     radius = math.sqrt(half * half + c12 * c12)
-    if 1.0 + mean - radius <= 0.0:  # rounding leaves nothing of the smaller stretch
-        return False
     c, s = half_angle(half, c12, radius)
-    l1, l2, l3 = 1.0 + mean + radius, 1.0 + mean - radius, (1.0 + htt) * (1.0 + htt)
+    l1, l3 = 1.0 + mean + radius, (1.0 + htt) * (1.0 + htt)
+    l2 = (1.0 + area) * (1.0 + area) / l1
     x = radius / (1.0 + mean)
-    strain[0], strain[1], strain[2] = 0.5 * math.log1p(mean + radius), 0.5 * math.log1p(mean - radius), math.log1p(htt)
+    strain[0], strain[2] = 0.5 * math.log1p(mean + radius), math.log1p(htt)
+    strain[1] = math.log1p(area) - strain[0]
     difference = 0.5 * (1.0 + x * x / 3.0) / (1.0 + mean) if x < 1e-4 else 0.5 * (strain[0] - strain[1]) / radius
     a1r, a1z = (1.0 + hrr) * c + hrz * s, hzr * c + (1.0 + hzz) * s
-    a2r, a2z = -(1.0 + hrr) * s + hrz * c, -hzr * s + (1.0 + hzz) * c
+    ratio = (1.0 + area) / l1
+    a2r, a2z = -ratio * a1z, ratio * a1r
     for a in range(4):
         g1 = gradients[0, a] * c + gradients[1, a] * s
         g2 = -gradients[0, a] * s + gradients[1, a] * c

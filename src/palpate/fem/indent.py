@@ -10,10 +10,11 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError, InputError
-from palpate.fem.adhesion import Adhesion
+from palpate.fem.adhesion import GPA_UM, Adhesion
 from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
 from palpate.fem.directions import Directions
+from palpate.fem.folding import ever_wider
 from palpate.fem.march import march_by
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
 from palpate.fem.newton import Problem, State, Workspace, advance
@@ -88,31 +89,43 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
 def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
     """Estimate the smallest contact radius that counts and the largest one [um].
 
-    The softer of film and substrate decides the largest, the film alone the smallest.
+    The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
+    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (JKR, see
+    `palpate.analytic.jkr`).
     """
-    smallest, largest = _contact_range(specimen.coefficients, indenter, protocol)
+    smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
     if specimen.substrate is None:
         return smallest, largest
-    return smallest, max(largest, _contact_range(specimen.substrate, indenter, protocol)[1])
+    return smallest, max(largest, _contact_range(specimen.substrate, specimen.adhesion, indenter, protocol)[1])
 
 
-def _contact_range(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
+def _contact_range(
+    coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
+) -> tuple[float, float]:
     radius = indenter.radius * 1e-3
     duration = float(protocol.knot_time[-1] * 0.6)
     slope = indenter.slope
     loads = protocol.sample_load
     smallest_load = loads[loads > 0].min(initial=protocol.max_load, where=loads[loads > 0] > 0.005 * protocol.max_load)
+    punch = 8.0 * np.pi * plane_strain_modulus(coefficients) * GPA_UM * work
 
     def contact_radius(load: float) -> float:
-        if radius == 0.0:
+        if radius == 0.0 and work == 0.0:
             return float(np.sqrt(load / (np.pi * mean_pressure(coefficients, slope, duration))))
-        a = radius * 0.1
+        a = radius * 0.1 if radius else 0.1
         for _ in range(40):
-            local = min(slope, 0.7 * a / radius)
-            a = 0.5 * (a + np.sqrt(load / (np.pi * mean_pressure(coefficients, local, duration))))
+            local = min(slope, 0.7 * a / radius) if radius else slope
+            borne = load + np.sqrt(punch * a**3)
+            a = 0.5 * (a + np.sqrt(borne / (np.pi * mean_pressure(coefficients, local, duration))))
         return float(a)
 
     return contact_radius(smallest_load), contact_radius(protocol.max_load)
+
+
+def plane_strain_modulus(coefficients: np.ndarray) -> float:
+    """Return E / (1 - nu^2) of a law [GPa]."""
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    return float(4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear))
 
 
 def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
@@ -192,8 +205,7 @@ def attraction(specimen: Specimen, resolution: Resolution, largest: float, mesh:
     """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um]."""
     if specimen.adhesion == 0.0:
         return None
-    shear, bulk = specimen.coefficients[SHEAR], specimen.coefficients[BULK]
-    modulus = 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
+    modulus = plane_strain_modulus(specimen.coefficients)
     return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, mesh)
 
 
@@ -217,10 +229,12 @@ def indent(
         Logarithmic instead of linear strains.
     radii : ndarray, optional
         Rings of the mesh [um], in place of `mesh_radii`; simulations that are compared closely should share theirs.
+        Where the innermost fold they are merged, see `palpate.fem.folding`.
     directions : Directions, optional
         Derivatives of the inputs by the parameters for which those of the depth are wanted, on a mesh that stays.
     observe
-        Called with the problem and the state at the end of every time step asked for, sampling times among them.
+        Called with the problem and the state at the end of every time step asked for, sampling times among them; from
+        the beginning again, with another problem, after a failure.
 
     Returns
     -------
@@ -232,10 +246,30 @@ def indent(
     InputError
         When the mesh cannot hold the specimen or the tip, see `check_size`, or the depth has no derivative.
     """
+    radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
+    seconds = 0.0
+    for rings in ever_wider(radii, specimen, indenter, resolution, large):
+        history = indent_on(rings, specimen, indenter, protocol, resolution, large, directions, observe)
+        seconds += history.seconds
+        if not history.reason:
+            break
+    return replace(history, seconds=seconds)
+
+
+def indent_on(
+    radii: np.ndarray,
+    specimen: Specimen,
+    indenter: Indenter,
+    protocol: Protocol,
+    resolution: Resolution,
+    large: bool = False,
+    directions: Directions | None = None,
+    observe: Callable[[Problem, State], None] | None = None,
+) -> History:
+    """Simulate an indentation on the mesh with rings at `radii` [um] and no other; see `indent`."""
     began = clock.perf_counter()
     largest = contact_range(specimen, indenter, protocol)[1]
     check_size(specimen, indenter, resolution, largest)
-    radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = polar_mesh(radii, resolution.sectors)
     specimen = resolved(specimen, indenter, radii[0])
     law, region = laws_of(specimen), regions(specimen, mesh)

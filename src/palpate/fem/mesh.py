@@ -48,6 +48,11 @@ class Resolution:
     refine: int = 1
     load_growth: float = 0.125
 
+    @property
+    def even(self) -> int:
+        """Number of even rings within the smallest contact of a rounded tip, as wide as the first that grows."""
+        return round(1.0 / (self.growth - 1.0))
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -87,7 +92,7 @@ class Mesh:
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
     """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip."""
     growth = resolution.growth
-    even = round(1.0 / (growth - 1.0))
+    even = resolution.even
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
     while radii[-1] < resolution.far * largest:
         radii.append(radii[-1] * growth)

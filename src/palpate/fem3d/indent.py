@@ -61,7 +61,7 @@ def indent_3d(
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
     reason, steps = "", 0
-    for target in step_times(protocol, resolution):
+    for target in step_times(protocol, resolution, specimen.yields):
         try:
             state, before, taken = march_by(step, protocol, state, before, target)
         except ConvergenceError as error:
