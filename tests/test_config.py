@@ -89,6 +89,13 @@ def test_defaults_and_order(tmp_path):
         ({"laboratory": {"lab": {"parameters": TRUTH}}}, "laboratory.lab", "recordings"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs": 3}}}}, "lab.parameters", "youngs"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
+        (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "mechanisms": {"drif": {}}}}}, "lab.mechanisms", "drif"),
+        (
+            LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "mechanisms": {"thermal_drift": {"rat": 1}}}}},
+            "lab.mechanisms.thermal_drift",
+            "rat",
+        ),
+        ({"indenter": {"shape": ["cone"], "half_angle": 70.3}}, "indenter.shape", "cone"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
         (
@@ -210,7 +217,10 @@ def test_a_condition_may_load_at_constant_strain_rate_or_in_cycles(tmp_path):
         ({"max_load": 1.0, "unloading_time": 30}, "(P).loading_time"),
         ({"max_load": 1.0, "strain_rate": 0.1, "loading_time": 5, "unloading_time": 30}, "(P).loading_time"),
         ({"times": [1, 2], "loads": [1]}, "(P).loads"),
-        ({"times": [1, 2], "loads": [0, 0]}, "(P)"),
+        ({"times": [1, 2], "loads": [0, 0]}, "(P).loads"),
+        ({"times": [1, 2], "loads": [1, -1]}, "(P).loads"),
+        ({"times": [1, 2], "loads": [1, float("nan")]}, "(P).loads"),
+        ({"max_load": 1.0, "loading_time": 1e-3, "hold_time": 864000, "unloading_time": 1e-3}, "(P).protocol"),
     ],
 )
 def test_a_load_history_that_is_none_is_refused_with_its_place(tmp_path, condition, place):
@@ -227,3 +237,19 @@ def test_snapshots_may_fill_the_ranges_instead_of_the_levels(tmp_path):
     assert len(cells) == len(np.unique(moduli)) == 32
     assert {cell["retardation_time"] for cell in cells} == {0.25}
     assert np.all(np.histogram(moduli, 8, (3.0, 3.5))[0] == 4), "Sobol's points balance"
+
+
+def test_whole_numbers_may_be_written_as_powers_of_ten(tmp_path):
+    file = tmp_path / "study.yaml"
+    written = yaml.safe_dump(STUDY | {"points": 50}).replace("points: 50", "points: 5e1\ncells_per_job: 1.0e+1")
+    file.write_text(written)
+    study = load_study(file)
+    assert (study.points, study.cells_per_job) == (50, 10)
+    assert isinstance(study.points, int) and isinstance(study.cells_per_job, int)
+
+
+def test_the_vendors_file_may_stand_under_data(tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / SOURCE["file"]).write_text("")
+    study = load(tmp_path, source=SOURCE, recordings={"lab": "x"}, data=str(tmp_path / "folder"))
+    assert Path(study.source["file"]).parent == tmp_path / "folder"

@@ -78,10 +78,16 @@ def test_law_holds_at_every_node_and_dissipates():
     assert slipped > 100
 
 
+def test_the_apex_is_pressed_along_z_alone():
+    """Both mirror planes hold it: what they bear is no pull of the indenter, however steep its faces are."""
+    friction = Friction(0.0, np.ones(1), np.array([[False, False]]))
+    np.testing.assert_array_equal(friction.along(np.array([[0.46, 0.2]])), 0.0)
+
+
 def test_two_faces_hold_back_more_than_one_along_the_edge():
     """Two mirrored faces press with N each along their own normals and resist with mu N each along the edge."""
     slope, mu = np.array([[0.4, 0.0], [0.2, -0.3]]), 0.25
-    friction = Friction(mu, np.ones(2), np.array([True, False]))
+    friction = Friction(mu, np.ones(2), np.array([[True, True], [True, False]]))
     ratio, _ = friction.ratio(np.array([[5.0, 0.0], [5.0, 0.0]]), slope)
     edge = np.array([1.0, 0.0, slope[1, 0]]) / np.hypot(1.0, slope[1, 0])
     steep = np.sqrt(1 + slope[1] @ slope[1])

@@ -80,6 +80,8 @@ def test_the_corner_at_contact_may_be_listed():
         ({"loads": [1.0, 0.0]}, "times"),
         ({"times": [1.0, 2.0], "loads": [1.0, 0.0], "hold_time": 1.0}, "hold_time"),
         ({"times": [1.0, 2.0, 3.0], "loads": [1.0, 0.5, 0.0], "points": 5}, "points"),
+        ({"max_load": 1.0, "loading_time": 5.0, "unloading_time": 5.0, "points": 21.7}, "points"),
+        ({"max_load": 10**400, "loading_time": 5.0, "unloading_time": 5.0}, "max_load"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, place):

@@ -15,6 +15,7 @@ from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.load_history import KEYS, protocol_from
 from palpate.materials import LAWS
+from palpate.mechanisms import checked_mechanisms
 from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, condition_of, read_recording, recording_files
@@ -165,7 +166,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(
             f"material model {model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="material.model"
         )
-    source = _source(settings, data)
+    source = _source(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
     levels = _levels(model, material, values["parameters"])
     try:
@@ -260,6 +261,10 @@ def _check_laboratories(study: Study) -> None:
             study.specification(settings["parameters"], study.conditions[0])
         except InputError as error:
             raise InputError(error.problem, remedy=error.remedy, place=f"{place}.parameters") from None
+        try:
+            checked_mechanisms(settings.get("mechanisms"))
+        except InputError as error:
+            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.{error.place}") from None
 
 
 def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]) -> dict[str, tuple[float, ...]]:

@@ -56,12 +56,12 @@ class Indenter:
     def from_mapping(cls, values: Mapping[str, object]) -> Indenter:
         """Build from configuration keys; raises `InputError` on an unknown shape, key or value out of range."""
         shape = values.get("shape")
-        if shape not in SHAPES:
+        if not isinstance(shape, str) or shape not in SHAPES:
             raise InputError(
                 f"indenter shape {shape!r} is not known", remedy=f"use one of: {', '.join(SHAPES)}", place="shape"
             )
         given = {name: value for name, value in values.items() if name != "shape"}
-        return cls(str(shape), **check_values(SHAPES[str(shape)], given, f"indenter {shape}"))
+        return cls(shape, **check_values(SHAPES[shape], given, f"indenter {shape}"))
 
     @property
     def of_revolution(self) -> bool:

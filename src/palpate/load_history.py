@@ -48,10 +48,10 @@ def protocol_from(values: Mapping[str, Any]) -> Protocol:
         When a key is unknown, missing, out of range, or belongs to another kind of history.
     """
     if "times" in values or "loads" in values:
-        return cycles(*_corners(values), int(check_values([POINTS], _only(values, "points"), "protocol")["points"]))
+        return cycles(*_corners(values), _whole(check_values([POINTS], _only(values, "points"), "protocol")["points"]))
     declared = EXPONENTIAL if "strain_rate" in values else TRAPEZOID
     checked = check_values(declared, values, "protocol")
-    points = int(checked.pop("points"))
+    points = _whole(checked.pop("points"))
     return (constant_strain_rate if "strain_rate" in values else trapezoid)(**checked, points=points)
 
 
@@ -104,6 +104,12 @@ def cycles(times: Sequence[float], loads: Sequence[float], points: int = 100) ->
     return Protocol(np.append(0.0, times), np.append(0.0, loads), sampled(times, points))
 
 
+def _whole(points: float) -> int:
+    if points != int(points):
+        raise InputError(f"points = {points:g} is no whole number", remedy="give a whole number", place="points")
+    return int(points)
+
+
 def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
     for key in values:
         if key not in ("times", "loads", "points"):
@@ -112,7 +118,7 @@ def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
     for key in ("times", "loads"):
         given = values.get(key)
         numbers = isinstance(given, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in given)
-        if not numbers or not given:
+        if not numbers or not given or not np.all(np.isfinite(given)):
             raise InputError(f"{key} is {given!r}, expected a list of numbers", remedy="list the corners", place=key)
         found.append([float(number) for number in given])
     times, loads = found
@@ -128,6 +134,12 @@ def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
         times, loads = times[1:], loads[1:]
     if not times or not np.all(np.diff([0.0, *times]) > 0.0):
         raise InputError("the times do not increase from zero", remedy="give times after contact in s", place="times")
+    if min(loads) < 0.0 or max(loads) == 0.0:
+        raise InputError(
+            f"loads are {min(loads):g} to {max(loads):g} mN, expected none negative and a positive maximum",
+            remedy="check sign and unit (mN)",
+            place="loads",
+        )
     return times, loads
 
 

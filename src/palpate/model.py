@@ -19,7 +19,7 @@ from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
 from palpate.load_history import protocol_from
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import checked_mechanisms
 from palpate.protocol import Protocol
 from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
@@ -60,25 +60,8 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
         protocol,
         kinematics=str(values.get("kinematics", "small")),
         accuracy=str(values.get("accuracy", "standard")),
-        mechanisms=_mechanisms(values.get("mechanisms") or {}),
+        mechanisms=checked_mechanisms(values.get("mechanisms")),
     )
-
-
-def _mechanisms(given: Any) -> dict[str, dict[str, float]]:
-    if not isinstance(given, Mapping):
-        raise InputError("mechanisms is not a table of keys", remedy="give key: {parameter: value}", place="mechanisms")
-    checked = {}
-    for key, values in given.items():
-        if key not in MECHANISMS:
-            raise InputError(
-                f"mechanism {key!r} is not known", remedy=f"use one of: {', '.join(MECHANISMS)}", place="mechanisms"
-            )
-        try:
-            checked[key] = MECHANISMS[key].check({} if values is None else values)
-        except InputError as error:
-            place = ".".join(filter(None, ("mechanisms", key, error.place)))
-            raise InputError(error.problem, remedy=error.remedy, place=place) from None
-    return checked
 
 
 @dataclass(frozen=True, eq=False)

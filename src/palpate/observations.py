@@ -10,6 +10,7 @@ import numpy as np
 
 from palpate.alignment import aligned
 from palpate.calibration import Observation
+from palpate.calibration.observation import WHOLE
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
@@ -135,20 +136,20 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             remedy="correct the unit or max_load",
             place="load_mN",
         )
-    duration, needed = recording.time[-1] - recording.time[0], condition.protocol.sample_time[-1]
-    during = recording.time <= needed
-    departure = (recording.load - condition.protocol.load_at(recording.time))[during]
-    if duration < 0.95 * needed:
+    duration, times = recording.time[-1], condition.protocol.sample_time
+    if duration < WHOLE * times[-1]:
         raise InputError(
-            f"ends after {duration:.4g} s, the condition lasts {needed:.4g} s",
+            f"ends after {duration:.4g} s, the condition lasts {times[-1]:.4g} s",
             remedy="export the whole test or correct the times",
             place="time_s",
         )
+    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, recording.load))
+    departure -= condition.protocol.sample_load
     if np.sqrt(np.mean(departure**2)) > LOAD_TOLERANCE * expected:
         worst = int(np.argmax(np.abs(departure)))
+        hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
         raise InputError(
-            f"the load departs from the condition's, by {departure[worst]:.3g} mN "
-            f"at {recording.time[during][worst]:.4g} s",
+            f"the load departs from the condition's, by {departure[worst]:.3g} mN at {times[worst]:.4g} s{hint}",
             remedy="correct the times of the condition, or give it `load_history: recorded`",
             place="load_mN",
         )

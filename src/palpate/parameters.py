@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -45,7 +46,7 @@ class Parameter:
                 remedy="give a number" + ("" if self.unit == "-" else f" in {self.unit}"),
                 place=self.name,
             )
-        number = float(value)
+        number = math.inf if abs(value) > sys.float_info.max else float(value)
         if not math.isfinite(number) or not self.lower <= number <= self.upper:
             given = f"{number:g}" if self.unit == "-" else f"{number:g} {self.unit}"
             raise InputError(

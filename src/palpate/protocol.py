@@ -12,6 +12,7 @@ from palpate.errors import InputError
 MOST_KNOTS = 500
 MOST_NOISE = 0.02
 ONSET = 0.01
+LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from one sample to the next, may last
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,13 @@ class Protocol:
         if len(sample) == 0 or np.any(np.diff(sample) <= 0) or sample[0] <= 0 or sample[-1] > time[-1] * (1 + 1e-12):
             raise InputError(
                 "sample times must be positive, increasing and within the history", remedy="correct the times"
+            )
+        shortest = min(np.diff(time).min(), np.diff(sample).min(initial=np.inf))
+        if shortest < LEAST_STEP * time[-1]:
+            raise InputError(
+                f"a step of {shortest:.3g} s in a test of {time[-1]:.3g} s is too short to be resolved",
+                remedy="leave the shortest segment out, or let it last longer",
+                place="protocol",
             )
 
     @property

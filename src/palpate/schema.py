@@ -93,9 +93,11 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 def with_defaults(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `values` with the defaults of the schema filled in, section by section."""
+    """Return `values` with the defaults of the schema filled in, section by section; whole numbers become integers."""
     filled = dict(values)
     for key, rule in schema.get("properties", {}).items():
+        if "integer" in rule.get("type", ()) and isinstance(values.get(key), float):
+            filled[key] = int(values[key])
         if "default" in rule:
             filled.setdefault(key, rule["default"])
         elif rule.get("type") == "object" and (key in values or not rule.get("required")):

@@ -11,6 +11,7 @@ from palpate.errors import InputError
 from palpate.recording import Recording
 
 ROLES = ("calibrate", "validate")
+WHOLE = 0.98  # of a condition's duration, what a recording of it covers at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ class Observation:
             When a recording ends before the last sample time by more than 2 % of the test.
         """
         for recording in recordings:
-            if recording.time[-1] < 0.98 * time[-1]:
+            if recording.time[-1] < WHOLE * time[-1]:
                 raise InputError(
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",

@@ -69,7 +69,7 @@ class Contact:
         return cls(
             mesh,
             tip,
-            Friction.of(problem.friction, tip(x, y)[0], mesh.equations[surface, 1] >= 0),
+            Friction.of(problem.friction, tip(x, y)[0], mesh.equations[surface, :2] >= 0),
             place,
             start,
             drift=guess.displacement[surface, :2] - u[:, :2],

@@ -35,26 +35,26 @@ class Friction:
         mu.
     reach : ndarray, shape (k,)
         Slip along the indenter at which a node that stuck reaches the limit [um].
-    across : ndarray of bool, shape (k,)
-        Nodes off the mirror planes, which may slip along their second axis too.
+    free : ndarray of bool, shape (k, 2)
+        Axes along which each node may slip: one on a mirror plane, none under the apex.
     """
 
     coefficient: float
     reach: np.ndarray
-    across: np.ndarray
+    free: np.ndarray
 
     @classmethod
-    def of(cls, coefficient: float, height: np.ndarray, across: np.ndarray) -> Friction:
+    def of(cls, coefficient: float, height: np.ndarray, free: np.ndarray) -> Friction:
         """Return the friction of nodes under these heights (k,) of the indenter [um], the first of which is zero."""
-        return cls(coefficient, ELASTIC_SLIP * np.maximum(height, height[1:].min()), across)
+        return cls(coefficient, ELASTIC_SLIP * np.maximum(height, height[1:].min()), free)
 
     def slip(self, place: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         """Return s (k, 2)."""
         return (place - anchor) / self.reach[:, None]
 
     def along(self, slope: np.ndarray) -> np.ndarray:
-        """Return the slopes (k, 2) of what a node may slip along: none across a mirror plane."""
-        return slope * np.stack([np.ones_like(self.across), self.across], axis=-1)
+        """Return the slopes (k, 2) of what a node may slip along: none across a mirror plane, none under the apex."""
+        return slope * self.free
 
     def size(self, slip: np.ndarray, slope: np.ndarray) -> np.ndarray:
         """Return |s| (k,), more than one where a node slips."""

@@ -11,13 +11,6 @@ from palpate.design import Anova, OrthogonalArray, anova
 from palpate.thesis.runs import Curves
 from palpate.thesis.study import Rows
 
-RESPONSES = {
-    "relative": "chapter 4's error, sqrt(mean(((h_sim - h_exp) / h_exp)^2))",
-    "mean_square": "chapter 5's error, mean((h_sim - h_exp)^2)",
-    "max_depth": "depth at the largest load",
-    "residual_depth": "depth at the end of unloading",
-}
-
 
 def responses(curves: Curves, recorded: np.ndarray) -> dict[str, np.ndarray]:
     """Return every response (n,) of curves to be compared with a recorded one (points,)."""
