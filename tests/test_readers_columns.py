@@ -1,5 +1,7 @@
 """Tables by a map of their columns: separators, units, rows and signs, read as written or refused with one line."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])
 PATH = 0.25 * np.sqrt(FORCE / 2e3) + 0.001 * TIME
 NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
 MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})
+NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})
 
 
 def rows_of(delimiter, comma):
@@ -36,6 +39,32 @@ def test_columns_by_number(tmp_path):
     np.savetxt(file, np.column_stack([TIME, FORCE, PATH]))
     (test,) = read_vendor_file(file, columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}, dict(MAP.units)))
     assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-6)
+
+
+def test_columns_by_number_lose_no_row_that_holds_these_numbers(tmp_path):
+    file = tmp_path / "bare.txt"
+    file.write_text("0 0 0\n0.25 0.5 1\n1 3 2\n1.5 3 4\n2 4 5\n")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.recording.time == pytest.approx([0, 0.25, 1, 1.5, 2])
+    assert test.recording.load == pytest.approx([0, 0.5, 3, 3, 4])
+    assert test.recording.depth == pytest.approx([0, 1, 2, 4, 5])
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("Time,Load,Depth\n", "line 3: has 6 cells, its header 3; export it with semicolons or tabs"),
+        ("", "line 2: has 6 cells, and no number a decimal sign; .*, or write their names above"),
+    ],
+)
+def test_decimal_commas_between_commas_are_refused_by_number_too(tmp_path, head, words):
+    file = tmp_path / "x.csv"
+    file.write_text(head + "0,0,0\n1,25,0,5,10,5\n2,5,1,0,20,5\n")
+    with pytest.raises(InputError, match=words):
+        read_vendor_file(file, columns=NUMBERED)
+    file.write_text("a,b,c,d\n0,0,0,0\n1,1,5,1\n")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.recording.depth.max() == 5
 
 
 SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"})
@@ -122,6 +151,13 @@ def test_many_bad_rows_are_refused_with_the_first(tmp_path, changes, words):
         (("t / s", "P / uN", "h / um"), []),
         (("time_s", "load_uN", "depth_um"), []),
         (("t", "F_N", "h"), ["s\tµN\t[μm]"]),
+        (("t", "F_N", "h"), ["raw\traw\traw", "s\tµN\t[μm]"]),
+        (("elapsed_time_s", "sample_load_uN", "tip_depth_um_raw"), []),
+        (("Time s", "Load in uN", "Depth, um"), []),
+        (("s", "uN", "um"), []),
+        (("Time (s)", "Load / uN", "Depth_um"), ["sec\tμN\tum"]),
+        (("t<s>", "F.uN", "h{um}"), []),
+        (("t:s", "load-uN", "Depth (raw) / um"), []),
     ],
 )
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
@@ -130,8 +166,10 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
     rows = [f"{a:g}\t{b:.6f}\t{c:.6f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
     file.write_text("\n".join(["\t".join(headings), *below, *rows]), encoding=encoding)
     names = dict(zip(("time", "load", "depth"), headings, strict=True))
-    for given, load_unit, turn in (({}, "uN", 1e-3), ({"load": "-N"}, "-N", -1e3)):
-        (test,) = read_vendor_file(file, columns=ColumnMap(names, given), contact="none")
+    for called, given, load_unit, turn in (
+        (names, {}, "uN", 1e-3), (names, {"load": "-N"}, "-N", -1e3), (NUMBERED.names, {}, "uN", 1e-3)
+    ):  # fmt: skip
+        (test,) = read_vendor_file(file, columns=ColumnMap(called, given), contact="none")
         assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
         assert test.recording.load == pytest.approx(turn * FORCE, abs=1e-2 * abs(turn))
         assert f"[{load_unit}]" in test.metadata["columns"]
@@ -140,7 +178,7 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; put numbers"),
+        ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; export it with semicolons"),
         ("t;P;h;t;P;h\n0;0;0;0;0;0\n1;1;1;1;1;1\n", "several columns are called 't'"),
     ],
 )
@@ -151,14 +189,79 @@ def test_columns_that_cannot_be_told_apart_are_refused(tmp_path, text, words):
         read_vendor_file(file, columns=SHORT)
 
 
-def test_a_stated_unit_that_is_not_known_is_refused(tmp_path):
+UNKNOWN = [
+    "P (kgf)",
+    "P / kgf",
+    "load_kgf",
+    "Load kN",
+    "Load / kN",
+    "P_mgf",
+    "P nm",
+    "LOAD_UN",
+    "Load grams",
+    "P (1e-3 N)",
+]
+
+
+@pytest.mark.parametrize("heading", UNKNOWN)
+@pytest.mark.parametrize("by_name", [True, False])
+def test_a_stated_unit_that_is_not_known_is_refused(tmp_path, heading, by_name):
     file = tmp_path / "x.csv"
-    file.write_text("t,P (kgf),h\n0,0,0\n1,1,1\n")
-    names = {"time": "t", "load": "P (kgf)", "depth": "h"}
-    with pytest.raises(InputError, match=r"x.csv, column P \(kgf\): the load's unit 'kgf' is not known.*mN, uN"):
+    file.write_text(f"t,{heading},h\n0,0,0\n1,1,1\n")
+    names = {"time": "t", "load": heading, "depth": "h"} if by_name else NUMBERED.names
+    column = re.escape(names["load"])
+    with pytest.raises(InputError, match=f"x.csv, column {column}: the load's unit '.+' is not known.*mN, uN"):
         read_vendor_file(file, columns=ColumnMap(names))
     (test,) = read_vendor_file(file, columns=ColumnMap(names, {"load": "N"}))
     assert test.recording.load.max() == 1000
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (["t,F_N,h"], "column F_N: 'N' may be the load's unit or part of the name"),
+        (["t,F_N,h", "s,gf,nm"], "the load's unit 'gf' is not known"),
+        (["s,gf,nm", "t,F_N,h"], "the load's unit 'gf' is not known"),
+        (["t,F_N,h", "s,mN,nm", "s,uN,nm"], "the load's unit is stated as mN and uN"),
+    ],
+)
+def test_a_unit_that_cannot_be_told_is_refused(tmp_path, rows, words):
+    file = tmp_path / "x.csv"
+    file.write_text("\n".join([*rows, "0,0,0", "1,1,1"]))
+    for names in ({"time": "t", "load": "F_N", "depth": "h"}, NUMBERED.names):
+        with pytest.raises(InputError, match=words.replace("F_N:", f"{names['load']}:")):
+            read_vendor_file(file, columns=ColumnMap(names))
+
+
+@pytest.mark.parametrize("above", [["Time\tLoad\tDepth", "s\tN\tum"], ["s\tN\tum", "Time\tLoad\tDepth"], ["s\tN\tum"]])
+def test_a_row_of_units_is_found_wherever_it_stands(tmp_path, above):
+    file = tmp_path / "x.txt"
+    file.write_text("\n".join(["Sample (glass)\tA/B", *above, "0\t0\t0", "1\t2\t3"]))
+    for names in ({"time": "Time", "load": "Load", "depth": "Depth"}, NUMBERED.names):
+        if names is NUMBERED.names or len(above) > 1:
+            (test,) = read_vendor_file(file, columns=ColumnMap(names))
+            assert (test.recording.load.max(), test.recording.depth.max()) == (2000, 3000)
+
+
+@pytest.mark.parametrize(
+    ("time", "load", "depth"),
+    [
+        ("Time", "Load", "Depth"),
+        ("t", "P", "h"),
+        ("Time on sample", "Load On Sample", "Displacement Into Surface"),
+        ("Zeit", "Normal force Fn", "Penetration depth Pd"),
+        ("time_raw", "Raw Load", "Depth corrected"),
+        ("Elapsed Time", "Force 1", "hc (nm)"),
+        ("TIME", "P_max_300mN", "h_s"),
+        ("A", "B", "C"),
+    ],
+)
+def test_headings_without_a_unit_leave_the_usual_ones(tmp_path, time, load, depth):
+    file = tmp_path / "x.csv"
+    file.write_text(f"{time},{load},{depth}\nnan,nan,nan\n0,0,0\n1,2,3\n")
+    for names in ({"time": time, "load": load, "depth": depth}, NUMBERED.names):
+        (test,) = read_vendor_file(file, columns=ColumnMap(names))
+        assert (test.recording.time[-1], test.recording.load.max(), test.recording.depth.max()) == (1, 2, 3)
 
 
 @pytest.mark.parametrize("contact", ["file", "auto"])

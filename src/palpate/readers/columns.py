@@ -12,8 +12,9 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.decimals import numbers
+from palpate.readers.headings import is_row_of_units, is_word, stated
 from palpate.readers.source import Source
-from palpate.readers.units import CHANNELS, scale, stated
+from palpate.readers.units import CHANNELS, scale
 from palpate.readers.vendor import MOST_LEFT_OUT, VendorTest, increasing
 from palpate.recording import Recording
 
@@ -68,12 +69,15 @@ class Table:
         The file, and the table's name: its sheet's, or the file's own.
     rows, numbers
         Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
+    delimiter
+        What parts the cells of a text; None for blanks, and in a workbook.
     """
 
     source: Source
     name: str
     rows: Sequence[Sequence[Any]]
     numbers: Sequence[int]
+    delimiter: str | None = None
 
     def place(self, *rows: int) -> str:
         """Return where the first few of `rows` stand, and how many more there are."""
@@ -116,36 +120,64 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
     found = _columns_of(table.rows, columns)
     if found is None:
         return None
-    header, indices = found
-    body = table.body(header, indices)
+    named, indices = found
+    body = table.body(named, indices)
+    if not body.rows:
+        return None
     values = numbers(body.rows, body.place)
     whole = np.isfinite(values).all(axis=1)
     if not whole.any():
         return None
-    if header is not None:
-        _check_width(table, header, np.flatnonzero(whole) + header + 1)
+    of_numbers = np.flatnonzero(whole) + len(table.rows) - len(body.rows)
+    above = [[str(cell).strip() for cell in row] for row in table.body(None, indices).rows[: of_numbers[0]]]
+    header = _names(above) if named is None else named
+    if named is not None or table.delimiter == ",":
+        _check_width(table, header, of_numbers)
     kept, warnings = _kept(body, values)
-    above = [body.rows[row] for row in range(int(np.argmax(whole))) if not np.isfinite(values[row]).any()]
-    units, channels = {}, []
-    for k, key in enumerate(CHANNELS):
-        heading = None if header is None else str(table.rows[header][indices[k]])
-        units[key] = columns.units.get(key) or stated(key, heading, [str(row[k]) for row in above]) or CHANNELS[key]
-        channels.append(values[kept, k] * scale(key, units[key]))
-    time, load, depth = channels
+    units = _units(columns, above, header)
+    time, load, depth = (values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, table.name, (f"from {table.source.path.name}",))
     return VendorTest(table.name, recording, facts, warnings)
 
 
-def _check_width(table: Table, header: int, rows: np.ndarray) -> None:
-    """Refuse `rows` of numbers with more cells than the header has: a separator within a number has torn it apart."""
-    width = len(table.rows[header])
+def _names(above: Sequence[Sequence[str]]) -> int | None:
+    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
+    return next((k for k, row in enumerate(above) if all(map(is_word, row)) and not is_row_of_units(row)), None)
+
+
+def _units(columns: ColumnMap, above: Sequence[Sequence[str]], header: int | None) -> dict[str, str]:
+    """Return the unit of each channel: as given, else as the rows `above` the numbers state it, else s, mN and nm.
+
+    A row holds the cells of time, load and depth. Above the header it counts if it is of units, below it if of words.
+    """
+    alone = [row for row in above[:header] if is_row_of_units(row)]
+    if header is not None:
+        alone += [row for row in above[header + 1 :] if all(is_word(cell) for cell in row if cell)]
+    units = {}
+    for k, key in enumerate(CHANNELS):
+        heading = "" if header is None else above[header][k]
+        beside = [row[k] for row in alone if row[k]]
+        units[key] = columns.units.get(key) or stated(key, columns.names[key], heading, beside) or CHANNELS[key]
+    return units
+
+
+def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
+    """Refuse `rows` of numbers that a separator within a number has torn apart.
+
+    They have more cells than the header; or where there is none, more than three, and not one with a decimal sign.
+    """
+    width = len(CHANNELS) if header is None else len(table.rows[header])
+    if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
+        return
     for row in rows:
         cells = table.rows[row]
         if any(str(cell).strip() for cell in cells[width:]):
             raise InputError(
-                f"has {len(cells)} cells, its header {width}",
-                remedy="put numbers that hold the separator in quotes, or give the columns by their numbers",
+                f"has {len(cells)} cells, "
+                + ("and no number a decimal sign" if header is None else f"its header {width}"),
+                remedy="export it with semicolons or tabs between the columns"
+                + (", or write their names above" if header is None else ", or put numbers with commas in quotes"),
                 place=table.place(row),
             )
 
@@ -193,12 +225,11 @@ def _tables(source: Source) -> list[Table]:
         sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
         return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
     lines = {number: line for number, line in enumerate(source.lines, 1) if line.strip()}
-    split = [line.split() for line in lines.values()]
     for delimiter in DELIMITERS:
         if sum(line.count(delimiter) >= 2 for line in lines.values()) > len(lines) / 2:
             split = [_cells(line, delimiter) for line in lines.values()]
-            break
-    return [Table(source, source.path.stem, split, list(lines))]
+            return [Table(source, source.path.stem, split, list(lines), delimiter)]
+    return [Table(source, source.path.stem, [line.split() for line in lines.values()], list(lines))]
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -213,6 +244,8 @@ def _cells(line: str, delimiter: str) -> list[str]:
 def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int | None, list[int]] | None:
     """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
     wanted = [columns.names[key].strip() for key in CHANNELS]
+    if all(name.isdecimal() and int(name) > 0 for name in wanted):
+        return None, [int(name) - 1 for name in wanted]
     for number, row in enumerate(rows):
         cells = [str(cell).strip() for cell in row]
         if all(name in cells for name in wanted):
@@ -222,8 +255,6 @@ def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int 
                         f"several columns are called {name!r}", remedy="give the columns by their numbers, from 1"
                     )
             return number, [cells.index(name) for name in wanted]
-    if all(name.isdigit() and int(name) > 0 for name in wanted):
-        return None, [int(name) - 1 for name in wanted]
     return None
 
 
