@@ -5,7 +5,7 @@ from __future__ import annotations
 from palpate.readers.source import Source
 from palpate.readers.vendor import Corrections, Reader, VendorTest, recording_from, refuse_corrections
 
-CHANNELS = ("Time", "Load", "Depth")
+CHANNELS = {"Time": "time", "Load": "load", "Depth": "depth"}
 
 
 def matches(source: Source) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import io
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.readers.units import SCALES, plain
+from palpate.readers.units import SCALES, STIFFNESS, plain
 
 if TYPE_CHECKING:
     from python_calamine import CalamineWorkbook
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 LARGEST = 1e300
-UNITS = {**SCALES["time"], **SCALES["load"], **SCALES["depth"], "N/m": 1.0, "nm/s": 1.0}
+UNITS = {**SCALES, "stiffness": STIFFNESS}
 
 
 @dataclass(frozen=True)
@@ -85,35 +86,40 @@ class Source:
                 f"is damaged ({error})", remedy="copy or export it again", file=self.path, place=f"sheet {name}"
             ) from error
 
-    def columns(self, sheet: str, wanted: tuple[str, ...]) -> dict[str, np.ndarray]:
+    def columns(self, sheet: str, wanted: Mapping[str, str]) -> dict[str, np.ndarray]:
         """Return columns of a sheet whose first row holds names and whose second holds units.
 
         Values are in s, nm, mN and N/m; empty cells, text and the 1.8e308 that stands for "invalid" are NaN.
 
+        Parameters
+        ----------
+        wanted
+            For each column what it holds: ``time``, ``load``, ``depth`` or ``stiffness``.
+
         Raises
         ------
         InputError
-            When a column is missing or has a unit that is not known.
+            When a column is missing or has a unit that is none of what it holds.
         """
         rows = self.sheet(sheet)
         names = [str(cell).strip() for cell in rows[0]] if rows else []
         found = {}
-        for name in wanted:
+        for name, quantity in wanted.items():
             if name not in names or len(rows) < 3:
                 raise InputError(
                     f"lacks the column {name!r} or its values", remedy="export it too", file=self.path,
                     place=f"sheet {sheet}",
                 )  # fmt: skip
             index = names.index(name)
-            unit = plain(str(rows[1][index]))
-            if unit not in UNITS:
+            unit, known = plain(str(rows[1][index])), UNITS[quantity]
+            if unit not in known:
                 raise InputError(
-                    f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(UNITS)}", file=self.path,
+                    f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(known)}", file=self.path,
                     place=f"sheet {sheet}",
                 )  # fmt: skip
             cells = [row[index] if isinstance(row[index], int | float) else np.nan for row in rows[2:]]
             values = np.array(cells, dtype=float)
-            found[name] = UNITS[unit] * np.where(np.abs(values) < LARGEST, values, np.nan)
+            found[name] = known[unit] * np.where(np.abs(values) < LARGEST, values, np.nan)
         return found
 
     def by_test(self, sheet: str) -> dict[str, dict[str, str]]:

@@ -12,6 +12,7 @@ SCALES = {
     "load": {"mN": 1.0, "uN": 1e-3, "nN": 1e-6, "N": 1e3},
     "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "m": 1e9, "A": 0.1},
 }
+STIFFNESS = {"N/m": 1.0}
 
 
 def plain(unit: str) -> str:
