@@ -273,6 +273,8 @@ def test_points_without_values_at_the_ends_are_no_damage():
     assert len(recording_from(Source(Path("x"), b""), "a", "a", time, time, blank)) == 50
     with pytest.raises(InputError, match="100 of 100 points are invalid"):
         recording_from(Source(Path("x"), b""), "a", "a", np.full(100, np.nan), time, blank)
+    with pytest.raises(InputError, match="x, a: holds fewer than two points; export"):
+        recording_from(Source(Path("x"), b""), "a", "a", *np.zeros((3, 1)))
 
 
 @needs_recordings

@@ -286,6 +286,8 @@ def test_a_wrong_sign_is_told(tmp_path, channel, signs, contact):
         (["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=kg"], "load in 'kg' is not known"),
         (["--columns", "time=t / s,load=Fn,depth=h,force=Fn"], "'force' is no channel"),
         (["--columns", "time=t / s,load=Fn,depth=h", "--raw"], "final channels only"),
+        (["--columns", "time=t / s,load=Fn,depth=h", "--test", "²"], "has no test '²'"),
+        (["--columns", "time=²,load=³,depth=¹"], "no table with numbers in the columns ², ³, ¹"),
         ([], "no format that palpate knows"),
     ],
 )

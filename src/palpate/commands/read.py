@@ -87,7 +87,11 @@ def _pairs(text: str) -> dict[str, str]:
     pairs = [part.split("=", 1) for part in text.split(",")]
     if any(len(pair) != 2 for pair in pairs):
         raise argparse.ArgumentTypeError(f"{text!r} is not time=...,load=...,depth=...")
-    return {key.strip(): value.strip() for key, value in pairs}
+    keys = [key.strip() for key, _ in pairs]
+    twice = next((key for key in keys if keys.count(key) > 1), None)
+    if twice is not None:
+        raise argparse.ArgumentTypeError(f"{twice!r} is given twice")
+    return {key: value.strip() for key, (_, value) in zip(keys, pairs, strict=True)}
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -108,25 +112,28 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.test is not None:
             tests = [select(tests, arguments.test, arguments.file)]
         recordings = [zeroed(test, arguments.contact).recording for test in tests]
+        surveys = [_survey(test) for test in tests] if arguments.survey else []
     except InputError as error:
         raise error.located(file=arguments.file) from None
     chosen = arguments.corrections
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
-    surveys, taken = [], set[str]()
+    taken = set[str]()
     for number, (test, recording) in enumerate(zip(tests, recordings, strict=True), 1):
         for warning in test.warnings:
             print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*recording.notes, applied, *test.warnings, *facts)
         name = re.sub(r"[^A-Za-z0-9._-]+", "_", test.name)
-        path = arguments.output / f"{name}{f'_{number}' if name in taken else ''}.csv"
+        while name in taken:
+            name += f"_{number}"
         taken.add(name)
+        path = arguments.output / f"{name}.csv"
         replace(recording, notes=notes).write(path)
         print(path)
-        if arguments.survey:
-            surveys.append(_survey(test, arguments.file, path.with_suffix(".png")))
+        if surveys:
+            _draw(surveys[number - 1], path.with_suffix(".png"))
             print(path.with_suffix(".png"))
     if surveys:
         from palpate.survey import table
@@ -137,16 +144,20 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _survey(test: VendorTest, file: Path, path: Path) -> Survey:
-    """Find and draw what one test shows."""
+def _survey(test: VendorTest) -> Survey:
+    """Find what one test shows."""
     from palpate.errors import InputError
-    from palpate.figures.recording import draw
     from palpate.survey import survey
 
     try:
-        found = survey(test.recording)
+        return survey(test.recording)
     except InputError as error:
-        raise error.located(file=file, place=test.name) from None
-    at_file = np.interp(0.0, test.recording.time, test.recording.depth)
-    draw(found, path, chosen=float(at_file))
-    return found
+        raise error.located(place=test.name) from None
+
+
+def _draw(found: Survey, path: Path) -> None:
+    """Draw it, with the contact of the file."""
+    from palpate.figures.recording import draw
+
+    recording = found.recording
+    draw(found, path, chosen=float(np.interp(0.0, recording.time, recording.depth)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ def read_vendor_file(
         raise InputError("is empty", remedy="export or copy it again", file=path)
     source = Source(path, content)
     try:
-        return [zeroed(test, contact) for test in _whole(source, corrections, columns)]
+        return [zeroed(_printable(test), contact) for test in _whole(source, corrections, columns)]
     except InputError as error:
         raise error.located(file=path) from None
 
@@ -114,12 +115,18 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     )
 
 
+def _printable(test: VendorTest) -> VendorTest:
+    """Return a test with bytes of its file's name that are no letters written as numbers, so that it can be printed."""
+    name, *notes = (text.encode(errors="backslashreplace").decode() for text in (test.name, *test.recording.notes))
+    return replace(test, name=name, recording=replace(test.recording, name=name, notes=tuple(notes)))
+
+
 def select(tests: list[VendorTest], wanted: str, path: str | Path, place: str = "--test") -> VendorTest:
     """Return the test called `wanted`, or the one of that number, counted from 1."""
     for test in tests:
         if test.name == wanted:
             return test
-    if wanted.isdigit() and 1 <= int(wanted) <= len(tests):
+    if wanted.isdecimal() and 1 <= int(wanted) <= len(tests):
         return tests[int(wanted) - 1]
     names = ", ".join(test.name for test in tests)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

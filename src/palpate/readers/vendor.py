@@ -136,8 +136,9 @@ def recording_from(
     time, load, depth = time[valid], load[valid], depth[valid]
     later = increasing(time) if len(time) else valid[:0]
     if len(time) < 2 or later.sum() < (1 - MOST_LEFT_OUT) * len(valid):
+        lost = len(valid) - int(later.sum())
         raise InputError(
-            f"{len(valid) - int(later.sum())} of {len(valid)} points are invalid or go back in time",
+            f"{lost} of {len(valid)} points are invalid or go back in time" if lost else "holds fewer than two points",
             remedy="export the test again",
             file=source.path,
             place=place,
