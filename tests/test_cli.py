@@ -1,5 +1,7 @@
 """Every command: exit code 0, or one line on stderr and 2; a simulation that fails is 1."""
 
+import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +46,9 @@ def refused(capsys):
         (["check", "missing.yaml"], "missing.yaml: cannot be read"),
         (["check", "."], "cannot be read"),
         (["read", "missing.txt", "-o", "out"], "missing.txt: cannot be read"),
+        (["read", "missing.txt", "-o", "out", "--contact", "-1e-3"], "missing.txt: cannot be read"),
+        (["read", "x", "-o", "y", "--units", "load=uN,load=N"], "--units: 'load' is given twice"),
+        (["read", "x", "-o", "y", "--columns", "time=a,load=b,time=c"], "--columns: 'time' is given twice"),
     ],
 )
 def test_bad_command_lines(tmp_path, monkeypatch, refused, arguments, words):
@@ -57,6 +62,7 @@ def test_bad_command_lines(tmp_path, monkeypatch, refused, arguments, words):
         ("a: 1\nb: [\n", "line 3"),
         ("material: {}\nindenter: {}\nmaterial: {}\n", "line 3: is not valid YAML (key 'material' is given twice)"),
         (b"\xff\xfe\x00", "not a text file"),
+        ("? [a]\n: 1\n", "line 1: is not valid YAML (a key is no word)"),
         ("", "table of keys"),
         ("- 1\n", "table of keys"),
     ],
@@ -125,3 +131,51 @@ def test_help_needs_no_heavy_imports():
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.splitlines()[-1] == "[]"
     assert all(command in out for command in ("simulate", "read", "check"))
+
+
+TABLE = "t,P,h\n0,0,0\n1,1,1\n2,2,2\n"
+BY_NAME = ["--columns", "time=t,load=P,depth=h"]
+
+
+@pytest.fixture
+def palpate(tmp_path):
+    """Run the command line in a process of its own, with the words `before` and `after` it in the shell."""
+
+    def run(*arguments, before="", after=""):
+        code = "import sys; from palpate.cli import main; sys.exit(main())"
+        line = f"{before} {sys.executable} -c {shlex.quote(code)} {shlex.join(map(str, arguments))} {after}"
+        return subprocess.run(["bash", "-c", line], capture_output=True, text=True, cwd=tmp_path)
+
+    return run
+
+
+def test_names_that_the_output_cannot_write(tmp_path, palpate):
+    (tmp_path / "x.csv").write_text(TABLE)
+    done = palpate("read", "x.csv", *BY_NAME, "-o", "\u6d4b\u8bd5", before="PYTHONIOENCODING=cp1252")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "\\u6d4b\\u8bd5/x.csv\n", "")
+    assert (tmp_path / "\u6d4b\u8bd5/x.csv").exists()
+
+
+@pytest.mark.parametrize("more", [[], ["--survey"]])
+def test_a_file_whose_name_is_no_unicode(tmp_path, more, capsys):
+    file = tmp_path / os.fsdecode(b"Pr\xfcfung.txt")
+    try:
+        file.write_text("t,P,h\n" + "".join(f"{k},{k},{k}\n" for k in range(20)))
+    except OSError:
+        pytest.skip("this file system keeps names in Unicode only")
+    assert main(["read", str(file), *BY_NAME, *more, "-o", str(tmp_path / "out")]) == 0
+    assert "# from Pr\\udcfcfung.txt" in (tmp_path / "out/Pr_udcfcfung.csv").read_text()
+
+
+@pytest.mark.parametrize("buffer", ["PYTHONUNBUFFERED=", "PYTHONUNBUFFERED=1"])
+def test_a_reader_that_leaves_early_gets_no_complaint(palpate, buffer):
+    done = palpate("check", CHALLENGE, before=buffer, after="| true; exit ${PIPESTATUS[0]}")
+    assert (done.returncode, done.stderr) == (1, "")
+
+
+@pytest.mark.parametrize("rows", [7, 8, 9])
+def test_what_cannot_be_surveyed_leaves_no_file(tmp_path, refused, rows):
+    file = tmp_path / "x.csv"
+    file.write_text("t,P,h\n" + "".join(f"{k},{k},{k}\n" for k in range(rows)))
+    assert f"{file}, " in refused("read", file, *BY_NAME, "--survey", "-o", tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import io
+import os
 import pkgutil
+import re
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from palpate import __version__, commands
 from palpate.errors import InputError, PalpateError
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints fit on one line."""
+    """A parser whose complaints fit on one line, and to which -1e-3 is as much a number as -5."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def error(self, message: str) -> NoReturn:
         """Print `message` and leave with exit code 2."""
@@ -22,7 +29,12 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``palpate``; return its exit code: 0 on success, 1 on failure, 2 on bad input."""
+    """Run ``palpate``; return its exit code: 0 on success, 2 on bad input, 1 on failure or when nobody reads on.
+
+    Letters that the output's encoding lacks are printed as numbers.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
     parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
     parser.add_argument("--version", action="version", version=f"palpate {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -33,12 +45,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         subparser.set_defaults(run=command.run)
     chosen = parser.parse_args(arguments)
     try:
-        return chosen.run(chosen)
+        code = chosen.run(chosen)
+        sys.stdout.flush()
+        return code
     except InputError as error:
         print(f"palpate: {error}", file=sys.stderr)
         return 2
     except PalpateError as error:
         print(f"palpate: {error}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
         problem = InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename)
