@@ -67,6 +67,15 @@ def test_decimal_commas_between_commas_are_refused_by_number_too(tmp_path, head,
     assert test.recording.depth.max() == 5
 
 
+@pytest.mark.parametrize("names", [("t_s", "P_uN", "h_um"), ("1", "2", "3")])
+def test_a_comment_sign_before_the_header_is_no_column(tmp_path, names):
+    file = tmp_path / "x.txt"
+    np.savetxt(file, np.column_stack([TIME, FORCE, PATH, 25 + TIME]), header="t_s P_uN h_um T")
+    (test,) = read_vendor_file(file, columns=ColumnMap(dict(zip(("time", "load", "depth"), names, strict=True))))
+    assert test.recording.load == pytest.approx(FORCE / 1e3)
+    assert test.recording.depth == pytest.approx(1e3 * PATH)
+
+
 SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"})
 
 
@@ -180,6 +189,7 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
     [
         ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; export it with semicolons"),
         ("t;P;h;t;P;h\n0;0;0;0;0;0\n1;1;1;1;1;1\n", "several columns are called 't'"),
+        ("t [s] P [mN] h [nm]\n0 0 0 0 0\n1 1 1 1 1\n", "line 2: has 5 cells, its header 6; give the columns by"),
     ],
 )
 def test_columns_that_cannot_be_told_apart_are_refused(tmp_path, text, words):

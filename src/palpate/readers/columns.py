@@ -70,7 +70,7 @@ class Table:
     rows, numbers
         Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
     delimiter
-        What parts the cells of a text; None for blanks, and in a workbook.
+        What parts the cells of a text, where a blank stands for any number of them; None in a workbook.
     """
 
     source: Source
@@ -95,14 +95,15 @@ class Table:
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
     """Read the one table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    The header is the first row with all names. Rows without any number, of units and remarks, do no harm before and
-    after the numbers; other rows without three, or with a time that does not increase, are left out with a warning.
+    The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
+    Rows without any number, of units and remarks, do no harm before and after the numbers; other rows without three, or
+    with a time that does not increase, are left out with a warning.
 
     Raises
     ------
     InputError
         When no table has the columns or one has several of a name, more than a twentieth of its rows would be left out,
-        rows have more cells than the header, or a unit is not known.
+        cells do not fit the header, or a unit is not known.
     """
     tables = _tables(source)
     tests = [test for test in (_test(table, columns) for table in tables) if test is not None]
@@ -163,23 +164,24 @@ def _units(columns: ColumnMap, above: Sequence[Sequence[str]], header: int | Non
 
 
 def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
-    """Refuse `rows` of numbers that a separator within a number has torn apart.
+    """Refuse `rows` of numbers where a separator within a number, or within a name, has torn the cells apart.
 
     They have more cells than the header; or where there is none, more than three, and not one with a decimal sign.
+    In a table split at blanks they have fewer than a header whose names hold blanks.
     """
     width = len(CHANNELS) if header is None else len(table.rows[header])
     if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
         return
-    for row in rows:
-        cells = table.rows[row]
-        if any(str(cell).strip() for cell in cells[width:]):
-            raise InputError(
-                f"has {len(cells)} cells, "
-                + ("and no number a decimal sign" if header is None else f"its header {width}"),
-                remedy="export it with semicolons or tabs between the columns"
-                + (", or write their names above" if header is None else ", or put numbers with commas in quotes"),
-                place=table.place(row),
-            )
+    wider = next((row for row in rows if any(str(cell).strip() for cell in table.rows[row][width:])), None)
+    if table.delimiter == " " and len(table.rows[rows[0]]) < width:
+        row, remedy = rows[0], "give the columns by their numbers, from 1"
+    elif wider is not None:
+        row, remedy = wider, "export it with semicolons or tabs between the columns"
+        remedy += ", or write their names above" if header is None else ", or put numbers with commas in quotes"
+    else:
+        return
+    problem = "and no number a decimal sign" if header is None else f"its header {width}"
+    raise InputError(f"has {len(table.rows[row])} cells, {problem}", remedy=remedy, place=table.place(row))
 
 
 def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -219,7 +221,8 @@ def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]
 def _tables(source: Source) -> list[Table]:
     """Return a workbook's sheets, or the one table of a text file.
 
-    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of; else at blanks.
+    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of; else at blanks,
+    and then # before a line is no cell.
     """
     if source.workbook:
         sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
@@ -229,7 +232,8 @@ def _tables(source: Source) -> list[Table]:
         if sum(line.count(delimiter) >= 2 for line in lines.values()) > len(lines) / 2:
             split = [_cells(line, delimiter) for line in lines.values()]
             return [Table(source, source.path.stem, split, list(lines), delimiter)]
-    return [Table(source, source.path.stem, [line.split() for line in lines.values()], list(lines))]
+    split = [line.removeprefix("#").split() for line in lines.values()]
+    return [Table(source, source.path.stem, split, list(lines), " ")]
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
