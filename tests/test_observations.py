@@ -39,6 +39,8 @@ def spoiled(kind):
         t[-1] = 60.0
     elif kind == "short":
         t, load, depth = t[:60], load[:60], depth[:60]
+    elif kind == "milliseconds":
+        t = 1000 * t
     elif kind == "pulled":
         load = -load
     elif kind == "upwards":
@@ -58,6 +60,7 @@ def spoiled(kind):
         ("upwards", "the depth is negative, down to -500 nm: its sign is wrong"),
         ("short", "ends after"),
         ("slow", "load departs"),
+        ("milliseconds", "it lasts 6e+04 s, are times in ms?"),
     ],
 )
 def test_a_bad_recording_is_refused_by_name(tmp_path, kind, words, capsys):
