@@ -167,6 +167,14 @@ def test_large_strains_in_lanes(monkeypatch):
     assert_like_single([*(specification(material, kinematics="large") for material in grid), blunt], within=1e-5)
 
 
+def test_a_size_effect_does_not_ask_where_a_step_began():
+    """At large strains lanes begin the steps of the onset where the last one ended; the single solver carries on."""
+    pair = [
+        specification(kinematics="large", mechanisms={"size_effect": {"length": length}}) for length in (50.0, 200.0)
+    ]
+    assert_like_single(pair, within=1e-5)
+
+
 def test_small_and_large_strains_do_not_share_lanes():
     curves = [r.depth for r in simulate_batch([specification(kinematics=k) for k in ("small", "large") * 2])]
     assert np.array_equal(curves[0], curves[2]) and np.array_equal(curves[1], curves[3])

@@ -89,7 +89,7 @@ def test_defaults_and_order(tmp_path):
         ({"laboratory": {"lab": {"parameters": TRUTH}}}, "laboratory.lab", "recordings"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs": 3}}}}, "lab.parameters", "youngs"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),
-        (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "mechanisms": {"drif": {}}}}}, "lab.mechanisms", "drif"),
+        (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "mechanisms": {"drif": {}}}}}, "mechanisms", "drif"),
         (
             LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "mechanisms": {"thermal_drift": {"rat": 1}}}}},
             "lab.mechanisms.thermal_drift",

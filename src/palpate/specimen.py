@@ -52,6 +52,19 @@ class Specimen:
         return math.sqrt(1.0 + self.size_length / max(depth, self.shallowest)) if self.size_length else 1.0
 
 
+def halfway(depth: float, before: float, load: float) -> float:
+    """Return the depth halfway through a step, which begins at a `depth` under the load `before`.
+
+    While the load rises a sharp tip sinks in with its root; else the depth is taken as it is.
+    """
+    return 0.5 * depth * (1.0 + root_growth(before, load))
+
+
+def root_growth(before: float, load: float) -> float:
+    """Return the root of the factor by which the load rises in a step; one where it does not, or begins at zero."""
+    return math.sqrt(load / before) if load > before > 0.0 else 1.0
+
+
 def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
     """Return the law of an elastic substrate of Young's modulus `modulus` [GPa] and the film's Poisson's ratio."""
     shear, bulk = coefficients[SHEAR], coefficients[BULK]

@@ -19,6 +19,7 @@ from palpate.fem.batch_newton import advance
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.march import HALVINGS
 from palpate.protocol import Protocol
+from palpate.specimen import halfway
 
 
 @dataclass(eq=False)
@@ -103,11 +104,14 @@ class March:
         """
         shallower = states.depth
         states.displacement, states.depth = states.displacement + change, shallower + deepening
-        midway = 0.5e3 * self.units * (shallower + states.depth)
-        resisting, following = self.bodies.at(midway, end - begin)
+        before, loads = (
+            [float(protocol.load_at(time)) for protocol, time in zip(self.protocols, times, strict=True)]
+            for times in (begin, end)
+        )
+        midway = np.array(list(map(halfway, shallower, before, loads)))
+        resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
         turn(states.points, states.laws, states.weights, following)
         states.laws, states.weights = resisting, following
-        loads = [protocol.load_at(time) for protocol, time in zip(self.protocols, end, strict=True)]
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, states.touch, states.laws, states.weights,

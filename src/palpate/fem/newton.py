@@ -15,7 +15,7 @@ from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
 from palpate.materials.radial import state_size, step_weights
-from palpate.specimen import Specimen, resisted
+from palpate.specimen import Specimen, halfway, resisted
 
 ITERATIONS = 40  # the nodes that a rounded tip lets go before it lifts off take many
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
@@ -89,6 +89,11 @@ class State:
     guesses: np.ndarray
     force: np.ndarray
     anchor: np.ndarray
+
+    @property
+    def load(self) -> float:
+        """What the indenter presses with [mN]."""
+        return -float(self.force[:, 1].sum())
 
     @classmethod
     def initial(cls, problem: Problem) -> State:
@@ -183,8 +188,8 @@ def advance(
     """
     mesh, profile = problem.mesh, problem.profile
     step = time - state.time
-    midway = 0.5e3 * (state.depth + guess.depth)
-    coefficients = resisted(problem.coefficients, problem.specimen.resistance(midway))
+    midway = halfway(state.depth, state.load, load)
+    coefficients = resisted(problem.coefficients, problem.specimen.resistance(1e3 * midway))
     weights = np.stack([step_weights(row, step) for row in coefficients])
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth = guess.displacement.copy(), guess.depth

@@ -21,6 +21,7 @@ from palpate.fem.newton import Equilibrium, Problem, State, Workspace
 from palpate.fem.sensitivity_contact import AnchorChange
 from palpate.fem.sensitivity_element import carry, push, settle
 from palpate.fem.sensitivity_point import powers_size
+from palpate.specimen import halfway, root_growth
 
 
 class Sensitivity:
@@ -69,9 +70,12 @@ class Sensitivity:
         problem, directions, balance = self.problem, self.directions, work.equilibrium
         assert balance is not None
         mesh, laws = problem.mesh, balance.coefficients
-        (start, _), (end, d_load) = self.clock.changes(state.time), self.clock.changes(after.time)
+        (start, d_before), (end, d_load) = self.clock.changes(state.time), self.clock.changes(after.time)
         ahead, d_guess = self._guess(state, before, after.time)
-        midway, d_midway = 0.5e3 * (state.depth + guess.depth), 0.5e3 * (self.depth + ahead)
+        midway, growth = 1e3 * halfway(state.depth, state.load, after.load), root_growth(state.load, after.load)
+        d_midway = 0.5e3 * (1.0 + growth) * self.depth
+        if growth > 1.0:
+            d_midway += 0.25e3 * state.depth * growth * (d_load / after.load - d_before / state.load)
         d_laws = resisted_change(problem.coefficients, problem.specimen, directions, midway, d_midway)
         d_weights = weights_change(laws, d_laws, balance.step, end - start)
         step = (mesh.elements, mesh.gradients, mesh.weights, problem.large, after.displacement, problem.region)

@@ -15,7 +15,7 @@ from palpate.fem3d.element import COMPONENTS, CURVATURE_11, CURVATURE_22, assemb
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
 from palpate.materials.radial import state_size, step_weights
-from palpate.specimen import Specimen, resisted
+from palpate.specimen import Specimen, halfway, resisted
 
 ITERATIONS = 40
 SIXTH = 6.0  # of the load acts on the wedge
@@ -60,6 +60,11 @@ class State:
     guesses: np.ndarray
     force: np.ndarray
     anchor: np.ndarray
+
+    @property
+    def load(self) -> float:
+        """What the indenter presses with [mN], on the whole body."""
+        return -SIXTH * float(self.force[:, 2].sum())
 
     @classmethod
     def initial(cls, problem: Problem) -> State:
@@ -120,8 +125,8 @@ def advance(
         When the iteration limit is reached or the stiffness is not positive definite.
     """
     mesh, share, part = problem.mesh, load / SIXTH, scale / SIXTH
-    midway = 0.5e3 * (state.depth + guess.depth)
-    coefficients = resisted(problem.specimen.coefficients, problem.specimen.resistance(midway))
+    midway = halfway(state.depth, state.load, load)
+    coefficients = resisted(problem.specimen.coefficients, problem.specimen.resistance(1e3 * midway))
     weights = step_weights(coefficients, time - state.time)
     begin_step(state.material, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
