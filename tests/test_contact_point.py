@@ -68,6 +68,38 @@ def test_an_earlier_touch_and_lift_is_not_taken_for_contact():
     assert point.time == pytest.approx(10.0, abs=0.5)
 
 
+@pytest.mark.parametrize("zero", [20.0, -100.0])
+def test_what_the_load_reads_without_contact_does_not_matter(zero):
+    time, load, depth = recording(2, 20.0)
+    plain, moved = first_touch(time, load, depth), first_touch(time, load + zero, depth)
+    assert moved.depth == pytest.approx(plain.depth, abs=1e-6)
+    assert moved.load == pytest.approx(plain.load + zero)
+
+
+def test_a_spike_on_the_way_in_is_not_taken_for_contact():
+    time, load, depth = recording(2, 20.0)
+    plain = first_touch(time, load, depth)
+    load[40] = 0.5 * load.max()
+    assert first_touch(time, load, depth).depth == pytest.approx(plain.depth, abs=1.0)
+
+
+def test_contact_lies_before_the_first_of_growing_cycles():
+    """Each of them unloads fully and retreats; the first gains a fiftieth of the largest load."""
+    time, load, depth = recording(3, 20.0)
+    plain = first_touch(time, load, depth)
+    small = load < 0.02 * load.max()
+    back = np.linspace(depth[small][-1], CONTACT - 20.0, 60)
+    force = 0.01 + law(np.linspace(0.0, 1.0, 60)[::-1] * (back[0] - CONTACT), 20.0)
+    after = np.append(depth[small], back)
+    cycles = first_touch(
+        np.arange(len(after) + len(time)) * (time[1] - time[0]),
+        np.concatenate([load[small], force, load]),
+        np.append(after, depth),
+    )
+    assert cycles.time < small.sum() * (time[1] - time[0])
+    assert cycles.depth == pytest.approx(plain.depth, abs=6.0)
+
+
 def test_origin_of_the_sharp_law_lies_before_a_blunt_tip_s_touch():
     _, load, depth = recording(1, 60.0, approach=False)
     origin, lower, upper = sharp_origin(load, depth)

@@ -30,6 +30,20 @@ def test_time_zero_is_where_loading_began(clock, start):
     assert peak == pytest.approx(10.0, abs=1.01 * interval)
 
 
+@pytest.mark.parametrize(
+    ("times", "loads", "before"),
+    [
+        ([0, 60, 90, 100], [0.05, 0.05, 10, 0], 30 * 0.05 / 9.95),
+        ([0, 4.5, 9, 21, 32], [0.2, 2.0, 0.2, 5.0, 0.6], 0.5),
+    ],
+)
+def test_neither_a_preload_nor_later_cycles_tell_when_loading_began(times, loads, before):
+    time = np.linspace(0, times[-1], 1001)
+    load = np.interp(time, times, loads)
+    begun = Recording(time, load, 100 * np.sqrt(load)).from_contact()
+    assert begun.time[1] == pytest.approx(before, rel=0.02)
+
+
 def test_a_clock_that_starts_at_contact_is_kept():
     first_cut = Recording(*(values[1:] for values in (ramp().time, ramp().load, ramp().depth)))
     begun = first_cut.from_contact()

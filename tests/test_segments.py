@@ -34,6 +34,11 @@ def test_trapezoid_with_drift_hold(noise, points):
     assert [part.end for part in parts] == pytest.approx(knots[1:], abs=allowed)
 
 
+@pytest.mark.parametrize(("load", "kind"), [(0.3, "hold"), (0.02, "drift_hold")])
+def test_a_hold_on_the_way_up_creeps_unless_it_is_a_preload(load, kind):
+    assert kinds(found_in([0, 5, 125, 130, 160, 170], [0, load, load, 1, 1, 0]))[1] == kind
+
+
 def test_triangle_has_no_hold():
     assert kinds(found_in([0, 30, 60], [0, 1, 0], noise=1e-3)) == ["loading", "unloading"]
 

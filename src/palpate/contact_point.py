@@ -24,6 +24,7 @@ from palpate.errors import InputError
 EXPONENTS = np.linspace(1.0, 2.0, 11)
 WINDOWS = (30.0, 100.0, 300.0, 1000.0)
 LOADED = 0.1
+TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range, that a cycle gains
 FEWEST = 6
 TELLING = 3.0
 LEVEL = 0.95
@@ -81,7 +82,7 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
-    smooth, noise = median_filter(force, 5, mode="nearest"), max(noise_of(force), 1e-6 * load.max())
+    smooth, noise = median_filter(force, 5, mode="nearest"), max(noise_of(force), 1e-6 * np.ptp(load))
     rough = int(np.flatnonzero(smooth <= smooth.min() + 6 * noise)[-1])
     fits = []
     for window in WINDOWS:
@@ -131,13 +132,32 @@ def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, la
 
 
 def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
-    """Return the first and last index of the way in: from the farthest retreat to a tenth of the largest load.
+    """Return the first and last index of the way in: from the farthest retreat to a tenth of the first cycle's load.
 
-    Where fewer than ten points lie between, as in coarse recordings, ten are taken, up to half the largest load.
+    Loads count from the least one before the peak, whatever the load reads without contact, and single points that
+    stick out do not count. Where fewer than ten points lie between, as in coarse recordings, ten are taken, up to half
+    of that load.
     """
-    last = int(np.argmax(load > LOADED * load.max()))
+    smooth = median_filter(load, 5, mode="nearest")
+    smooth = smooth[: _first_cycle(smooth, depth, noise_of(load))]
+    peak = int(np.argmax(smooth))
+    risen = smooth - smooth[: peak + 1].min()
+    last = int(np.argmax(risen > LOADED * risen[peak]))
     first = int(np.argmin(depth[: last + 1]))
-    return first, max(last, min(first + 10, int(np.argmax(load > 0.5 * load.max()))))
+    return first, max(last, min(first + 10, int(np.argmax(risen > 0.5 * risen[peak]))))
+
+
+def _first_cycle(load: np.ndarray, depth: np.ndarray, noise: float) -> int:
+    """Return where the first cycle ends: the tip has retreated, and the load fallen to half of what it had gained.
+
+    Springs that push less on the way in are no cycle: there the tip does not retreat.
+    """
+    top = np.maximum.accumulate(load)
+    turned = np.maximum.accumulate(np.where(load == top, np.arange(len(load)), 0))
+    gained = top - np.minimum.accumulate(load)[turned]
+    loaded = gained > max(TOUCHED * noise, LEAST_CYCLE * np.ptp(load))
+    ended = loaded & (top - load > 0.5 * gained) & (depth < depth[turned] - TELLING * noise_of(depth))
+    return int(np.argmax(ended)) if ended.any() else len(load)
 
 
 def _interval(

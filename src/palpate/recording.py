@@ -14,7 +14,7 @@ from palpate.errors import InputError
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 BARELY_LOADED = 1e-3
-RATE_SPAN = 0.05
+RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +78,8 @@ class Recording:
         """Return the recording with time zero where loading began, and zero load there.
 
         A recording that begins under load (its first points cut off, or taken after the start) is extended back to
-        zero load and depth at the rate of its first loading. The clock's own zero is kept when loading began within one
-        sampling interval of it.
+        zero load and depth at the rate of its first loading, after a hold at a preload if there is one. The clock's own
+        zero is kept when loading began within one sampling interval of it.
 
         Raises
         ------
@@ -89,9 +89,11 @@ class Recording:
         peak = int(np.argmax(self.load))
         begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
         if self.load[0] > BARELY_LOADED * self.load[peak]:
-            early = np.flatnonzero(self.load[:peak] <= self.load[0] + RATE_SPAN * self.load[peak])
-            last = min(max(early[-1], 1) if len(early) else 0, peak)
-            rate = np.polyfit(self.time[: last + 1] - begin, self.load[: last + 1], 1)[0] if last else 0.0
+            risen = (self.load[: peak + 1] - self.load[0]) / self.load[peak]
+            last = max(int(np.argmax(risen > RATE_SPAN)) - 1, 1) if risen[-1] > RATE_SPAN else peak
+            first = min(int(np.flatnonzero(risen[: last + 1] <= RATE_START)[-1]), last - 1) if last else 0
+            rise = slice(first, last + 1)
+            rate = np.polyfit(self.time[rise] - begin, self.load[rise], 1)[0] if last else 0.0
             if rate <= 0:
                 raise InputError(
                     f"the recording begins under {self.load[0]:.4g} mN that does not rise",

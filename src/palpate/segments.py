@@ -23,7 +23,7 @@ LINEAR = 200.0
 TOLERANCE = 0.02
 CHANGE = 0.05
 SLOW = 0.1
-LOW = 1 / 3
+LOW, PRELOAD = 1 / 3, 0.05  # of the largest load: below them a hold shows drift after loading, and before it
 FEWEST = 5
 
 
@@ -35,7 +35,8 @@ class Segment:
     ----------
     kind
         ``approach`` (all before contact), ``loading`` (above any earlier load), ``hold`` (creep), ``unloading``,
-        ``reloading`` (below an earlier load) or ``drift_hold`` (a hold at a low load that is not the top of a cycle).
+        ``reloading`` (below an earlier load) or ``drift_hold`` (a hold at a low load that is not the top of a cycle; at
+        one that is reached for the first time the body creeps, and it has to be a preload of a few per cent).
     first, last
         Indices of its first and last point; neighbours share a point.
     start, end
@@ -125,7 +126,8 @@ def _named(pieces: list[tuple[int, int, int]], level: np.ndarray, load: np.ndarr
         if sign < 0:
             named.append(("unloading", first, last))
         elif sign == 0:
-            low = np.median(load[first : last + 1]) < LOW * load.max()
+            new = before > 0 and np.median(level[first : last + 1]) > level[: first + 1].max() - CHANGE
+            low = np.median(load[first : last + 1]) < (PRELOAD if new else LOW) * load.max()
             named.append(("drift_hold" if low and (before, after) != (1, -1) else "hold", first, last))
         else:
             earlier = level[: first + 1].max()
