@@ -95,6 +95,8 @@ def test_defaults_and_order(tmp_path):
             "lab.mechanisms.thermal_drift",
             "rat",
         ),
+        ({"calibration": {"solver_error": float("nan")}}, "calibration.solver_error", "nan is given"),
+        ({"surrogate": {"shape": float("inf")}}, "surrogate.shape", "inf is given"),
         ({"indenter": {"shape": ["cone"], "half_angle": 70.3}}, "indenter.shape", "cone"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),
@@ -219,7 +221,6 @@ def test_a_condition_may_load_at_constant_strain_rate_or_in_cycles(tmp_path):
         ({"times": [1, 2], "loads": [1]}, "(P).loads"),
         ({"times": [1, 2], "loads": [0, 0]}, "(P).loads"),
         ({"times": [1, 2], "loads": [1, -1]}, "(P).loads"),
-        ({"times": [1, 2], "loads": [1, float("nan")]}, "(P).loads"),
         ({"max_load": 1.0, "loading_time": 1e-3, "hold_time": 864000, "unloading_time": 1e-3}, "(P).protocol"),
     ],
 )

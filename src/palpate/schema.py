@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import jsonschema
@@ -54,9 +55,12 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
 
     errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=order)
     if not errors:
+        for path, value in _numbers(values):
+            if not math.isfinite(value):
+                raise InputError(f"{value} is given, expected a number", remedy="correct it", place=_place(path))
         return
     error = errors[0]
-    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path).lstrip(".")
+    place = _place(error.absolute_path)
     if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
         known = error.schema.get("properties", {})
         key = next(key for key in error.instance if key not in known)
@@ -68,6 +72,20 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     section = next(iter(error.absolute_path), "the keys")
     remedy = error.schema.get("description", f"see {section} in {REFERENCE}")
     raise InputError(_problem(error), remedy=remedy, place=place or "top level")
+
+
+def _place(path: Iterable[str | int]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
+
+
+def _numbers(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], float]]:
+    """Yield every number that is no integer, with its place."""
+    if isinstance(values, float):
+        yield path, values
+    elif isinstance(values, Mapping | list):
+        entries = values.items() if isinstance(values, Mapping) else enumerate(values)
+        for key, value in entries:
+            yield from _numbers(value, (*path, key))
 
 
 def _problem(error: jsonschema.ValidationError) -> str:
