@@ -19,7 +19,7 @@ from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
 from palpate.load_history import protocol_from
-from palpate.mechanisms import checked_mechanisms
+from palpate.mechanisms import MECHANISMS, checked_mechanisms
 from palpate.protocol import Protocol
 from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
@@ -29,6 +29,7 @@ SECTIONS = {
     "indenter": "{shape: cone, half_angle: 70.3}",
     "protocol": "{max_load: 1.0, loading_time: 30, unloading_time: 30}",
 }
+SCATTERED = 0.1  # scatter of a mechanism between meshes, from which wider elements do not serve
 KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
 
 
@@ -223,19 +224,23 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
     ----------
     roughly
         Take elements twice as wide whatever the accuracy, for 0.4 of the time. A small difference between two curves
-        then departs by 5 % (creep) to 30 % (yielding, friction) of itself; under adhesion it is lost. A pyramid is
-        simulated as it would be.
+        then departs by 5 % (creep) to 30 % (yielding, friction) of itself. Under adhesion it would be lost: that, and a
+        pyramid, are simulated as they would be.
     """
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(replace(specification, meshes=1)) for specification in specifications]
     cases = [
-        _case(acting(specification), part / specification.meshes, roughly)
+        _case(acting(specification), part / specification.meshes, roughly and _bears_wider_elements(specification))
         for specification in specifications
         for part in range(specification.meshes)
     ]
     histories = iter(indent_distinct(cases))
     return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
+
+
+def _bears_wider_elements(specification: Specification) -> bool:
+    return all(MECHANISMS[key].solver_scatter < SCATTERED for key in specification.mechanisms)
 
 
 def smooth(specification: Specification) -> Specification:

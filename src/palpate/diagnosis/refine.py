@@ -27,7 +27,6 @@ from palpate.diagnosis.fit import Fit, minimised, solve, spread_own_values
 from palpate.diagnosis.local import Local, two_level
 from palpate.diagnosis.posterior import away
 from palpate.errors import PalpateError
-from palpate.mechanisms import MECHANISMS
 from palpate.model import Simulation, simulate_batch, smooth
 from palpate.specification import Specification
 
@@ -38,7 +37,6 @@ HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a su
 WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
-ROUGH = 0.1  # scatter of an effect between meshes, from which wider elements do not serve
 SHARPENED, REACH = 2, 2.0  # designs at most, while the optimum lies so many standard deviations from the last one
 
 
@@ -150,8 +148,8 @@ def sharpen(study: Study, fit: Fit) -> Fit:
 def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     """Return by how much the curves differ between some coordinates (m, k) and the fit's (m, n_all) [nm].
 
-    With a third of the points in time, so that there are fewer steps, and on wider elements, unless an effect is rough
-    there: in differences their error cancels.
+    With a third of the points in time, so that there are fewer steps, and on wider elements: in differences their error
+    cancels.
 
     Raises
     ------
@@ -162,8 +160,7 @@ def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
     wanted = [(z, condition) for z in (fit.z, *places) for condition in short]
     specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition in wanted]
-    roughly = all(MECHANISMS[key].solver_scatter < ROUGH for key in fit.explanation)
-    outcomes = simulate_batch(specifications, roughly)
+    outcomes = simulate_batch(specifications, roughly=True)
     curves = []
     for (z, condition), outcome in zip(wanted, outcomes, strict=True):
         every = problem.observed[condition.name].time
