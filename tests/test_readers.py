@@ -11,7 +11,7 @@ from palpate.cli import main
 from palpate.errors import InputError
 from palpate.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.readers.source import Source
-from palpate.readers.vendor import recording_from
+from palpate.readers.vendor import usable
 from palpate.recording import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
@@ -270,11 +270,14 @@ def test_a_workbook_by_its_columns_is_what_its_reader_reads():
 def test_points_without_values_at_the_ends_are_no_damage():
     time, blank = np.arange(100.0), np.full(100, np.nan)
     time[:40], blank[:90] = np.nan, 1.0
-    assert len(recording_from(Source(Path("x"), b""), "a", "a", time, time, blank)) == 50
-    with pytest.raises(InputError, match="100 of 100 points are invalid"):
-        recording_from(Source(Path("x"), b""), "a", "a", np.full(100, np.nan), time, blank)
-    with pytest.raises(InputError, match="x, a: holds fewer than two points; export"):
-        recording_from(Source(Path("x"), b""), "a", "a", *np.zeros((3, 1)))
+    kept, warnings = usable(Source(Path("x"), b""), "a", time, blank)
+    assert list(kept) == list(range(40, 90))
+    assert warnings == ()
+    for few in (np.full(100, np.nan), np.zeros(1)):
+        with pytest.raises(
+            InputError, match="x, a: holds fewer than two points with a number in every channel; export"
+        ):
+            usable(Source(Path("x"), b""), "a", few, few)
 
 
 @needs_recordings

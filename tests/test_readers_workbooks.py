@@ -1,54 +1,45 @@
-"""Workbooks made for the test: units of the right quantity, sheets without rows, names that look alike."""
+"""Workbooks: the order and the units of their sheets, spoilt sheets beside good ones, contact without a marker."""
 
-import zipfile
-from xml.sax.saxutils import escape, quoteattr
-
+import numpy as np
 import pytest
+from test_readers import XP, needs_recordings
+from workbooks import write_workbook
 
 from palpate.cli import main
 from palpate.errors import InputError
-from palpate.readers import read_vendor_file
+from palpate.readers import read_each, read_vendor_file, select
 from palpate.recording import read_recording
 
-MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-LINKS = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-PACKAGE = "http://schemas.openxmlformats.org/package/2006/relationships"
-KLA = {"Markers": "", "Time": "s", "Load": "mN", "Depth": "nm"}
-XP = {
+TIME = np.linspace(-20, 60, 801)
+LOAD = np.interp(TIME, [0, 30, 60], [0, 5, 0.2]) + 1e-4 * np.sin(np.arange(801) ** 2)
+DEPTH = np.interp(TIME, [-20, 0, 30, 60], [-400, 0, 500, 300])
+XP_NAMES = ("Time On Sample", "Load On Sample", "Displacement Into Surface", "Raw Displacement", "Raw Load",
+            "Frame Stiffness")  # fmt: skip
+KLA_UNITS = {"Markers": "", "Time": "s", "Load": "mN", "Depth": "nm"}
+XP_UNITS = {
     "Displacement Into Surface": "nm", "Load On Sample": "mN", "Time On Sample": "s", "Frame Stiffness": "N/m",
     "Harmonic Contact Stiffness": "N/m", "Harmonic Stiffness": "N/m", "Raw Displacement": "um", "Raw Load": "mN",
 }  # fmt: skip
 
 
-def cell(value):
-    if isinstance(value, str):
-        return f'<c t="inlineStr"><is><t>{escape(value)}</t></is></c>'
-    return f"<c><v>{value}</v></c>"
+def kla(marker="Surface Index", row=200, spelt=float, peak=1.0):
+    """A sheet of a test with 20 s of approach."""
+    marked = [[marker if k == row else None] for k in range(len(TIME))]
+    values = zip(marked, TIME + 20, peak * LOAD, DEPTH, strict=True)
+    rows = [[*mark, *map(spelt, map(float, numbers))] for mark, *numbers in values]
+    return [["Markers", "Time", "Load", "Depth"], [None, "s", "mN", "nm"], *rows]
 
 
-def write_workbook(path, sheets):
-    """Write the least that is an Excel workbook: rows of text and numbers by the names of the sheets."""
-    listed = "".join(f'<sheet name={quoteattr(n)} sheetId="{k}" r:id="r{k}"/>' for k, n in enumerate(sheets, 1))
-    parts = {
-        "_rels/.rels": links(["xl/workbook.xml"], "officeDocument"),
-        "xl/workbook.xml": f'<workbook xmlns="{MAIN}" xmlns:r="{LINKS}"><sheets>{listed}</sheets></workbook>',
-        "xl/_rels/workbook.xml.rels": links([f"worksheets/{k}.xml" for k in range(1, len(sheets) + 1)], "worksheet"),
-    }
-    for k, rows in enumerate(sheets.values(), 1):
-        data = "".join(f"<row>{''.join(map(cell, row))}</row>" for row in rows)
-        parts[f"xl/worksheets/{k}.xml"] = f'<worksheet xmlns="{MAIN}"><sheetData>{data}</sheetData></worksheet>'
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, text in parts.items():
-            archive.writestr(name, text)
-    return path
+def xp(peak=1.0, frame=5e6, touched=True):
+    """A sheet whose raw displacement has 0.2 nm/mN of frame and 0.5 nm/s of drift."""
+    time = TIME if touched else TIME - 100
+    raw = DEPTH + 0.2 * peak * LOAD + 0.5 * TIME
+    rows = np.column_stack([time, peak * LOAD, DEPTH, raw, peak * LOAD, np.full(len(TIME), frame)])
+    return [list(XP_NAMES), ["s", "mN", "nm", "nm", "mN", "N/m"], *rows.tolist()]
 
 
-def links(targets, kind):
-    listed = "".join(f'<Relationship Id="r{k}" Type="{LINKS}/{kind}" Target="{t}"/>' for k, t in enumerate(targets, 1))
-    return f'<Relationships xmlns="{PACKAGE}">{listed}</Relationships>'
-
-
-def sheet(units):
+def counting(units):
+    """A sheet whose channels all count 0, 1, ... in their units."""
     return [
         list(units),
         list(units.values()),
@@ -56,21 +47,120 @@ def sheet(units):
     ]
 
 
+def results(drifts):
+    return [["Test", "Drift Correction"], ["", "nm/s"], *([str(k), drift] for k, drift in drifts.items())]
+
+
+def run(tmp_path, sheets, *options):
+    """Return the exit code of `palpate read` on a workbook and the largest load of each test that it wrote, by name."""
+    file = write_workbook(tmp_path / "x.xlsx", sheets)
+    status = main(["read", str(file), *options, "-o", str(tmp_path / "out")])
+    return status, {path.stem: round(read_recording(path).load.max()) for path in (tmp_path / "out").glob("*.csv")}
+
+
+@pytest.mark.parametrize("sheet", [xp, kla])
+@pytest.mark.parametrize(("wanted", "load"), [("10", 50), ("2", 10), ("Test 3", 15), ("1", 5)])
+def test_sheets_are_known_by_their_numbers(tmp_path, sheet, wanted, load):
+    file = write_workbook(tmp_path / "x.xlsx", {f"Test {k}": sheet(peak=k) for k in (1, 10, 2, 3)})
+    tests = read_vendor_file(file)
+    assert [test.name for test in tests] == ["Test 1", "Test 2", "Test 3", "Test 10"]
+    assert select(tests, wanted, file).recording.load.max() == pytest.approx(load, rel=0.01)
+    with pytest.raises(InputError, match="no test '4'"):
+        select(tests, "4", file)
+
+
+@pytest.mark.parametrize("sheet", [xp, kla])
+@pytest.mark.parametrize(
+    "spoil", [lambda rows: [], lambda rows: [["aborted"]], lambda rows: rows[:2], lambda rows: rows[:3]]
+)
+@pytest.mark.parametrize("name", ["Test 0", "Test 9"])
+def test_a_spoilt_sheet_is_named_and_the_others_are_read(tmp_path, sheet, spoil, name, capsys):
+    sheets = {name: spoil(sheet()), "Test 1": sheet(), "Test Summary": [["a", "b"], [1, 2]], "Test 2": sheet(peak=2)}
+    assert run(tmp_path, sheets) == (0, {"Test_1": 5, "Test_2": 10})
+    line = capsys.readouterr().err.strip()
+    assert name in line
+    assert line.endswith("the test is left out")
+    assert "\n" not in line
+    assert run(tmp_path, sheets, "--test", "2") == (0, {"Test_1": 5, "Test_2": 10})
+    assert capsys.readouterr().err == ""
+    assert run(tmp_path, sheets, "--test", name)[0] == 2
+    with pytest.raises(InputError, match=name):
+        read_vendor_file(tmp_path / "x.xlsx")
+    assert len(read_each(tmp_path / "x.xlsx")) == 3
+
+
+def test_a_test_that_never_touched_is_left_out_unless_all_are(tmp_path, capsys):
+    assert run(tmp_path, {"Test 1": xp(touched=False), "Test 2": xp()}) == (0, {"Test_2": 5})
+    assert "Test 1: the indenter never touched the sample" in capsys.readouterr().err
+    assert run(tmp_path, {"Test 1": xp(touched=False)})[0] == 2
+
+
+@pytest.mark.parametrize("spelt", [str, lambda value: str(value).replace(".", ",")])
+def test_numbers_written_as_text_are_read(tmp_path, spelt):
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": kla(spelt=spelt)})
+    (test,) = read_vendor_file(file, contact="none")
+    assert test.recording.depth == pytest.approx(DEPTH)
+
+
+@pytest.mark.parametrize("marker", ["Surface Index", " surface index", "SURFACE"])
+def test_a_marker_of_the_surface_is_contact(tmp_path, marker):
+    (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": kla(marker)}))
+    assert test.recording.depth[0] == pytest.approx(0)
+    assert test.warnings == ()
+
+
+@pytest.mark.parametrize("marker", [None, "Oberfläche"])
+def test_without_a_marker_the_load_tells_the_contact(tmp_path, marker):
+    (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": kla(marker)}))
+    assert test.recording.time[0] == 0
+    assert test.recording.depth[0] == pytest.approx(0, abs=4)
+    assert "no marker says where the surface is" in test.warnings[0]
+
+
+@pytest.mark.parametrize("drift", [0.5, "0,5"])
+def test_corrections_take_what_the_workbook_states(tmp_path, drift):
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": xp(), "Results": results({1: drift})})
+    (both,) = read_vendor_file(file, corrections=frozenset({"drift", "frame"}))
+    assert both.recording.depth == pytest.approx(DEPTH[200:], abs=1e-3)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("drift", "frame", "corrections", "words"),
+    [
+        ("n/a", 5e6, "drift", "Drift Correction [nm/s] is 'n/a', no number; leave drift off"),
+        (1.7976931348623157e308, 5e6, "drift", "no number; leave drift off"),
+        (None, 5e6, "drift", "the sheet Results gives no Drift Correction"),
+        ("n/a", 0.0, "frame", "Frame Stiffness is 0 N/m, expected more than zero; leave frame off"),
+        ("n/a", 0.0, "", None),
+    ],
+)
+def test_a_correction_that_is_not_stated_is_missed_only_when_it_is_asked_for(
+    tmp_path, drift, frame, corrections, words, capsys
+):
+    sheets = {"Test 1": xp(frame=frame), "Results": results({} if drift is None else {1: drift})}
+    status, _ = run(tmp_path, sheets, *(["--correct", corrections] if corrections else ["--raw"]))
+    line = capsys.readouterr().err.strip()
+    assert status == (0 if words is None else 2)
+    assert (words or "") in line
+    assert "\n" not in line
+
+
 @pytest.mark.parametrize(
     ("channels", "name", "unit", "known"),
     [
-        *((KLA, "Load", unit, "mN, uN, nN, N") for unit in ("ms", "s", "nm", "N/m")),
-        *((KLA, "Depth", unit, "nm, um, mm, m, A") for unit in ("mN", "N/m", "nm/s")),
-        (KLA, "Time", "nm", "s, sec, ms, min, h"),
-        (XP, "Load On Sample", "nm", "mN, uN, nN, N"),
-        (XP, "Harmonic Contact Stiffness", "nm", "N/m"),
-        (XP, "Frame Stiffness", "nm", "N/m"),
+        *((KLA_UNITS, "Load", unit, "mN, uN, nN, N") for unit in ("ms", "s", "nm", "N/m")),
+        *((KLA_UNITS, "Depth", unit, "nm, um, mm, m, A") for unit in ("mN", "N/m", "nm/s")),
+        (KLA_UNITS, "Time", "nm", "s, sec, ms, min, h"),
+        (XP_UNITS, "Load On Sample", "nm", "mN, uN, nN, N"),
+        (XP_UNITS, "Harmonic Contact Stiffness", "nm", "N/m"),
+        (XP_UNITS, "Frame Stiffness", "nm", "N/m"),
     ],
 )
 def test_a_unit_of_another_quantity_is_refused(tmp_path, channels, name, unit, known):
-    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(channels)})
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": counting(channels)})
     assert len(read_vendor_file(file)) == 1
-    write_workbook(file, {"Test 1": sheet(channels | {name: unit})})
+    write_workbook(file, {"Test 1": counting(channels | {name: unit})})
     with pytest.raises(InputError, match=f"x.xlsx, sheet Test 1: {name} is in '{unit}'; export it in one of: {known}$"):
         read_vendor_file(file)
 
@@ -97,3 +187,14 @@ def test_sheets_whose_names_look_alike_are_all_written(tmp_path):
     assert main(["read", str(file), "--columns", "time=t,load=P,depth=h", "-o", str(tmp_path / "out")]) == 0
     loads = sorted(read_recording(path).load.max() for path in (tmp_path / "out").iterdir())
     assert loads == [1, 2, 3, 4]
+
+
+@needs_recordings
+@pytest.mark.parametrize("lost", [1000, 97, 512, 3000])
+def test_an_old_workbook_that_is_cut_gets_one_line(tmp_path, lost, capfd):
+    file = tmp_path / "cut.xls"
+    file.write_bytes(XP.read_bytes()[:-lost])
+    assert main(["read", str(file), "-o", str(tmp_path)]) == 2
+    said = capfd.readouterr().err.strip()
+    assert "is no whole Excel workbook" in said or "is damaged" in said
+    assert "\n" not in said

@@ -8,7 +8,7 @@ from test_readers import ANON, needs_recordings
 from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.observations import convert_source
-from palpate.readers import read_vendor_file
+from palpate.readers import locate, read_source, read_vendor_file
 from palpate.reading import write_reading
 from palpate.recording import Recording, read_recording
 from palpate.survey import survey
@@ -18,7 +18,7 @@ STUDY = {
     "material": {"model": "elastic", "poisson_ratio": 0.2},
     "parameters": {"youngs_modulus": [60, 80]},
     "indenter": {"shape": "cone", "half_angle": 70.3},
-    "conditions": [{"name": "A", "load_history": "recorded"}, {"name": "B", "load_history": "recorded"}],
+    "conditions": [{"name": "A", "load_history": "recorded"}],
     "recordings": {"lab": "results/glass/recordings/lab"},
 }
 
@@ -32,7 +32,7 @@ def workbook_like(folder, contact):
     file = folder / "glass.csv"
     np.savetxt(file, np.column_stack([time, load, depth]), delimiter=",", header="t,P,h", comments="")
     source = {
-        "file": str(file), "recordings": "lab", "conditions": {"A": [1], "B": ["glass"]}, "contact": contact,
+        "file": str(file), "recordings": "lab", "conditions": {"A": [1]}, "contact": contact,
         "columns": {"time": "t", "load": "P", "depth": "h"},
     }  # fmt: skip
     (folder / "study.yaml").write_text(yaml.safe_dump({**STUDY, "source": source}))
@@ -45,18 +45,19 @@ def test_page_on_the_recordings_of_a_study(tmp_path, contact):
     assert study.condition("A").protocol.sample_time[-1] == pytest.approx(40, abs=0.5)
     write_reading(study, tmp_path / "reading")
     page = (tmp_path / "reading/reading.html").read_text()
-    assert page.count("<img") == 2
+    assert page.count("<img") == 1
     assert "approach 0 to" in page
     rows = (tmp_path / "reading/survey.csv").read_text().splitlines()
-    assert len(rows) == 3
+    assert len(rows) == 2
     assert float(rows[1].split(",")[4]) == pytest.approx(0, abs=3), "contact in the file's own counting"
 
 
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("conditions", {"A": [1], "C": [1]}, "'C' is not among A, B"),
-        ("conditions", {"A": [1], "B": [7]}, "has no test '7'"),
+        ("conditions", {"A": [1], "C": [1]}, "'C' is not among A"),
+        ("conditions", {"A": [7]}, "has no test '7'"),
+        ("conditions", {"A": [1, "glass"]}, "glass is test 'glass', which counts in A already"),
         ("contact", "automatic", "give file, auto or the depth"),
         ("contact", 1e4, "outside the way in"),
         ("corrections", ["creep"], '"creep" is given, expected one of: drift, frame'),
@@ -89,9 +90,9 @@ def test_rows_that_were_left_out_are_told_on_the_page_and_in_the_recordings(tmp_
     file.write_text(file.read_text() + "51,broken,1\n")
     write_reading(study, tmp_path / "reading")
     said = "1 of 502 rows left out: no three numbers (line 503)"
-    assert (tmp_path / "reading/reading.html").read_text().count(said) == 2
+    assert (tmp_path / "reading/reading.html").read_text().count(said) == 1
     convert_source(study, tmp_path / "converted")
-    assert said in read_recording(tmp_path / "converted/B_1.csv").notes
+    assert said in read_recording(tmp_path / "converted/A_1.csv").notes
 
 
 def test_a_study_without_a_source_has_no_such_page(tmp_path):
@@ -128,3 +129,35 @@ def test_contact_of_a_recording_without_approach_is_near_its_start():
     assert found.contact.lower <= 0 <= found.contact.upper
     assert [part.kind for part in found.parts] == ["loading", "hold", "unloading"]
     assert [part.duration for part in found.parts] == pytest.approx([34.4, 30, 33], abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("files", "named", "found"),
+    [
+        (["A/x.txt", "B/x.txt"], "B/x.txt", "B/x.txt"),
+        (["A/x.txt", "deep/B/x.txt"], "B/x.txt", "deep/B/x.txt"),
+        (["x.txt", "B/x.txt"], "x.txt", "x.txt"),
+        (["A/x.txt"], "B/x.txt", "A/x.txt"),
+        (["A/x[1].txt"], "x[1].txt", "A/x[1].txt"),
+        ([], "B/x.txt", "x.txt"),
+        (["A/x.txt", "B/x.txt"], "x.txt", None),
+        (["A/x.txt", "B/x.txt"], "C/x.txt", None),
+    ],
+)
+def test_a_file_below_the_folder_of_data_is_found_by_its_path(tmp_path, files, named, found):
+    for file in files:
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text("x")
+    if found is None:
+        with pytest.raises(InputError, match=r"source\.file: .*x\.txt may be .*A/x\.txt or .*B/x\.txt; give its path"):
+            locate(named, str(tmp_path))
+    else:
+        assert locate(named, str(tmp_path)) == str(tmp_path / found)
+
+
+@pytest.mark.parametrize("conditions", [{"A": [1, "glass", "1"]}, {"A": [1], "B": ["glass"]}])
+def test_a_test_counts_once(tmp_path, conditions):
+    workbook_like(tmp_path, "auto")
+    columns = {"time": "t", "load": "P", "depth": "h"}
+    with pytest.raises(InputError, match="glass is test 'glass', which counts in A already; name each test once"):
+        read_source({"file": str(tmp_path / "glass.csv"), "columns": columns, "conditions": conditions})

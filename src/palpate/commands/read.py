@@ -97,7 +97,7 @@ def _pairs(text: str) -> dict[str, str]:
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.errors import InputError
-    from palpate.readers import ColumnMap, read_vendor_file, select, zeroed
+    from palpate.readers import ColumnMap, Unreadable, VendorTest, read_each, select, sound, zeroed_each
 
     if arguments.units and not arguments.columns:
         raise InputError(
@@ -108,29 +108,35 @@ def run(arguments: argparse.Namespace) -> int:
         )
     try:
         columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
-        tests = read_vendor_file(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
+        tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
             tests = [select(tests, arguments.test, arguments.file)]
-        recordings = [zeroed(test, arguments.contact).recording for test in tests]
-        surveys = [_survey(test) for test in tests] if arguments.survey else []
+        begun = zeroed_each(arguments.file, tests, arguments.contact)
+        readable = [
+            (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
+        ]
+        surveys = [_survey(whole) for whole, _ in readable] if arguments.survey else []
     except InputError as error:
         raise error.located(file=arguments.file) from None
     chosen = arguments.corrections
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
+    for test in begun:
+        if isinstance(test, Unreadable):
+            print(f"palpate: {test.error}; the test is left out", file=sys.stderr)
     taken = set[str]()
-    for number, (test, recording) in enumerate(zip(tests, recordings, strict=True), 1):
+    for number, (_, test) in enumerate(readable, 1):
         for warning in test.warnings:
             print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
-        notes = (*recording.notes, applied, *test.warnings, *facts)
+        notes = (*test.recording.notes, applied, *test.warnings, *facts)
         name = re.sub(r"[^A-Za-z0-9._-]+", "_", test.name)
         while name in taken:
             name += f"_{number}"
         taken.add(name)
         path = arguments.output / f"{name}.csv"
-        replace(recording, notes=notes).write(path)
+        replace(test.recording, notes=notes).write(path)
         print(path)
         if surveys:
             _draw(surveys[number - 1], path.with_suffix(".png"))

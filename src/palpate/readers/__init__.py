@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import glob
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,18 @@ from typing import Any
 from palpate.discovery import discover
 from palpate.errors import InputError
 from palpate.readers.columns import ColumnMap, read_columns
-from palpate.readers.source import Source
-from palpate.readers.vendor import CORRECTIONS, Corrections, Reader, VendorTest, refuse_corrections
-from palpate.readers.zero import zeroed
+from palpate.readers.source import Source, number_of
+from palpate.readers.vendor import (
+    CORRECTIONS,
+    PLACES,
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    refuse_corrections,
+    sound,
+)
+from palpate.readers.zero import zeroed_each
 
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
@@ -22,12 +32,15 @@ __all__ = [
     "READERS",
     "ColumnMap",
     "Reader",
+    "Unreadable",
     "VendorTest",
     "locate",
+    "read_each",
     "read_source",
     "read_vendor_file",
     "select",
-    "zeroed",
+    "sound",
+    "zeroed_each",
 ]
 
 
@@ -54,7 +67,25 @@ def read_vendor_file(
     Raises
     ------
     InputError
-        When the file is missing, of no known format, cut off, or not the one expected.
+        When the file is missing, of no known format, cut off, or not the one expected, or one of its tests cannot be
+        read.
+    """
+    return [sound(test) for test in read_each(path, sha256, corrections, contact, columns)]
+
+
+def read_each(
+    path: str | Path,
+    sha256: str | None = None,
+    corrections: Corrections = None,
+    contact: str | float = "file",
+    columns: ColumnMap | None = None,
+) -> list[VendorTest | Unreadable]:
+    """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.
+
+    Raises
+    ------
+    InputError
+        When no test can be read.
     """
     path = Path(path)
     try:
@@ -67,37 +98,74 @@ def read_vendor_file(
         raise InputError("is empty", remedy="export or copy it again", file=path)
     source = Source(path, content)
     try:
-        return [zeroed(_printable(test), contact) for test in _whole(source, corrections, columns)]
+        tests = [_printable(test) for test in _whole(source, corrections, columns)]
+        return zeroed_each(path, tests, contact)
     except InputError as error:
         raise error.located(file=path) from None
 
 
 def locate(named: str, data: str | None) -> str:
-    """Return the vendor's file: `data`, or what lies below the folder `data` under the name that a study gives."""
-    if data is None or not Path(data).is_dir():
+    """Return the vendor's file: `data`, or what lies below the folder `data` under the path that a study gives.
+
+    Where nothing lies under the whole path, the name alone counts.
+
+    Raises
+    ------
+    InputError
+        When several files below the folder answer to the path or to the name.
+    """
+    if data is None or not named or not Path(data).is_dir():
         return data or named
-    found = sorted(Path(data).rglob(Path(named).name))
-    return str(found[0]) if found else str(Path(data) / Path(named).name)
+    path = Path(named)
+    of_name = sorted(Path(data).rglob(glob.escape(path.name)))
+    found = [file for file in of_name if file.parts[-len(path.parts) :] == path.parts] or of_name
+    if Path(data) / path in found:
+        return str(Path(data) / path)
+    if len(found) > 1:
+        raise InputError(
+            f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}",
+            remedy="give its path below the folder of data",
+            place="source.file",
+        )
+    return str(found[0] if found else Path(data) / path.name)
 
 
 def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
-    """Read the tests of each condition from a study's section ``source``; raises `InputError` when one is missing."""
+    """Read the tests of each condition from a study's section ``source``.
+
+    Raises
+    ------
+    InputError
+        When a test is missing, cannot be read or is named twice.
+    """
     if "units" in source and "columns" not in source:
         raise InputError(
             "units are given without columns", remedy="add columns, or leave units off", place="source.units"
         )
     columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
-    tests = read_vendor_file(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
+    tests = read_each(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
     if "condition" in source:
-        return {source["condition"]: tests}
-    return {
-        condition: [select(tests, str(name), source["file"], f"source.conditions.{condition}") for name in names]
-        for condition, names in source["conditions"].items()
-    }
+        return {source["condition"]: [sound(test) for test in tests]}
+    found: dict[str, list[VendorTest]] = {}
+    owners: dict[str, str] = {}
+    for condition, names in source["conditions"].items():
+        found[condition] = []
+        for name in names:
+            place = f"source.conditions.{condition}"
+            test = select(tests, str(name), source["file"], place)
+            if test.name in owners:
+                raise InputError(
+                    f"{name} is test {test.name!r}, which counts in {owners[test.name]} already",
+                    remedy="name each test once",
+                    place=place,
+                )
+            owners[test.name] = condition
+            found[condition].append(test)
+    return found
 
 
-def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> list[VendorTest]:
+def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
     if columns is not None:
         refuse_corrections(source, corrections)
@@ -105,7 +173,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    first = next((line.strip() for line in source.lines if line.strip()), "") if source.workbook is None else ""
+    first = source.first
     begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
     raise InputError(
         f"is of no format that palpate knows{begins}",
@@ -115,18 +183,29 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     )
 
 
-def _printable(test: VendorTest) -> VendorTest:
+def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
     """Return a test with bytes of its file's name that are no letters written as numbers, so that it can be printed."""
+    if isinstance(test, Unreadable):
+        return test
     name, *notes = (text.encode(errors="backslashreplace").decode() for text in (test.name, *test.recording.notes))
     return replace(test, name=name, recording=replace(test.recording, name=name, notes=tuple(notes)))
 
 
-def select(tests: list[VendorTest], wanted: str, path: str | Path, place: str = "--test") -> VendorTest:
-    """Return the test called `wanted`, or the one of that number, counted from 1."""
-    for test in tests:
-        if test.name == wanted:
-            return test
-    if wanted.isdecimal() and 1 <= int(wanted) <= len(tests):
-        return tests[int(wanted) - 1]
-    names = ", ".join(test.name for test in tests)
+def select(
+    tests: Sequence[VendorTest | Unreadable], wanted: str, path: str | Path, place: str = "--test"
+) -> VendorTest:
+    """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
+
+    Raises
+    ------
+    InputError
+        When there is none, or it cannot be read.
+    """
+    named = {test.name: test for test in tests}
+    numbered = {number_of(test.name) or count: test for count, test in enumerate(tests, 1)}
+    if wanted in named:
+        return sound(named[wanted])
+    if wanted.isdecimal() and int(wanted) in numbered:
+        return sound(numbered[int(wanted)])
+    names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

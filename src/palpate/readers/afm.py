@@ -11,7 +11,8 @@ from pathlib import Path
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.vendor import Corrections, Reader, VendorTest, recording_from, refuse_corrections
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
+from palpate.recording import Recording
 
 HDF5, IGOR, ZIP = b"\x89HDF\r\n", b"\x05\x00", b"PK\x03\x04"
 JPK_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data")
@@ -71,9 +72,12 @@ def _test(source: Source, number: int, curve) -> VendorTest:
         raise InputError(f"curve {number} lacks {', '.join(missing)}", remedy="export it calibrated", file=source.path)
     time, force, height = (curve[name] for name in CHANNELS)
     depth = -1e9 * (height + force / stiffness)
-    recording = recording_from(source, f"curve {number}", str(number), time - time[0], 1e3 * force, depth - depth[0])
+    kept, warnings = usable(source, f"curve {number}", time, force, depth)
+    time, force, depth = time[kept], force[kept], depth[kept]
+    notes = (f"from {source.path.name}",)
+    recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts)
+    return VendorTest(str(number), recording, facts, warnings)
 
 
 READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5; by afmformats)", matches, read)

@@ -15,59 +15,75 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.vendor import Corrections, Reader, VendorTest, corrected, recording_from
+from palpate.readers.text import number
+from palpate.readers.vendor import Corrections, Reader, Unreadable, VendorTest, attempt, unless_all_fail, usable
+from palpate.recording import Recording
 
 DEPTH, LOAD, TIME = "Displacement Into Surface", "Load On Sample", "Time On Sample"
-CHANNELS = {DEPTH: "depth", LOAD: "load", TIME: "time"}
-RAW_DEPTH, RAW_LOAD, FRAME = "Raw Displacement", "Raw Load", "Frame Stiffness"
-RAW = {RAW_DEPTH: "depth", RAW_LOAD: "load", FRAME: "stiffness"}
-DRIFT = "Drift Correction [nm/s]"
+CHANNELS = {TIME: "time", LOAD: "load", DEPTH: "depth"}
+RAW = {TIME: "time", LOAD: "load", "Raw Displacement": "depth", "Raw Load": "load"}
+DRIFT, FRAME = "Drift Correction [nm/s]", "Frame Stiffness"
 STIFFNESS = {True: "Harmonic Contact Stiffness", False: "Harmonic Stiffness"}
 
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    tests = [name for name in source.sheets if name.startswith("Test ")]
-    rows = source.sheet(tests[0]) if tests else []
-    return bool(rows) and set(CHANNELS) <= {str(cell).strip() for cell in rows[0]}
+    return source.has_test_with(set(CHANNELS))
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
     results, inputs = source.by_test("Results"), source.by_test("Required Inputs")
-    tests = []
-    for sheet in sorted(name for name in source.sheets if name.startswith("Test ")):
-        number = sheet.removeprefix("Test ").lstrip("0")
-        metadata = inputs.get(number, {}) | results.get(number, {})
-        channels = source.columns(sheet, CHANNELS)
-        time, load, depth = channels[TIME], channels[LOAD], channels[DEPTH]
-        on_sample = np.flatnonzero(time >= 0)
-        if not len(on_sample):
-            raise InputError(
-                "the indenter never touched the sample", remedy="remove the test", file=source.path, place=sheet
-            )
-        surface = on_sample[0]
-        if FRAME in map(str, source.sheet(sheet)[0]):
-            frame = source.columns(sheet, {FRAME: "stiffness"})[FRAME][surface]
-            metadata = metadata | {"Frame Stiffness [N/m]": f"{frame:g}"}
-        if corrections is not None:
-            raw = source.columns(sheet, RAW)
-            displacement, force = (raw[key] - raw[key][surface] for key in (RAW_DEPTH, RAW_LOAD))
-            if "drift" in corrections and DRIFT not in metadata:
-                raise InputError("the sheet Results gives no drift", remedy="leave drift off", file=source.path)
-            depth = corrected(
-                displacement, time, force,
-                drift=float(metadata.get(DRIFT, "nan")),
-                compliance=1e6 / raw[FRAME][surface],
-                corrections=corrections,
-            )  # fmt: skip
-        measured = STIFFNESS[corrections is None or "frame" in corrections]
-        stiffness = None
-        if measured in map(str, source.sheet(sheet)[0]):
-            stiffness = 1e-6 * source.columns(sheet, {measured: "stiffness"})[measured]
-        recording = recording_from(source, sheet, sheet, time, load, depth, stiffness)
-        tests.append(VendorTest(sheet, recording, metadata))
-    return tests
+    facts = {sheet: inputs.get(number, {}) | results.get(number, {}) for sheet, number in source.tests.items()}
+    return unless_all_fail(
+        [attempt(source.path, sheet, _test, source, sheet, facts[sheet], corrections) for sheet in facts]
+    )
+
+
+def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
+    """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
+    channels = source.columns(sheet, CHANNELS if corrections is None else RAW)
+    kept, warnings = usable(source, sheet, *channels.values())
+    time, load, depth, *force = (values[kept] for values in channels.values())
+    if time[-1] < 0:
+        raise InputError("the indenter never touched the sample", remedy="remove the test")
+    surface = int(np.argmax(time >= 0))
+    measured = STIFFNESS[corrections is None or "frame" in corrections]
+    named = {str(cell).strip() for cell in source.sheet(sheet)[0]}
+    extra = {
+        name: source.columns(sheet, {name: "stiffness"})[name][kept] for name in (FRAME, measured) if name in named
+    }
+    if FRAME in extra:
+        metadata = metadata | {f"{FRAME} [N/m]": f"{extra[FRAME][surface]:g}"}
+    if corrections is not None:
+        raw = force[0] - force[0][surface]
+        depth = depth - depth[surface]
+        if "drift" in corrections:
+            depth = depth - _drift(metadata.get(DRIFT)) * time
+        if "frame" in corrections:
+            depth = depth - raw * _compliance(float(extra[FRAME][surface]) if FRAME in extra else 0.0)
+    stiffness = 1e-6 * extra[measured] if measured in extra else None
+    recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
+    return VendorTest(sheet, recording, metadata, warnings)
+
+
+def _drift(text: str | None) -> float:
+    """Return the drift that the workbook states [nm/s]."""
+    try:
+        value = np.nan if text is None else number(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        problem = f"the sheet Results gives no {DRIFT}" if text is None else f"{DRIFT} is {text!r}, no number"
+        raise InputError(problem, remedy="leave drift off")
+    return value
+
+
+def _compliance(stiffness: float) -> float:
+    """Return the compliance [nm/mN] of a frame of this stiffness [N/m]."""
+    if not stiffness > 0:
+        raise InputError(f"{FRAME} is {stiffness:g} N/m, expected more than zero", remedy="leave frame off")
+    return 1e6 / stiffness
 
 
 READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read)

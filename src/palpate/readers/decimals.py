@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.readers.source import LARGEST
 
+LARGEST = 1e300
 MISSING = ("", "nan", "inf")
 OTHER = {".": ",", ",": "."}
 WRITTEN = {

@@ -7,23 +7,28 @@ header this holds to 0.01 nm.) The vendor's zero of contact is written as shifts
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.text import table
-from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, recording_from
+from palpate.readers.text import counted, number
+from palpate.readers.units import SCALES, plain
+from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, usable
+from palpate.recording import Recording
 
 COUNT = "Test Data Points"
-COLUMNS = ("Time_s", "Disp_nm", "Force_µN", "LoadCell_nm")
+COLUMNS = ("Time_s", "Disp_nm", "Force_uN", "LoadCell_nm")
 NEEDED = ("Machine Comp", "Drift Rate", "Disp Shift", "Force Shift")
+COMPLIANCE, RATE = (
+    {f"{a}/{b}": SCALES["depth"][a] / SCALES[over][b] for a in SCALES["depth"] for b in SCALES[over]}
+    for over in ("load", "time")
+)
+UNITS = dict(zip(NEEDED, (COMPLIANCE, RATE, SCALES["depth"], SCALES["load"]), strict=True))
 
 
 def matches(source: Source) -> bool:
     """Return whether the file begins with the version of a Hysitron file."""
-    return source.content[:200].startswith(b"File Version: Hysitron")
+    return source.first.startswith("File Version: Hysitron")
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
@@ -35,33 +40,42 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     entries = dict(line.split(":", 1) for line in source.lines[:start] if ":" in line)
     if start is None or any(key not in entries for key in NEEDED):
         raise InputError(f"lacks {COUNT} or one of {', '.join(NEEDED)}", remedy="copy it again", file=source.path)
-    names = source.lines[start + 1].split("\t")
+    names = [plain(name) for line in source.lines[start + 1 : start + 2] for name in line.split("\t")]
     if any(name not in names for name in COLUMNS):
         raise InputError(f"lacks one of the columns {', '.join(COLUMNS)}", remedy="copy it again", file=source.path)
-    announced = int(source.lines[start].split(":")[1])
-    values = table(source.lines[start + 2 :], start + 3, len(names), source.path)
-    if len(values) != announced:
-        raise InputError(
-            f"holds {len(values)} points, {announced} were announced; the file is cut off",
-            remedy="copy it again",
-            file=source.path,
-        )
-    time, depth, force, cell = (values[:, names.index(name)] for name in COLUMNS)
-    compliance, drift, depth_shift, force_shift = (_number(entries[key]) for key in NEEDED)
-    depth, load = depth - depth_shift, (force - force_shift) / 1e3
+    announced = source.lines[start].partition(":")[2]
+    values = counted(source.lines[start + 2 :], start + 3, len(names), source.path, announced)
+    columns = [values[:, names.index(name)] for name in COLUMNS]
+    kept, warnings = usable(source, "test data", *columns)
+    time, depth, force, cell = (column[kept] for column in columns)
+    depth = depth - _entry(source, entries, "Disp Shift")
+    load = force / 1e3 - _entry(source, entries, "Force Shift")
     begin = contact(load)
     if corrections is not None and "drift" not in corrections:
-        depth = depth + drift * (time - time[begin])
+        depth = depth + _entry(source, entries, "Drift Rate") * (time - time[begin])
     if corrections is not None and "frame" not in corrections:
-        depth = depth + 1e3 * compliance * (load - load[begin]) - (cell - cell[begin])
+        depth = depth + _entry(source, entries, "Machine Comp") * (load - load[begin]) - (cell - cell[begin])
     name = source.path.stem
-    recording = recording_from(source, "test data", name, time - time[begin], load, depth)
-    return [VendorTest(name, recording, {key.strip(): value.strip() for key, value in entries.items()})]
+    recording = Recording(time - time[begin], load, depth, name, (f"from {source.path.name}",))
+    return [VendorTest(name, recording, {key.strip(): value.strip() for key, value in entries.items()}, warnings)]
 
 
-def _number(text: str) -> float:
-    found = re.match(r"\s*([-+0-9.eE]+)", text)
-    return float(found[1]) if found else float(np.nan)
+def _entry(source: Source, entries: dict[str, str], key: str) -> float:
+    """Return a number of the header in nm, mN, nm/s or nm/mN, whatever its decimal sign and its unit."""
+    text = entries[key].strip()
+    size, _, unit = text.partition(" ")
+    try:
+        value = number(size) * UNITS[key].get(plain(unit), np.nan)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise InputError(
+            f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}",
+            remedy="correct the entry, or copy the file again",
+            file=source.path,
+            place=key,
+        )
+    return float(value)
 
 
 READER = Reader("hysitron_hld", "Hysitron TriboScan .hld", matches, read)

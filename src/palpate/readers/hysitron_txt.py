@@ -12,53 +12,71 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.text import table
-from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, recording_from
+from palpate.readers.text import counted
+from palpate.readers.units import CHANNELS, SCALES, plain
+from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
+from palpate.recording import Recording
 
-COUNT = re.compile(r"Number of Points\s*=\s*(\d+)")
-COLUMNS = ("Depth (nm)", "Load (µN)", "Time (s)")
-VOLTS = "Depth (V)"
+COUNT = re.compile(r"Number of Points\s*[=:](.*)")
+HEADING = re.compile(r"\s*(Time|Load|Depth)\s*\((.+)\)\s*")
+VOLTS = "volts"
 EXACT = 0.05
+HEAD = 20
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file announces its number of points and then its columns, depth first."""
-    return b"Number of Points" in source.content[:1000] and b"Depth (nm)" in source.content[:2000]
+    """Return whether the file announces its number of points and then its columns."""
+    head = source.lines[:HEAD]
+    return any(COUNT.match(line) for line in head) and any("depth" in columns(line) for line in head)
+
+
+def columns(line: str) -> dict[str, tuple[int, float]]:
+    """Return the place and the scale of each channel, and of the depth in volts, that a line of headings names."""
+    found: dict[str, tuple[int, float]] = {}
+    for index, cell in enumerate(line.split("\t")):
+        heading = HEADING.fullmatch(cell)
+        if heading:
+            key, unit = heading[1].lower(), plain(heading[2])
+            if unit in SCALES[key]:
+                found.setdefault(key, (index, SCALES[key][unit]))
+            elif (key, unit) == ("depth", "V"):
+                found[VOLTS] = (index, 1.0)
+    return found
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the last point without load before it is loaded."""
-    start = next((k for k, line in enumerate(source.lines) if line.startswith(COLUMNS[0])), None)
-    announced = next((int(found[1]) for line in source.lines[:20] if (found := COUNT.match(line))), 0)
-    names = source.lines[start].split("\t") if start is not None else []
-    if start is None or any(name not in names for name in COLUMNS):
-        raise InputError(f"lacks one of the columns {', '.join(COLUMNS)}", remedy="export them", file=source.path)
-    values = table(source.lines[start + 1 :], start + 2, len(names), source.path)
-    if len(values) != announced:
+    start = next(k for k, line in enumerate(source.lines) if "depth" in columns(line))
+    places = columns(source.lines[start])
+    if not {*CHANNELS} <= {*places}:
         raise InputError(
-            f"holds {len(values)} points, {announced} were announced; the file is cut off",
-            remedy="copy or export it again",
+            "lacks one of the columns Depth (nm), Load (µN), Time (s)", remedy="export them", file=source.path
+        )
+    if corrections is not None and VOLTS not in places:
+        raise InputError(
+            "without the column Depth (V) the corrections cannot be taken off",
+            remedy="export the volts, or leave --raw and --correct off",
             file=source.path,
         )
-    depth, load, time = (values[:, names.index(name)] for name in COLUMNS)
-    load = load / 1e3
+    announced = next(found[1] for line in source.lines[:HEAD] if (found := COUNT.match(line)))
+    width = len(source.lines[start].rstrip().split("\t"))
+    values = counted(source.lines[start + 1 :], start + 2, width, source.path, announced)
+    needed = [*CHANNELS] if corrections is None else [*CHANNELS, VOLTS]
+    channels = [values[:, index] * factor for index, factor in (places[key] for key in needed)]
+    kept, warnings = usable(source, "values", *channels)
+    time, load, depth, *volts = (channel[kept] for channel in channels)
     begin = contact(load)
     metadata = {"date": source.lines[0].strip()}
     if corrections is not None:
-        if VOLTS not in names:
-            raise InputError(
-                "without the column Depth (V) the corrections cannot be taken off",
-                remedy="export the volts, or leave --raw and --correct off",
-                file=source.path,
-            )
-        drift, compliance = applied(depth, values[:, names.index(VOLTS)], load, time, source)
+        drift, compliance = applied(depth, volts[0], load, time, source)
         since, force = time - time[begin], load - load[begin]
         every = frozenset({"drift", "frame"})
         depth = 2 * depth - corrected(depth, since, force, drift=drift, compliance=compliance, corrections=every)
         depth = corrected(depth, since, force, drift=drift, compliance=compliance, corrections=corrections)
         metadata |= {"drift [nm/s]": f"{drift:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
-    recording = recording_from(source, "values", source.path.stem, time - time[begin], load, depth)
-    return [VendorTest(source.path.stem, recording, metadata)]
+    name = source.path.stem
+    recording = Recording(time - time[begin], load, depth, name, (f"from {source.path.name}",))
+    return [VendorTest(name, recording, metadata, warnings)]
 
 
 def applied(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import codecs
 import io
+import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,14 +16,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.readers.decimals import numbers
 from palpate.readers.units import SCALES, STIFFNESS, plain
 
 if TYPE_CHECKING:
     from python_calamine import CalamineWorkbook
 
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
+TEST = re.compile(r"Test (\d+)\b")
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-LARGEST = 1e300
 UNITS = {**SCALES, "stiffness": STIFFNESS}
 
 
@@ -42,31 +45,49 @@ class Source:
 
     @cached_property
     def lines(self) -> list[str]:
-        """Lines of text, whatever ends them; UTF-16 where it is marked, UTF-8 where that fits, Latin-1 otherwise."""
+        """Lines of text, whatever ends them; UTF-16 where it is marked, UTF-8 where that fits, Latin-1 otherwise.
+
+        A workbook has none.
+        """
+        if self.content.startswith(WORKBOOKS):
+            return []
         try:
             text = self.content.decode("utf-16" if self.content.startswith(WIDE) else "utf-8-sig")
         except UnicodeDecodeError:
             text = self.content.decode("latin-1")
         return re.split(r"\r\n|\r|\n", text)
 
+    @property
+    def first(self) -> str:
+        """The first line that holds more than blanks; empty where there is none."""
+        return next((line.strip() for line in self.lines if line.strip()), "")
+
     @cached_property
     def workbook(self) -> CalamineWorkbook | None:
         """The Excel workbook, old or new, or None; raises `InputError` on one that is damaged."""
         if not self.content.startswith(WORKBOOKS):
             return None
-        from python_calamine import CalamineError, CalamineWorkbook
+        from python_calamine import CalamineWorkbook
 
-        try:
+        with self._opened("is no whole Excel workbook"):
             return CalamineWorkbook.from_filelike(io.BytesIO(self.content))
-        except CalamineError as error:
-            raise InputError(
-                f"is no whole Excel workbook ({error})", remedy="copy or export it again", file=self.path
-            ) from error
 
     @property
     def sheets(self) -> list[str]:
         """Names of the workbook's sheets; empty for another file."""
         return self.workbook.sheet_names if self.workbook else []
+
+    @property
+    def tests(self) -> dict[str, str]:
+        """Names of the sheets ``Test 001``, in the order of their numbers, each with its number as ``1``."""
+        numbers = {name: number for name in self.sheets if (number := number_of(name)) is not None}
+        return {name: str(number) for name, number in sorted(numbers.items(), key=lambda item: item[1])}
+
+    def has_test_with(self, wanted: set[str]) -> bool:
+        """Return whether a sheet of a test names all columns `wanted` in its first row."""
+        return any(
+            wanted <= {str(cell).strip() for cell in rows[0]} for name in self.tests if (rows := self.sheet(name))
+        )
 
     def sheet(self, name: str) -> list[list[Any]]:
         """Return the rows of a sheet, empty for another file; raises `InputError` when it is damaged."""
@@ -74,22 +95,49 @@ class Source:
 
     def placed_sheet(self, name: str) -> tuple[int, list[list[Any]]]:
         """Return the rows of a sheet from the first that holds anything, and the number of that row, from 1."""
-        from python_calamine import CalamineError
-
         if self.workbook is None:
             return 1, []
+        if name not in self._opened_sheets:
+            with self._opened("is damaged", f"sheet {name}"):
+                sheet = self.workbook.get_sheet_by_name(name)
+                self._opened_sheets[name] = (sheet.start or (0, 0))[0] + 1, sheet.to_python()
+        return self._opened_sheets[name]
+
+    @cached_property
+    def _opened_sheets(self) -> dict[str, tuple[int, list[list[Any]]]]:
+        """What `placed_sheet` has read, which takes a while."""
+        return {}
+
+    @contextmanager
+    def _opened(self, problem: str, place: str | None = None) -> Iterator[None]:
+        """Turn what the library says of a damaged workbook into one `InputError`.
+
+        On some damage it panics: it writes to the process's standard error by itself, which is closed to it meanwhile,
+        and raises what is no `Exception`.
+        """
+        from python_calamine import CalamineError
+
+        standard_error = os.dup(2)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 2)
         try:
-            sheet = self.workbook.get_sheet_by_name(name)
-            return (sheet.start or (0, 0))[0] + 1, sheet.to_python()
-        except CalamineError as error:
+            yield
+        except BaseException as error:
+            if not isinstance(error, CalamineError) and type(error).__name__ != "PanicException":
+                raise
             raise InputError(
-                f"is damaged ({error})", remedy="copy or export it again", file=self.path, place=f"sheet {name}"
+                f"{problem} ({error})", remedy="copy or export it again", file=self.path, place=place
             ) from error
+        finally:
+            os.dup2(standard_error, 2)
+            os.close(standard_error)
+            os.close(nowhere)
 
     def columns(self, sheet: str, wanted: Mapping[str, str]) -> dict[str, np.ndarray]:
         """Return columns of a sheet whose first row holds names and whose second holds units.
 
-        Values are in s, nm, mN and N/m; empty cells, text and the 1.8e308 that stands for "invalid" are NaN.
+        Values are in s, nm, mN and N/m, be they numbers or text; empty cells, words and the 1.8e308 that stands for
+        "invalid" are NaN.
 
         Parameters
         ----------
@@ -101,7 +149,7 @@ class Source:
         InputError
             When a column is missing or has a unit that is none of what it holds.
         """
-        rows = self.sheet(sheet)
+        first, rows = self.placed_sheet(sheet)
         names = [str(cell).strip() for cell in rows[0]] if rows else []
         found = {}
         for name, quantity in wanted.items():
@@ -117,9 +165,9 @@ class Source:
                     f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(known)}", file=self.path,
                     place=f"sheet {sheet}",
                 )  # fmt: skip
-            cells = [row[index] if isinstance(row[index], int | float) else np.nan for row in rows[2:]]
-            values = np.array(cells, dtype=float)
-            found[name] = known[unit] * np.where(np.abs(values) < LARGEST, values, np.nan)
+            cells = [[row[index]] for row in rows[2:]]
+            (values,) = numbers(cells, lambda row: f"sheet {sheet}, row {first + 2 + row}").T
+            found[name] = known[unit] * np.where(np.isfinite(values), values, np.nan)
         return found
 
     def by_test(self, sheet: str) -> dict[str, dict[str, str]]:
@@ -135,6 +183,12 @@ class Source:
                 if _text(name) and _text(cell)
             }
         return entries
+
+
+def number_of(name: str) -> int | None:
+    """Return the number of a sheet such as ``Test 010``, or None for another name."""
+    found = TEST.match(name)
+    return int(found[1]) if found else None
 
 
 def _text(cell: Any) -> str:

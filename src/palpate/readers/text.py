@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.readers.decimals import LARGEST
 
 
 def number(cell: str) -> float:
-    """Return the number in `cell`, written with a decimal comma or point; an empty cell is NaN."""
+    """Return the number in `cell`, written with a decimal comma or point; NaN for an empty cell and for "invalid"."""
     cell = cell.strip()
-    return float(cell.replace(",", ".")) if cell else float("nan")
+    value = float(cell.replace(",", ".")) if cell else float("nan")
+    return value if abs(value) <= LARGEST else float("nan")
 
 
 def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.ndarray:
@@ -48,3 +51,22 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
     if not rows:
         raise InputError("holds no measured values", remedy="export the test again", file=path)
     return np.array(rows)
+
+
+def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
+    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``."""
+    count = re.sub(r"(?<=\d)[,.](?=\d{3})", "", announced.strip())
+    if not count.isdecimal():
+        raise InputError(
+            f"announces {announced.strip()[:40]!r} points, expected a whole number",
+            remedy="copy or export it again",
+            file=path,
+        )
+    values = table(lines, first_line, columns, path)
+    if len(values) != int(count):
+        raise InputError(
+            f"holds {len(values)} points, {int(count)} were announced; the file is cut off",
+            remedy="copy or export it again",
+            file=path,
+        )
+    return values

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from palpate.contact_point import noise_of
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.recording import Recording
+from palpate.recording import BARELY_LOADED, Recording
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
+PLACES = 3
 Corrections = frozenset[str] | None
 
 
@@ -40,6 +43,22 @@ class VendorTest:
 
 
 @dataclass(frozen=True)
+class Unreadable:
+    """A test that cannot be read, which keeps nobody from the others of its file.
+
+    Parameters
+    ----------
+    name
+        The test's name in the file.
+    error
+        What is wrong with it.
+    """
+
+    name: str
+    error: InputError
+
+
+@dataclass(frozen=True)
 class Reader:
     """A file format.
 
@@ -50,14 +69,38 @@ class Reader:
     matches
         Whether a file is of this format, by its content.
     read
-        Reads all tests. The corrections are those to be in the depth: None for the vendor's own, otherwise a set of
-        ``drift`` and ``frame``; `InputError` where the file does not hold what that needs.
+        Reads all tests, and says which it cannot. The corrections are those to be in the depth: None for the vendor's
+        own, otherwise a set of ``drift`` and ``frame``; `InputError` where the file does not hold what that needs.
     """
 
     key: str
     title: str
     matches: Callable[[Source], bool]
-    read: Callable[[Source, Corrections], list[VendorTest]]
+    read: Callable[[Source, Corrections], Sequence[VendorTest | Unreadable]]
+
+
+def attempt(path: Path, name: str, read: Callable[..., VendorTest], *given: Any) -> VendorTest | Unreadable:
+    """Return what `read` makes of `given`, or what is wrong with the test of that name in the file at `path`."""
+    try:
+        return read(*given)
+    except InputError as error:
+        return Unreadable(name, error.located(file=path, place=name))
+
+
+def unless_all_fail(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
+    """Return the tests as they are; raises the first one's `InputError` when none of them can be read."""
+    if not tests:
+        raise InputError("holds no test", remedy="export the tests again")
+    if all(isinstance(test, Unreadable) for test in tests):
+        sound(tests[0])
+    return list(tests)
+
+
+def sound(test: VendorTest | Unreadable) -> VendorTest:
+    """Return a test that can be read; raises what is wrong with another."""
+    if isinstance(test, Unreadable):
+        raise test.error
+    return test
 
 
 def refuse_corrections(source: Source, corrections: Corrections) -> None:
@@ -97,12 +140,19 @@ def corrected(
 
 
 def contact(load: np.ndarray) -> int:
-    """Return the index of the last point at or below zero load before a tenth of the largest load is reached.
+    """Return the index of the last point at or below zero load before the tip presses for the first time.
 
-    Where the load never gets that low, its least value before then is taken.
+    It presses where, once free, it carries more than the noise and a thousandth of the largest load; what load is left
+    of the search for the surface, at the start, is passed over. Where the load never falls to zero before a tenth of
+    its largest, its least value before then stands for zero.
     """
     early = load[: max(1, int(np.argmax(load > 0.1 * load.max())))]
-    return int(np.flatnonzero(early <= max(0.0, early.min()))[-1])
+    zero = max(0.0, float(early.min()))
+    margin = max(6 * noise_of(load), BARELY_LOADED * float(load.max()))
+    free = int(np.argmax(early <= zero + margin))
+    pressed = free + max(1, int(np.argmax(load[free:] > zero + 2 * margin)))
+    approach = load[free:pressed]
+    return free + int(np.flatnonzero(approach <= max(zero, float(approach.min())))[-1])
 
 
 def increasing(time: np.ndarray) -> np.ndarray:
@@ -110,42 +160,53 @@ def increasing(time: np.ndarray) -> np.ndarray:
     return np.diff(np.maximum.accumulate(time), prepend=-np.inf) > 1e-9 * np.ptp(time)
 
 
-def recording_from(
-    source: Source,
-    place: str,
-    name: str,
-    time: np.ndarray,
-    load: np.ndarray,
-    depth: np.ndarray,
-    stiffness: np.ndarray | None = None,
-) -> Recording:
-    """Return a recording less its invalid points and repeated times (a segment's last point is often written twice).
+def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return the indices of the points that make a test, and in words which are left out.
+
+    Points without a number before the first whole one and after the last are no damage: a channel may begin later or
+    end earlier. Nor are repeated times: the last point of a segment is often written again as the first of the next.
+
+    Parameters
+    ----------
+    place
+        Where the points stand in the file, for messages.
+    time, others : ndarray, shape (n,)
+        All channels that the test needs; NaN where the file holds no number.
 
     Raises
     ------
     InputError
-        When more than a twentieth of the points between the first and the last valid one would have to go, or the rest
-        is no recording.
+        When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
+        than two are left.
     """
-    valid = np.isfinite(time) & np.isfinite(load) & np.isfinite(depth)
-    if stiffness is not None:
-        stiffness = stiffness[valid]
-    if valid.any():
-        ends = np.flatnonzero(valid)[[0, -1]]
-        time, load, depth, valid = (values[ends[0] : ends[1] + 1] for values in (time, load, depth, valid))
-    time, load, depth = time[valid], load[valid], depth[valid]
-    later = increasing(time) if len(time) else valid[:0]
-    if len(time) < 2 or later.sum() < (1 - MOST_LEFT_OUT) * len(valid):
-        lost = len(valid) - int(later.sum())
+    whole = np.asarray(np.isfinite([time, *others]).all(axis=0))
+    complete = np.flatnonzero(whole)
+    if len(complete) < 2:
         raise InputError(
-            f"{lost} of {len(valid)} points are invalid or go back in time" if lost else "holds fewer than two points",
-            remedy="export the test again",
-            file=source.path,
-            place=place,
-        )
-    try:
-        notes = (f"from {source.path.name}",)
-        stiffness = None if stiffness is None else stiffness[later]
-        return Recording(time[later], load[later], depth[later], name, notes, stiffness)
-    except InputError as error:
-        raise error.located(file=source.path, place=place) from None
+            "holds fewer than two points with a number in every channel", remedy="export the test again",
+            file=source.path, place=place,
+        )  # fmt: skip
+    between = np.arange(complete[0], complete[-1] + 1)
+    clock = time[complete]
+    later = increasing(clock)
+    back = np.maximum.accumulate(clock) - clock > 1e-9 * np.ptp(clock)
+    kept, count = complete[later], len(between)
+    damaged = {"no number": between[~whole[between]], "time goes back": complete[back]}
+    repeated = {"time stands still": complete[~later & ~back]}
+    if count - len(kept) > MOST_LEFT_OUT * count:
+        raise InputError(
+            f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used",
+            remedy="export the test again", file=source.path, place=place,
+        )  # fmt: skip
+    lost = sum(map(len, damaged.values()))
+    return kept, (f"{lost} of {count} points left out: {_listed(damaged)}",) if lost else ()
+
+
+def _listed(causes: Mapping[str, np.ndarray]) -> str:
+    """Return each cause with the numbers of the first few points that it strikes, counted from 1."""
+    said = []
+    for cause, points in causes.items():
+        if len(points):
+            more = f" and {len(points) - PLACES} more" if len(points) > PLACES else ""
+            said.append(f"{cause} (point {', '.join(str(point + 1) for point in points[:PLACES])}{more})")
+    return ", ".join(said)

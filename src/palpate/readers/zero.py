@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
 from palpate.errors import InputError
 from palpate.readers.units import CHANNELS, to_turn
-from palpate.readers.vendor import VendorTest
+from palpate.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 from palpate.recording import Recording
 
 CONTACTS = ("file", "auto", "none")
@@ -49,6 +51,15 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     except InputError as error:
         raise error.located(place=test.name) from None
     return replace(test, recording=until_retreat(begun(r, point)))
+
+
+def zeroed_each(
+    path: Path, tests: Sequence[VendorTest | Unreadable], contact: str | float
+) -> list[VendorTest | Unreadable]:
+    """Return the tests of a file as `zeroed` makes them; raises the first one's `InputError` when none can begin."""
+    return unless_all_fail(
+        [attempt(path, test.name, zeroed, test, contact) if isinstance(test, VendorTest) else test for test in tests]
+    )
 
 
 def _check_signs(name: str, recording: Recording) -> None:

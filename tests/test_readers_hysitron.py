@@ -1,0 +1,154 @@
+"""Hysitron's two formats: blank cells, headings and headers as other hands write them, contact before small cycles."""
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.errors import InputError
+from palpate.readers import read_vendor_file
+from palpate.readers.vendor import contact
+
+TIME = np.linspace(0, 20, 401)
+LOAD = np.interp(TIME, [0, 5, 10, 15, 20], [-0.002, -0.002, 5, 5, 0.5])
+DEPTH = 10 + 100 * np.sqrt(np.clip(LOAD, 0, None))
+RAW = frozenset()
+
+
+def text(headings="Depth (nm)\tLoad (µN)\tTime (s)", scales=(1, 1e3, 1), count="= 401", changes=()):
+    """A text export; `changes` are cells by row and column."""
+    rows = [[f"{value * scale:.6f}" for value, scale in zip(row, scales, strict=True)] for row in _rows(headings)]
+    for row, column, cell in changes:
+        rows[row][column] = cell
+    return "\n".join(["Mon Apr 29", "", f"Number of Points {count}", headings, *map("\t".join, rows), ""])
+
+
+def _rows(headings):
+    channels = {"Depth": DEPTH, "Load": LOAD, "Time": TIME}
+    return np.column_stack([channels[heading.split()[0]] for heading in headings.split("\t")])
+
+
+def read(tmp_path, content, encoding="latin-1", **options):
+    file = tmp_path / "x.txt"
+    file.write_bytes(content.encode(encoding))
+    (test,) = read_vendor_file(file, **options)
+    return test
+
+
+def test_the_first_point_is_the_last_without_load(tmp_path):
+    recording = read(tmp_path, text()).recording
+    assert (len(recording), recording.time[0], recording.load[0]) == (301, 0, pytest.approx(-0.002))
+    assert recording.depth == pytest.approx(DEPTH[100:])
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "inf", "1.79769e308"])
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_a_cell_without_a_number_costs_its_row_and_is_named(tmp_path, column, cell):
+    test = read(tmp_path, text(changes=[(250, column, cell)]))
+    assert test.warnings == ("1 of 401 points left out: no number (point 251)",)
+    assert test.recording.depth == pytest.approx(np.delete(DEPTH, 250)[100:])
+
+
+def test_a_blank_first_row_is_no_damage(tmp_path):
+    assert len(read(tmp_path, text(changes=[(0, 1, "")])).recording) == 301
+
+
+@pytest.mark.parametrize(
+    ("headings", "scales", "encoding"),
+    [
+        ("Depth (nm)\tLoad (μN)\tTime (s)", (1, 1e3, 1), "utf-8"),
+        ("Depth (nm)\tLoad (µN)\tTime (s)", (1, 1e3, 1), "utf-16"),
+        ("Depth (nm)\tLoad (uN)\tTime (s) ", (1, 1e3, 1), "utf-8"),
+        ("Depth (um)\tLoad (mN) \tTime (ms)", (1e-3, 1, 1e3), "utf-8"),
+        ("Time (s)\tDepth (nm)\tLoad (µN)", (1, 1, 1e3), "utf-8-sig"),
+    ],
+)
+@pytest.mark.parametrize("count", ["= 401", "=401", ": 401"])
+def test_headings_are_understood_as_written(tmp_path, headings, scales, encoding, count):
+    recording = read(tmp_path, text(headings, scales, count), encoding).recording
+    assert recording.load == pytest.approx(LOAD[100:], abs=1e-5)
+    assert recording.depth == pytest.approx(DEPTH[100:], abs=1e-2)
+    assert recording.time == pytest.approx(TIME[100:] - 5, abs=1e-5)
+
+
+def test_a_count_may_part_its_thousands(tmp_path):
+    rows = "".join(f"{k}\t{k}\t{k}\n" for k in range(1200))
+    head = "Mon\n\nNumber of Points = 1,200\nDepth (nm)\tLoad (uN)\tTime (s)\n"
+    assert len(read(tmp_path, head + rows).recording) == 1200
+    with pytest.raises(InputError, match="announces 'many' points"):
+        read(tmp_path, (head + rows).replace("1,200", "many"))
+
+
+@pytest.mark.parametrize("peaks", [(0.2, 0.5, 0.9, 5, 10), (2, 5, 10)])
+@pytest.mark.parametrize(("offset", "earliest"), [(0.0, 4), (0.03, 0)])
+def test_contact_is_before_the_first_of_many_cycles(peaks, offset, earliest):
+    times, loads = [0.0, 5.0], [0.0, 0.0]
+    for peak in peaks:
+        times += [times[-1] + step for step in (5, 7, 12, 14)]
+        loads += [peak, peak, 0, 0]
+    time = np.arange(0, times[-1], 0.1)
+    load = np.interp(time, times, loads) + 0.002 * np.random.default_rng(0).standard_normal(len(time)) + offset
+    assert earliest <= time[contact(load)] <= 6
+
+
+def test_load_left_from_the_search_for_the_surface_is_passed_over():
+    time = np.arange(0, 40, 0.1)
+    assert time[contact(np.interp(time, [0, 1, 10, 40], [0.3, 0, 0, 10]))] == pytest.approx(10)
+
+
+HEADER = {
+    "File Version": "Hysitron", "Machine Comp": "0.004 nm/µN", "Drift Rate": "0.2 nm/s", "Disp Shift": "-10 nm",
+    "Force Shift": "-50 µN", "Test Data Points": "401",
+}  # fmt: skip
+
+
+def hld(**changes):
+    """A .hld file, in which blanks of the header's names are written as underscores."""
+    header = HEADER | {name.replace("_", " "): value for name, value in changes.items()}
+    rows = np.column_stack([TIME, DEPTH - 10, 1e3 * LOAD - 50, 0 * TIME])
+    lines = [f"{key}: {value}" for key, value in header.items()]
+    return "\n".join(
+        [*lines, "Time_s\tDisp_nm\tForce_µN\tLoadCell_nm", *("\t".join(f"{v:.6f}" for v in r) for r in rows)]
+    )
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-16"])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"Machine_Comp": "0,004 nm/µN", "Drift_Rate": "0,2 nm/s"},
+        {"Machine_Comp": "4 nm/mN", "Force_Shift": "-0.05 mN", "Disp_Shift": "-0.01 um"},
+        {"Drift_Rate": "12 nm/min", "Force_Shift": "-50 μN"},
+    ],
+)
+def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encoding):
+    if encoding == "latin-1":
+        changes = {key: value.replace("μ", "u") for key, value in changes.items()}
+    vendor, raw = (read(tmp_path, hld(**changes), encoding, corrections=chosen).recording for chosen in (None, RAW))
+    assert vendor.depth == pytest.approx(DEPTH[100:], abs=1e-5)
+    assert raw.depth - vendor.depth == pytest.approx(0.2 * raw.time + 4 * (raw.load - raw.load[0]), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (hld(Test_Data_Points="about 401"), "announces 'about 401' points"),
+        (hld(Disp_Shift="error"), "Disp Shift: is 'error', expected a number and its unit"),
+        (hld(Disp_Shift="---"), "Disp Shift: is '---'"),
+        (hld(Force_Shift="-50"), "Force Shift: is '-50'"),
+        (hld(Force_Shift="-50 kgf"), "Force Shift: is '-50 kgf'"),
+        (hld().partition("\nTime_s")[0], "lacks one of the columns"),
+    ],
+)
+def test_a_spoilt_hld_gets_one_line(tmp_path, content, words, capsys):
+    (tmp_path / "x.hld").write_text(content, encoding="utf-8")
+    assert main(["read", str(tmp_path / "x.hld"), "-o", str(tmp_path)]) == 2
+    line = capsys.readouterr().err.strip()
+    assert words in line
+    assert "\n" not in line
+
+
+def test_a_correction_that_the_header_does_not_state_is_missed_only_when_it_is_asked_for(tmp_path):
+    assert len(read(tmp_path, hld(Drift_Rate="n/a")).recording) == 301
+    with pytest.raises(InputError, match="Drift Rate: is 'n/a'"):
+        read(tmp_path, hld(Drift_Rate="n/a"), corrections=RAW)
