@@ -7,15 +7,15 @@ import re
 from palpate.errors import InputError
 from palpate.readers.source import Source
 from palpate.readers.text import table
-from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
 from palpate.recording import Recording
 
 COLUMNS = "Time (s)\tPd (nm)\tFn (mN)"
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file begins with the word Indentation and names the measured columns."""
-    return source.content[:100].lstrip(b"\xef\xbb\xbf").startswith(b"Indentation")
+    """Return whether the file begins with the word Indentation."""
+    return source.first.startswith("Indentation")
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
@@ -27,11 +27,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         raise InputError(f"lacks its column line {COLUMNS!r}", remedy="export the test again, with data", file=path)
     start = starts[0]
     values = table(lines[start + 1 :], start + 2, len(lines[start].split("\t")), path)
-    try:
-        recording = Recording(values[:, 0], values[:, 2], values[:, 1], name=path.stem, notes=(f"from {path.name}",))
-    except InputError as error:
-        raise error.located(file=path) from None
-    return [VendorTest(path.stem, recording, metadata(lines[:start]))]
+    time, depth, load = values[:, :3].T
+    kept, warnings = usable(source, "measured values", time, load, depth)
+    recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
+    return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings)]
 
 
 def metadata(lines: list[str]) -> dict[str, str]:

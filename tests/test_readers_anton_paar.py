@@ -1,0 +1,122 @@
+"""Anton Paar's two exports: encodings, and columns that are shared, missing, double, blank, late or in other units."""
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.errors import InputError
+from palpate.readers import read_each, read_vendor_file, select
+from palpate.recording import read_recording
+
+TIME = np.arange(0, 60, 0.1)
+LOAD = np.interp(TIME, [0, 30, 60], [0, 5, 0])
+DEPTH = np.interp(TIME, [0, 30, 60], [0, 500, 300])
+PAIRS = ("X_{}_Time_[s]", "Y_{}_Fn_[mN]", "X_{}_Time_[s]", "Y_{}_Pd_[nm]")
+ONE = np.column_stack([TIME, LOAD, TIME, DEPTH])
+
+
+def columns(values, *headings):
+    """A column export; NaN makes a blank cell."""
+    rows = ["\t".join("" if np.isnan(value) else f"{value:.9g}" for value in row) for row in values]
+    return "\n".join(["\t".join(headings), *rows, ""])
+
+
+def named(*names):
+    return [heading.format(name) for name in names for heading in PAIRS]
+
+
+def blank(first, last, *places):
+    values = ONE.copy()
+    values[first:last, places] = np.nan
+    return values
+
+
+def write(tmp_path, text, encoding="utf-8"):
+    file = tmp_path / "x.TXT"
+    file.write_bytes(text.encode(encoding))
+    return file
+
+
+def single(values):
+    head = ["", "", "Indentation", "", "   EIT=\t2,5 GPa", "Time (s)\tPd (nm)\tFn (mN)"]
+    return "\n".join([*head, *("\t".join(f"{x:.6f}".replace(".", ",") for x in row) for row in values[:, [0, 3, 1]])])
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("text", [single(ONE), columns(ONE, *named("A")), "\n" + columns(ONE, *named("A"))])
+def test_text_is_told_in_any_encoding_and_behind_blank_lines(tmp_path, text, encoding):
+    (test,) = read_vendor_file(write(tmp_path, text, encoding))
+    assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
+    assert test.recording.depth == pytest.approx(DEPTH, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("values", "headings"),
+    [
+        (ONE[:, [0, 1, 3]], ("X_A_Time_[s]", "Y_A_Fn_[mN]", "Y_A_Pd_[nm]")),
+        (ONE[:, [2, 3, 0, 1]], ("X_A_Time_[s]", "Y_A_Pd_[nm]", "X_A_Time_[s]", "Y_A_Fn_[mN]")),
+        (ONE / [60, 1e-3, 60, 1e3], ("X_A_Time_[min]", "Y_A_Fn_[µN]", "X_A_Time_[min]", "Y_A_Pd_[um]")),
+        (np.insert(ONE, 2, np.nan, axis=1), ("X_A_Time_[s]", "Y_A_Fn_[mN]", "", "X_A_Time_[s]", "Y_A_Pd_[nm]")),
+    ],
+)
+def test_each_channel_has_its_time_and_unit(tmp_path, values, headings):
+    (test,) = read_vendor_file(write(tmp_path, columns(values, *headings)))
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(LOAD, abs=1e-6)
+    assert test.recording.depth == pytest.approx(DEPTH, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("second", "names", "words"),
+    [
+        (ONE, ("A", "A"), None),
+        (blank(0, 600, 0, 1, 2, 3), ("A", "B"), "x.TXT, B, load: holds fewer than two points"),
+        (blank(1, 600, 0, 1, 2, 3), ("A", "B"), "x.TXT, B, load: holds fewer than two points"),
+    ],
+)
+def test_a_test_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, second, names, words, capsys):
+    file = write(tmp_path, columns(np.hstack([ONE, second]), *named(*names)))
+    status = main(["read", str(file), "-o", str(tmp_path)])
+    line = capsys.readouterr().err.strip()
+    assert "\n" not in line
+    if words is None:
+        assert status == 2
+        assert "x.TXT, A: has 2 columns of load" in line
+    else:
+        assert status == 0
+        assert words in line
+        assert line.endswith("the test is left out")
+        assert len(read_recording(tmp_path / "A.csv")) == 600
+        with pytest.raises(InputError, match="B, load"):
+            select(read_each(file), "B", file)
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "warning", "count"),
+    [
+        (blank(400, 600, 2, 3), "200 of 600 points of the load left out: the depth has none there", 400),
+        (blank(100, 101, 3), "depth: 1 of 600 points left out: no number (point 101)", 600),
+        (blank(0, 0) + 0.1 * (np.arange(600) == 100)[:, None] * [-50, 0, 0, 0], "load: 1 of 600 points left out: "
+         "time goes back (point 101)", 599),
+    ],
+)  # fmt: skip
+def test_points_that_are_left_out_are_named(tmp_path, spoilt, warning, count):
+    (test,) = read_vendor_file(write(tmp_path, columns(spoilt, *named("A"))))
+    assert test.warnings == (warning,)
+    assert len(test.recording) == count
+    assert test.recording.depth == pytest.approx(np.interp(test.recording.time, TIME, DEPTH), abs=1e-6)
+
+
+@pytest.mark.parametrize("place", [0, 1, 3])
+def test_a_blank_cell_of_a_single_test_costs_its_row_and_is_named(tmp_path, place):
+    text = single(blank(300, 301, place)).replace("nan", "")
+    (test,) = read_vendor_file(write(tmp_path, text))
+    assert test.warnings == ("1 of 600 points left out: no number (point 301)",)
+    assert test.recording.depth == pytest.approx(np.delete(DEPTH, 300), abs=1e-4)
+
+
+def test_a_gap_in_the_depth_is_not_bridged(tmp_path):
+    gap = np.full_like(ONE[:, 2:], np.nan)
+    gap[:300] = ONE[np.r_[:100, 400:600], 2:]
+    with pytest.raises(InputError, match=r"A: the depth has no point from 9.9 to 40 s, the load has 301"):
+        read_vendor_file(write(tmp_path, columns(np.hstack([ONE[:, :2], gap]), *named("A"))))
