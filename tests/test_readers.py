@@ -12,7 +12,7 @@ from palpate.errors import InputError
 from palpate.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.readers.source import Source
 from palpate.readers.vendor import usable
-from palpate.recording import read_recording
+from palpate.recording import Recording, read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
 needs_recordings = pytest.mark.skipif(
@@ -319,6 +319,21 @@ def test_afm_without_its_library_gets_one_line(tmp_path, monkeypatch):
         archive.writestr("header.properties", "type=x")
     with pytest.raises(InputError, match="pip install afmformats"):
         read_vendor_file(tmp_path / "a.jpk-force")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("stiffness", [None, np.append(np.nan, np.arange(1.0, 41))])
+def test_palpate_reads_what_it_writes(tmp_path, stiffness, encoding):
+    time = np.arange(41.0)
+    notes = tuple(f"{key}: {'what the vendor says of it, ' * 10}at length" for key in range(50))
+    Recording(time, np.minimum(time, 40 - time), 10 * time, "a", notes, stiffness).write(tmp_path / "a.csv")
+    (tmp_path / "a.csv").write_bytes((tmp_path / "a.csv").read_text("utf-8").encode(encoding))
+    assert main(["read", str(tmp_path / "a.csv"), "-o", str(tmp_path / "again")]) == 0
+    again = read_recording(tmp_path / "again/a.csv")
+    assert np.array_equal(again.depth, 10 * time)
+    assert set(notes) <= set(again.notes)
+    assert (again.stiffness is None) == (stiffness is None)
+    assert stiffness is None or np.array_equal(again.stiffness, stiffness, equal_nan=True)
 
 
 def test_checksum_guards_a_study(tmp_path):

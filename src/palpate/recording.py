@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -152,6 +153,11 @@ def read_recording(path: str | Path) -> Recording:
         raise InputError(
             "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
         ) from error
+    return recording_in(lines, path)
+
+
+def recording_in(lines: Sequence[str], path: Path) -> Recording:
+    """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
     notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not body:
