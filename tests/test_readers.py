@@ -328,7 +328,7 @@ def test_palpate_reads_what_it_writes(tmp_path, stiffness, encoding):
     notes = tuple(f"{key}: {'what the vendor says of it, ' * 10}at length" for key in range(50))
     Recording(time, np.minimum(time, 40 - time), 10 * time, "a", notes, stiffness).write(tmp_path / "a.csv")
     (tmp_path / "a.csv").write_bytes((tmp_path / "a.csv").read_text("utf-8").encode(encoding))
-    assert main(["read", str(tmp_path / "a.csv"), "-o", str(tmp_path / "again")]) == 0
+    assert main(["read", str(tmp_path / "a.csv"), "--stiffness", "-o", str(tmp_path / "again")]) == 0
     again = read_recording(tmp_path / "again/a.csv")
     assert np.array_equal(again.depth, 10 * time)
     assert set(notes) <= set(again.notes)

@@ -165,6 +165,20 @@ def test_a_unit_of_another_quantity_is_refused(tmp_path, channels, name, unit, k
         read_vendor_file(file)
 
 
+@pytest.mark.parametrize(
+    ("options", "units", "header"),
+    [
+        ([], XP_UNITS, "time_s,load_mN,depth_nm"),
+        (["--stiffness"], XP_UNITS, "time_s,load_mN,depth_nm,stiffness_mN_per_nm"),
+        (["--stiffness"], KLA_UNITS, "time_s,load_mN,depth_nm"),
+    ],
+)
+def test_a_recording_has_three_columns_unless_stiffness_is_asked_for_and_measured(tmp_path, options, units, header):
+    assert run(tmp_path, {"Test 1": counting(units)}, *options) == (0, {"Test_1": 39})
+    lines = (tmp_path / "out/Test_1.csv").read_text().splitlines()
+    assert next(line for line in lines if not line.startswith("#")) == header
+
+
 @pytest.mark.parametrize("head", [["t,P,h"], ["t,P,h", "s,uN,nm"]])
 def test_a_sheet_without_rows_does_no_harm_to_the_others(tmp_path, head, capsys):
     named = [row.split(",") for row in head]

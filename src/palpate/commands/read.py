@@ -49,6 +49,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="time=s,load=mN,depth=nm",
         help="their units, in place of those that the table states; load=-mN turns the sign",
     )
+    parser.add_argument(
+        "--stiffness",
+        action="store_true",
+        help="add a fourth column with the stiffness by oscillation, where the file has it",
+    )
     parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
     parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
@@ -136,7 +141,8 @@ def run(arguments: argparse.Namespace) -> int:
             name += f"_{number}"
         taken.add(name)
         path = arguments.output / f"{name}.csv"
-        replace(test.recording, notes=notes).write(path)
+        stiffness = test.recording.stiffness if arguments.stiffness else None
+        replace(test.recording, notes=notes, stiffness=stiffness).write(path)
         print(path)
         if surveys:
             _draw(surveys[number - 1], path.with_suffix(".png"))
