@@ -194,6 +194,30 @@ def test_a_sheet_without_rows_does_no_harm_to_the_others(tmp_path, head, capsys)
         assert "holds no table with numbers in the columns t, P, h" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("spoilt", "words"),
+    [
+        (
+            [["t", "P", "h"], [0, 0, 0], [1, "lost", 1], [2, 2, 2]],
+            "sheet A, row 3: '1.0, lost, 1.0' is not three numbers",
+        ),
+        ([["t", "P", "h", "h"], [0, 0, 0, 0], [1, 1, 1, 1]], "A: several columns are called 'h'"),
+        ([["t", "P", "h"], ["s", "kN", "nm"], [0, 0, 0], [1, 1, 1]], "the load's unit 'kN' is not known"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, spoilt, words, capsys):
+    sheets = {"A": spoilt, "B": [["t", "P", "h"], [0, 0, 0], [1, 7, 1]]}
+    by_name = ("--columns", "time=t,load=P,depth=h")
+    assert run(tmp_path, sheets, *by_name) == (0, {"B": 7})
+    line = capsys.readouterr().err.strip()
+    assert words in line
+    assert line.endswith("the test is left out")
+    assert run(tmp_path, sheets, *by_name, "--test", "B") == (0, {"B": 7})
+    assert capsys.readouterr().err == ""
+    assert run(tmp_path, {"A": spoilt}, *by_name)[0] == 2
+    assert words in capsys.readouterr().err
+
+
 def test_sheets_whose_names_look_alike_are_all_written(tmp_path):
     names = ["Prüfung 1", "Pr_fung_1", "Pr_fung_1_2", "Pr_fung_1_3"]
     tables = {name: [["t", "P", "h"], [0, 0, 0], [1, k, 1]] for k, name in enumerate(names, 1)}

@@ -15,7 +15,7 @@ from palpate.readers.decimals import numbers
 from palpate.readers.headings import is_row_of_units, is_word, stated
 from palpate.readers.source import Source
 from palpate.readers.units import CHANNELS, scale
-from palpate.readers.vendor import MOST_LEFT_OUT, VendorTest, increasing
+from palpate.readers.vendor import MOST_LEFT_OUT, Unreadable, VendorTest, attempt, increasing, unless_all_fail
 from palpate.recording import Recording
 
 DELIMITERS = ("\t", ";", ",")
@@ -92,7 +92,7 @@ class Table:
         return Table(self.source, self.name, rows, self.numbers[start:])
 
 
-def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
+def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Read the one table of a text file, or one from each sheet of a workbook that holds the columns.
 
     The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
@@ -102,18 +102,19 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest]:
     Raises
     ------
     InputError
-        When no table has the columns or one has several of a name, more than a twentieth of its rows would be left out,
-        cells do not fit the header, or a unit is not known.
+        When no table has the columns, or none that has them can be read: it has several of a name, more than a
+        twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
     tables = _tables(source)
-    tests = [test for test in (_test(table, columns) for table in tables) if test is not None]
+    found = [attempt(source.path, table.name, _test, table, columns) for table in tables]
+    tests = [test for test in found if test is not None]
     if not tests:
         raise InputError(
             f"holds no table with numbers in the columns {', '.join(columns.names[key] for key in CHANNELS)}",
             remedy=f"name columns of its header ({_header(tables)}), or give their numbers from 1",
             file=source.path,
         )
-    return tests
+    return unless_all_fail(tests)
 
 
 def _test(table: Table, columns: ColumnMap) -> VendorTest | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,6 +18,7 @@ CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
 PLACES = 3
 Corrections = frozenset[str] | None
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Reader:
     read: Callable[[Source, Corrections], Sequence[VendorTest | Unreadable]]
 
 
-def attempt(path: Path, name: str, read: Callable[..., VendorTest], *given: Any) -> VendorTest | Unreadable:
+def attempt(path: Path, name: str, read: Callable[..., Found], *given: Any) -> Found | Unreadable:
     """Return what `read` makes of `given`, or what is wrong with the test of that name in the file at `path`."""
     try:
         return read(*given)
