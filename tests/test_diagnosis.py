@@ -91,6 +91,21 @@ def fitted(task, explanation=(), start=None):
     return solve(task, explanation, found, [start])
 
 
+def test_evidence_is_the_likelihood_averaged_over_the_ranges():
+    """The even prior has density one: summed up on a grid over five standard deviations about the best fit."""
+    fit = fitted(problem(recordings(np.random.default_rng(2))))
+    spread = 5.0 * np.sqrt(np.diag(fit.posterior))
+    axes = [np.linspace(z - s, z + s, 61) for z, s in zip(fit.z, spread, strict=True)]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    assert points.min() > 0.0 and points.max() < 1.0
+    white = fit.whiten((fit.problem.mean - fit.curves(points)).T)
+    likelihood = fit.errors.noise.log_likelihood - 0.5 * np.sum(white**2, axis=0) - fit.log_volume
+    cell = np.prod([axis[1] - axis[0] for axis in axes])
+    assert fit.log_evidence == pytest.approx(
+        np.log(cell * np.exp(likelihood - likelihood.max()).sum()) + likelihood.max(), abs=0.05
+    )
+
+
 def p_value(task, rng):
     return examine(fitted(task), RECORD_ONLY, rng, 400, 0.01)
 
