@@ -172,8 +172,8 @@ def diagnose(
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base])
     singles = [search.extended(base.fit, key) for key in keys]
-    tried = found = _refine_best(search, singles, MOST_REFINED, level, report)
-    tried, standing = _sharpened(search, found, tried, level)
+    found = _refine_best(search, singles, MOST_REFINED, level, report)
+    tried, standing = _sharpened(search, found, [*found, base], level)
     for _ in range(1, study.diagnosis["largest_set"]):
         if standing:
             break
@@ -183,7 +183,7 @@ def diagnose(
     verdict, probabilities = _judge(standing)
     if verdict == "identified" and not base.fit.errors.noise.replicated:
         verdict = "ambiguous"
-    return Diagnosis(verdict, base, standing, probabilities, [*tried, base])
+    return Diagnosis(verdict, base, standing, probabilities, tried)
 
 
 def _refine_best(
