@@ -134,12 +134,6 @@ def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
         times, loads = times[1:], loads[1:]
     if not times or not np.all(np.diff([0.0, *times]) > 0.0):
         raise InputError("the times do not increase from zero", remedy="give times after contact in s", place="times")
-    if min(loads) < 0.0 or max(loads) == 0.0:
-        raise InputError(
-            f"loads are {min(loads):g} to {max(loads):g} mN, expected none negative and a positive maximum",
-            remedy="check sign and unit (mN)",
-            place="loads",
-        )
     return times, loads
 
 

@@ -49,7 +49,11 @@ class Protocol:
                 "times of the load history must start at 0 and increase", remedy="sort or correct the times"
             )
         if np.any(load < 0) or load.max() <= 0:
-            raise InputError("loads must be non-negative with a positive maximum", remedy="check sign and unit (mN)")
+            raise InputError(
+                f"loads are {load.min():g} to {load.max():g} mN, expected none negative and a positive maximum",
+                remedy="check sign and unit (mN)",
+                place="loads",
+            )
         if len(sample) == 0 or np.any(np.diff(sample) <= 0) or sample[0] <= 0 or sample[-1] > time[-1] * (1 + 1e-12):
             raise InputError(
                 "sample times must be positive, increasing and within the history", remedy="correct the times"

@@ -20,7 +20,7 @@ from palpate.diagnosis.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 PRIOR_VARIANCE = 1.0 / 12.0
-PRIOR_WIDTH = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
+DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
 STEP = 1e-4
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
 TRIALS = 32
@@ -133,7 +133,7 @@ class Fit:
     @cached_property
     def log_evidence(self) -> float:
         """Laplace's approximation with priors that are even over the ranges, each of density one."""
-        sharpened = np.eye(len(self.z)) + PRIOR_WIDTH * self.information
+        sharpened = np.eye(len(self.z)) + DENSITY_ONE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
 
     @cached_property

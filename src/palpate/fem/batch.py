@@ -72,7 +72,7 @@ class Case:
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
         usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
-        rings = merged(usual, self.resolution, self.indenter.radius > 0.0, self.merged)
+        rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
         return rings * self.resolution.growth**self.shift
 
     @property

@@ -47,4 +47,4 @@ def ever_wider(
 ) -> Iterator[np.ndarray]:
     """Yield the `radii` as they are, and with the innermost rings merged, for one attempt after the other."""
     for times in range(1 + mergings(specimen, large)):
-        yield merged(radii, resolution, indenter.radius > 0.0, times)
+        yield merged(radii, resolution, not indenter.sharp, times)

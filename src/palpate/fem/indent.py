@@ -130,7 +130,7 @@ def plane_strain_modulus(coefficients: np.ndarray) -> float:
 
 def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
     """Return the radii [um] of the rings of the mesh that an indentation needs."""
-    return ring_radii(*contact_range(specimen, indenter, protocol), resolution, indenter.radius > 0.0)
+    return ring_radii(*contact_range(specimen, indenter, protocol), resolution, not indenter.sharp)
 
 
 def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False) -> np.ndarray:

@@ -47,7 +47,7 @@ def length_ratio(case: Case, other: Case) -> float | None:
 
 def _without_length(case: Case) -> bool:
     body = case.specimen
-    return case.indenter.radius == 0.0 and not (body.size_length or body.adhesion) and math.isinf(body.film_thickness)
+    return case.indenter.sharp and not (body.size_length or body.adhesion) and math.isinf(body.film_thickness)
 
 
 def _alike(case: Case, other: Case) -> bool:

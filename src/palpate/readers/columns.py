@@ -15,13 +15,12 @@ from palpate.readers.decimals import numbers
 from palpate.readers.headings import is_row_of_units, is_word, stated
 from palpate.readers.source import Source
 from palpate.readers.units import CHANNELS, scale
-from palpate.readers.vendor import MOST_LEFT_OUT, Unreadable, VendorTest, attempt, increasing, unless_all_fail
+from palpate.readers.vendor import MOST_LEFT_OUT, PLACES, Unreadable, VendorTest, attempt, increasing, unless_all_fail
 from palpate.recording import Recording
 
 DELIMITERS = ("\t", ";", ",")
 WORD = re.compile(r"[^\W\d_]")
 LISTED = 12
-PLACES = 3
 
 
 @dataclass(frozen=True)
