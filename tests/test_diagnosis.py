@@ -13,7 +13,7 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition, load_study
 from palpate.diagnosis.correction import Correction
-from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.covariance import errors, noise_of, varying
 from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import Search
@@ -85,9 +85,14 @@ def problem(observed):
     return Problem(CONDITIONS, observed, space, base, {c.name: {} for c in CONDITIONS}, ONES, SCALE)
 
 
+def weighed(task, explanation, residual):
+    """Errors of the mean curves; without replicates with the noise of a `residual`."""
+    return errors(task, explanation, residual, noise_of(task, varying(explanation), residual, 0.01), 0.003)
+
+
 def fitted(task, explanation=(), start=None):
     start = np.full(task.dimensions(explanation), 0.5) if start is None else start
-    found = errors(task, explanation, np.zeros(len(task.mean)), 0.01, 0.003)
+    found = weighed(task, explanation, np.zeros(len(task.mean)))
     return solve(task, explanation, found, [start])
 
 
@@ -268,7 +273,7 @@ def test_without_replicates_the_noise_comes_from_the_residual():
     rng = np.random.default_rng(13)
     task = problem(recordings(rng, replicates=1))
     first = fitted(task)
-    noise = errors(task, (), first.residual, 0.01, 0.003).noise
+    noise = noise_of(task, (), first.residual, 0.01)
     assert not noise.replicated
     rough = noise.sigma * np.sqrt(2 * (1 - noise.memory))
     assert np.median(rough) == pytest.approx(np.sqrt(2 * 0.2), rel=0.4)
@@ -278,9 +283,24 @@ def test_single_recordings_do_not_take_a_strong_effect_for_noise():
     rng = np.random.default_rng(17)
     task = problem(recordings(rng, lambda c, r: 60.0 * c.protocol.sample_load, replicates=1))
     first = fitted(task)
-    found = errors(task, (), first.residual, 0.01, 0.003)
+    found = weighed(task, (), first.residual)
     again = solve(task, (), found, [first.z])
     assert examine(again, RECORD_ONLY, rng, 400, 0.01) < 0.01
+
+
+def test_single_recordings_measure_all_explanations_by_the_quietest_noise():
+    """A fit that leaves the zero offset in leaves more, and would allow itself more noise."""
+    rng = np.random.default_rng(19)
+    task = problem(recordings(rng, lambda c, r: -60.0, replicates=1))
+    settings = {"bootstrap": 200, "largest_set": 2}
+    study = SimpleNamespace(diagnosis=settings, calibration={"site_scatter": 0.01, "solver_error": 0.003})
+    search = Search(study, task, RECORD_ONLY, rng)
+    base = search.base()
+    moved, framed = (search.extended(base, key) for key in ("zero_offset", "frame_compliance"))
+    own = [noise_of(task, (), fit.residual, 0.01).sigma for fit in (base, moved)]
+    assert np.median(own[0]) > 1.2 * np.median(own[1])
+    assert base.errors.noise.sigma == pytest.approx(own[1], rel=0.01)
+    assert framed.errors.noise is base.errors.noise
 
 
 def ranged(ranges):

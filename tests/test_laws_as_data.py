@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from test_diagnosis import problem, recordings
+from test_diagnosis import problem, recordings, weighed
 
 from palpate.diagnosis import hidden
-from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
 from palpate.diagnosis.law import Law
@@ -30,8 +29,8 @@ def yielding():
 
 def fitted(task, explanation=FRAME, laws=()):
     start = np.full(task.dimensions(explanation), 0.5)
-    rough = solve(task, explanation, errors(task, explanation, np.zeros(len(task.mean)), 0.01, 0.003), [start])
-    found = errors(task, explanation, rough.residual, 0.01, 0.003)
+    rough = solve(task, explanation, weighed(task, explanation, np.zeros(len(task.mean))), [start])
+    found = weighed(task, explanation, rough.residual)
     return solve(task, explanation, found, [rough.z], laws=laws)
 
 

@@ -10,7 +10,7 @@ from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition
 from palpate.diagnosis import refine
-from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.covariance import errors, noise_of, varying
 from palpate.diagnosis.design import longest_rise
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.law import Law
@@ -49,7 +49,8 @@ def solved(explanation):
     observed = {"a": Observation(CONDITION.protocol.sample_time, depth)}
     space = Space({"modulus": (0.7, 1.4)})
     problem = Problem((CONDITION,), observed, space, {"a": Cone()}, {"a": {}}, {"a": np.ones(60)}, SCALE)
-    found = errors(problem, explanation, np.zeros(60), 0.01, 0.001)
+    noise = noise_of(problem, varying(explanation), np.zeros(60), 0.01)
+    found = errors(problem, explanation, np.zeros(60), noise, 0.001)
     return observed, solve(problem, explanation, found, [np.full(problem.dimensions(explanation), 0.5)])
 
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from test_diagnosis import fitted, problem, recordings
+from test_diagnosis import fitted, problem, recordings, weighed
 
 from palpate.diagnosis.correction import Correction
-from palpate.diagnosis.covariance import errors
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.posterior import posterior_draws, sampled
 
@@ -15,7 +14,7 @@ TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
 def refitted(task):
     """Fit twice, so that the errors are in proportion to a simulated curve."""
     rough = fitted(task)
-    return solve(task, (), errors(task, (), rough.residual, 0.01, 0.003), [rough.z])
+    return solve(task, (), weighed(task, (), rough.residual), [rough.z])
 
 
 def test_draws_agree_with_the_first_order_covariance_where_the_likelihood_is_even():

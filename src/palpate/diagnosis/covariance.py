@@ -117,13 +117,14 @@ def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site
     if problem.replicated:
         found = noise_between_replicates(problem, keys, site_scatter)
         return found.spread(problem.repeated, len(problem.conditions))
-    replicates = []
+    assumed, models = assumed_variances(problem, keys, site_scatter), []
     for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
         item = problem.observed[condition.name]
         basis = without_trend(list(segments(condition.protocol).values()))
         rest = np.sqrt(len(item.depth)) * problem.split(residual)[condition.name]
-        replicates.append(Replicates((basis @ rest)[None], basis, part, float(np.abs(item.mean).max())))
-    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), False, LARGEST)
+        replicates = Replicates((basis @ rest)[None], basis, part, float(np.abs(item.mean).max()))
+        models.append(fit_noise([replicates], assumed, False, LARGEST))
+    return NoiseModel.joined(models)
 
 
 @lru_cache(maxsize=64)
@@ -143,7 +144,7 @@ def errors(
     problem: Problem,
     explanation: Explanation,
     residual: np.ndarray,
-    site_scatter: float,
+    noise: NoiseModel,
     solver_error: float,
     z: np.ndarray | None = None,
 ) -> Errors:
@@ -153,14 +154,13 @@ def errors(
     recorded ones, whose noise would count as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl.
     Instrum. Methods A 346 (1994) 306-311).
     """
-    keys, depth = varying(explanation), problem.mean - residual
+    depth = problem.mean - residual
     surrogate = surrogate_error(problem, explanation)
     model = model_covariance(problem.split(depth), solver_error) + surrogate
     if z is not None:
         model = model + solver_scatter(problem, explanation, z)
     counts = [len(problem.observed[c.name].depth) for c in problem.conditions]
-    noise = noise_of(problem, keys, residual, site_scatter)
-    return Errors(noise, components(problem, keys, depth), model, surrogate, counts)
+    return Errors(noise, components(problem, varying(explanation), depth), model, surrogate, counts)
 
 
 def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) -> np.ndarray:

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.config import Study
-from palpate.diagnosis.covariance import errors
+from palpate.diagnosis.covariance import Errors, errors, noise_of, varying
 from palpate.diagnosis.detect import examine, excess, gains
 from palpate.diagnosis.fit import Fit, solve, starting_points
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
+from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.refine import ABSURD, hopeless, refine, sharpen
 from palpate.errors import PalpateError
@@ -23,6 +24,7 @@ SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
 OUTDONE = 10.0  # logarithm of the evidence behind one that passes, from which no further round brings another back
 LEAST_REFINED, MOST_REFINED, MOST_REFINED_SETS = 3, 8, 5
 MOST_SETS = 12
+QUIETER = 2.0  # logarithm of the likelihood of what is left, by which one more mechanism must raise it
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +86,35 @@ class Search:
     ):
         self._study, self._problem, self._keys, self._rng, self._laws = study, problem, keys, rng, laws
         self._settings, self._calibration = study.diagnosis, study.calibration
+        self._hear(np.zeros(len(problem.mean)))
+        if not problem.replicated:
+            self._listen()
+
+    def _listen(self) -> None:
+        """Take for noise, without replicates, what that fit leaves which leaves least beside slow trends.
+
+        One that fits worse would allow itself more noise, but what is compared has to be measured by the same. Sets
+        grow from the base model, as long as one more mechanism makes what is left much likelier.
+        """
+        self._hear(self.base().residual)
+        quietest = self.base()
+        for _ in range(self._settings["largest_set"]):
+            self._hear(quietest.residual)
+            wider = [self.extended(quietest, key) for key in self._keys if key not in quietest.explanation]
+            heard, quietest = quietest, max([quietest, *wider], key=self._quietness)
+            if quietest is heard:
+                return
+        self._hear(quietest.residual)
+
+    def _hear(self, residual: np.ndarray) -> None:
+        """Take a residual (n_all,) for noise where nothing is replicated."""
+        self._heard = residual
+        self._noise: dict[tuple[str, ...], NoiseModel] = {}
+
+    def _quietness(self, fit: Fit) -> float:
+        """Return the logarithm of the likelihood of what a fit leaves beside slow trends, less what mechanisms cost."""
+        left = noise_of(self._problem, (), fit.residual, self._calibration["site_scatter"])
+        return left.log_likelihood - QUIETER * len(fit.explanation)
 
     def base(self) -> Fit:
         """Fit the base model."""
@@ -136,9 +167,12 @@ class Search:
         draws, level = self._settings["bootstrap"], self._settings["significance"]
         return excess(fit, self._keys, self._rng, draws, level)
 
-    def _errors(self, explanation: Explanation, residual: np.ndarray, z: np.ndarray | None = None):
+    def _errors(self, explanation: Explanation, residual: np.ndarray, z: np.ndarray | None = None) -> Errors:
         site_scatter, solver_error = (self._calibration[key] for key in ("site_scatter", "solver_error"))
-        return errors(self._problem, explanation, residual, site_scatter, solver_error, z)
+        keys = varying(explanation)
+        if keys not in self._noise:
+            self._noise[keys] = noise_of(self._problem, keys, self._heard, site_scatter)
+        return errors(self._problem, explanation, residual, self._noise[keys], solver_error, z)
 
 
 def diagnose(

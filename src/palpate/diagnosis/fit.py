@@ -116,8 +116,9 @@ class Fit:
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Of contrasts, means and laws."""
-        return self.errors.noise.log_likelihood - 0.5 * self.misfit - self.log_volume
+        """Of means, laws and, where there are replicates, what distinguishes them."""
+        noise = self.errors.noise
+        return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume
 
     @cached_property
     def posterior(self) -> np.ndarray:

@@ -60,6 +60,22 @@ class NoiseModel:
         """Return K (n, n) of a condition of which only the `components` are known: median point noise [nm^2]."""
         return matrix_of(float(np.median(self.sigma)), float(np.median(self.memory)), self.variances, components)
 
+    @classmethod
+    def joined(cls, models: Sequence[NoiseModel]) -> NoiseModel:
+        """Return the model of all conditions of several models that know the same variances, each of one condition."""
+        count, size = len(models), 2 * len(models) + len(models[0].variances)
+        covariance = np.zeros((size, size))
+        for k, model in enumerate(models):
+            places = np.array([k, count + k, *range(2 * count, size)])
+            covariance[np.ix_(places, places)] = model.covariance
+        return replace(
+            models[0],
+            sigma=np.concatenate([model.sigma for model in models]),
+            memory=np.concatenate([model.memory for model in models]),
+            log_likelihood=sum(model.log_likelihood for model in models),
+            covariance=covariance,
+        )
+
     def spread(self, places: Sequence[int], count: int) -> NoiseModel:
         """Return the model of `count` conditions of which those at `places` are this one's, in order.
 
@@ -111,11 +127,15 @@ def matrix_of(
     sigma: float, memory: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]
 ) -> np.ndarray:
     """Return K (n, n) of one condition [nm^2]: its point noise, and the variance `components`."""
-    size = len(next(iter(components.values())))
-    matrix = sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
+    matrix = point_noise(sigma, memory, len(next(iter(components.values()))))
     for name, component in components.items():
         matrix += variances[name] * component
     return matrix
+
+
+def point_noise(sigma: float, memory: float, size: int) -> np.ndarray:
+    """Return the covariance (size, size) of the point noise [nm^2]."""
+    return sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
 
 
 def _first_order(memory: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:

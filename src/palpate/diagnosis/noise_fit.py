@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from palpate.diagnosis.noise import NoiseModel, largest_memory, matrix_of
+from palpate.diagnosis.noise import NoiseModel, largest_memory, point_noise
 
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
@@ -50,6 +51,22 @@ class Replicates:
     basis: np.ndarray
     components: Mapping[str, np.ndarray]
     scale: float
+
+    @cached_property
+    def parts(self) -> dict[str, np.ndarray]:
+        """Matrix (d, d) of each variance component in the basis."""
+        return {name: self.in_basis(component) for name, component in self.components.items()}
+
+    def in_basis(self, matrix: np.ndarray) -> np.ndarray:
+        """Return a covariance (n, n) in the basis (d, d), which is the identity where it has n rows."""
+        return self.basis @ matrix @ self.basis.T if len(self.basis) < len(matrix) else matrix
+
+    def points(self, sigma: float, memory: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the point noise's covariance (d, d) in the basis, and its derivative by logit rho."""
+        size = self.basis.shape[1]
+        lags = np.arange(size)
+        slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
+        return self.in_basis(point_noise(sigma, memory, size)), self.in_basis(slope)
 
 
 def contrasts(depth: np.ndarray) -> np.ndarray:
@@ -113,18 +130,18 @@ def fit_noise(
         sigma, memory, variances = unpack(x)
         value, slope = 0.0, np.zeros(len(x))
         for k, r in enumerate(replicates):
-            parts = _derivatives(sigma[k], memory[k], r)
-            factor = cho_factor(_projected(r, matrix_of(sigma[k], memory[k], variances, r.components)), lower=True)
+            points, by_memory = r.points(sigma[k], memory[k])
+            factor = cho_factor(points + sum(variances[name] * part for name, part in r.parts.items()), lower=True)
             inverse = cho_solve(factor, np.eye(len(factor[0])))
             solved = inverse @ r.contrasts.T
             rank = len(r.contrasts)
             value += rank * np.log(np.diag(factor[0])).sum() + 0.5 * np.sum(solved * r.contrasts.T)
             weight = 0.5 * (rank * inverse - solved @ solved.T)
-            slope[k] += np.vdot(weight, parts[0])
-            slope[count + k] += np.vdot(weight, parts[1])
+            slope[k] += np.vdot(weight, 2 * points)
+            slope[count + k] += np.vdot(weight, by_memory)
             if replicated:
                 for j, name in enumerate(names):
-                    slope[2 * count + j] += variances[name] * np.vdot(weight, parts[2 + j])
+                    slope[2 * count + j] += variances[name] * np.vdot(weight, r.parts[name])
         for j in never_zero:
             value, slope[j] = value - 0.5 * x[j], slope[j] - 0.5
         return value, slope
@@ -159,8 +176,9 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
     count, names = len(replicates), list(variances)
     information = np.zeros((2 * count + len(names),) * 2)
     for k, r in enumerate(replicates):
-        inverse = np.linalg.inv(_projected(r, matrix_of(sigma[k], memory[k], variances, r.components)))
-        solved = [inverse @ part for part in _derivatives(sigma[k], memory[k], r)]
+        points, by_memory = r.points(sigma[k], memory[k])
+        inverse = np.linalg.inv(points + sum(variances[name] * part for name, part in r.parts.items()))
+        solved = [inverse @ part for part in (2 * points, by_memory, *r.parts.values())]
         places = [k, count + k, *range(2 * count, 2 * count + len(names))]
         for a, i in enumerate(places):
             for b, j in enumerate(places):
@@ -182,17 +200,3 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
 def _greatest(name: str, replicates: Sequence[Replicates]) -> float:
     """Return the variance with which a component would add as much as the recordings are deep."""
     return max(r.scale**2 / max(float(np.diag(r.components[name]).max()), SMALLEST_VARIANCE) for r in replicates)
-
-
-def _projected(r: Replicates, matrix: np.ndarray) -> np.ndarray:
-    """Return a covariance (n, n) in the basis of the contrasts, which is the identity where it has n rows."""
-    return r.basis @ matrix @ r.basis.T if len(r.basis) < len(matrix) else matrix
-
-
-def _derivatives(sigma: float, memory: float, r: Replicates) -> list[np.ndarray]:
-    """Return the derivatives of K by log sigma, logit rho and each variance, in the basis of the contrasts."""
-    size = r.basis.shape[1]
-    lags = np.arange(size)
-    point = sigma**2 * toeplitz(memory**lags)
-    slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
-    return [_projected(r, part) for part in (2 * point, slope, *r.components.values())]
