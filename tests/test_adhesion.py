@@ -7,7 +7,8 @@ from palpate.analytic import hertz, jkr
 from palpate.fem import adhesion, banded
 from palpate.fem.adhesion import Adhesion, nodal_areas
 from palpate.fem.contact import Contact, Profile
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.indent import indent
 from palpate.fem.mesh import polar_mesh
 from palpate.fem.newton import Problem, State, Workspace
 from palpate.indenters import Indenter

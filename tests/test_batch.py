@@ -12,7 +12,8 @@ from palpate.fem.batch_banded import PANEL, solve
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import NOTHING, TOLERANCE, Points, law_rows, solve_radial, weight_rows
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, splat, store
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.indent import indent
 from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS, radial

@@ -5,7 +5,8 @@ import pytest
 
 from palpate.fem import hencky, linear
 from palpate.fem.contact import Profile
-from palpate.fem.indent import RESOLUTIONS, indent, march, mesh_radii, step_times
+from palpate.fem.discretisation import RESOLUTIONS, mesh_radii, step_times
+from palpate.fem.indent import indent, march
 from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
 from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.indenters import Indenter

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from palpate.analytic import sneddon
-from palpate.fem.indent import RESOLUTIONS as AXISYMMETRIC
+from palpate.fem.discretisation import RESOLUTIONS as AXISYMMETRIC
 from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.contact import Contact

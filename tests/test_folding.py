@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.folding import merged
-from palpate.fem.indent import RESOLUTIONS
 from palpate.fem.mesh import ring_radii
 from palpate.model import simulate, simulate_batch, specification_from
 

@@ -7,8 +7,10 @@ import pytest
 
 from palpate.fem import banded
 from palpate.fem.contact import Profile
+from palpate.fem.contact_size import contact_range
+from palpate.fem.discretisation import RESOLUTIONS, step_times
 from palpate.fem.friction import Friction
-from palpate.fem.indent import RESOLUTIONS, contact_range, indent, march, step_times
+from palpate.fem.indent import indent, march
 from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
 from palpate.fem.newton import Problem, State, Workspace
 from palpate.indenters import Indenter

@@ -10,7 +10,7 @@ import yaml
 from palpate import laboratory
 from palpate.config import load_study
 from palpate.errors import PalpateError
-from palpate.fem.indent import RESOLUTIONS, mesh_radii
+from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
 from palpate.model import Simulation
 from palpate.protocol import trapezoid
 from palpate.recording import read_recording

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.indent import indent
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol

@@ -8,7 +8,7 @@ import pytest
 from palpate.errors import ConvergenceError, InputError
 from palpate.fem import indent as history
 from palpate.fem import newton
-from palpate.fem.indent import mesh_radii
+from palpate.fem.discretisation import mesh_radii
 from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
 from palpate.model import sensitivities, simulate, specification_from

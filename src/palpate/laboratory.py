@@ -16,7 +16,7 @@ import numpy as np
 
 from palpate.config import Study
 from palpate.errors import PalpateError
-from palpate.fem.indent import RESOLUTIONS, mesh_radii
+from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
 from palpate.model import Simulation, simulate
 from palpate.protocol import Protocol
 from palpate.recording import Recording

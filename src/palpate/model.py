@@ -12,7 +12,8 @@ from palpate.errors import InputError, PalpateError
 from palpate.fem.batch import Case
 from palpate.fem.batch_vector import LANES
 from palpate.fem.directions import Directions
-from palpate.fem.indent import RESOLUTIONS, ROUGH, History, indent
+from palpate.fem.discretisation import RESOLUTIONS, ROUGH
+from palpate.fem.indent import History, indent
 from palpate.fem.newton import Problem, State
 from palpate.fem.similar import indent_distinct
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
@@ -95,7 +96,8 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     Parameters
     ----------
     radii : ndarray, optional
-        Rings of one mesh [um], in place of those that suit the specification, see `palpate.fem.indent.mesh_radii`.
+        Rings of one mesh [um], in place of those that suit the specification, see
+        `palpate.fem.discretisation.mesh_radii`.
 
     Raises
     ------

@@ -15,7 +15,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.fem.clock import Shift
 from palpate.fem.directions import Directions
-from palpate.fem.indent import laws_of
+from palpate.fem.regions import laws_of
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter

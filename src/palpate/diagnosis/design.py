@@ -19,7 +19,8 @@ from scipy.stats import qmc
 from palpate.config import Condition, Study
 from palpate.design import factorial
 from palpate.errors import InputError
-from palpate.fem.indent import RESOLUTIONS, check_size, contact_range, mean_pressure
+from palpate.fem.contact_size import check_size, contact_range, mean_pressure
+from palpate.fem.discretisation import RESOLUTIONS
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.model import smooth
 from palpate.protocol import Protocol

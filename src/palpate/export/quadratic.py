@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.fem.contact import Profile
-from palpate.fem.indent import contact_range
+from palpate.fem.contact_size import contact_range
 from palpate.fem.mesh import Resolution, ring_radii
 from palpate.specification import Specification
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.fem.batch_law import law_rows, weight_rows
-from palpate.fem.indent import laws_of, regions
 from palpate.fem.mesh import Mesh
+from palpate.fem.regions import laws_of, regions
 from palpate.materials.radial import VOIGT
 from palpate.specimen import Specimen, resisted
 

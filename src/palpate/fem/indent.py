@@ -1,4 +1,4 @@
-"""A whole load history: choose mesh and steps, march, halve what does not converge, return depth against time."""
+"""A whole load history on one mesh: march, halve what does not converge, return depth against time."""
 
 from __future__ import annotations
 
@@ -9,31 +9,24 @@ from functools import partial
 
 import numpy as np
 
-from palpate.errors import ConvergenceError, InputError
-from palpate.fem.adhesion import GPA_UM, Adhesion
+from palpate.errors import ConvergenceError
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.clock import Clock
 from palpate.fem.contact import Profile
+from palpate.fem.contact_size import check_size, contact_range, plane_strain_modulus
 from palpate.fem.directions import Directions
+from palpate.fem.discretisation import mesh_radii, step_times
 from palpate.fem.folding import ever_wider
 from palpate.fem.march import march_by
-from palpate.fem.mesh import Mesh, Resolution, polar_mesh, ring_radii, volume_above
+from palpate.fem.mesh import Mesh, Resolution, polar_mesh
 from palpate.fem.newton import Problem, State, Workspace, advance
+from palpate.fem.regions import laws_of, regions, resolved
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
-from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
-from palpate.specimen import Specimen, series
+from palpate.specimen import Specimen
 
-RESOLUTIONS = {
-    "standard": Resolution(growth=1.10, sectors=8),
-    "medium": Resolution(
-        growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
-    ),
-    "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
-}
-ROUGH = Resolution(growth=1.20, sectors=6, far=1000.0, outer_growth=1.6, load_growth=0.25)  # for differences of curves
 LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
-GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,145 +53,6 @@ class History:
     iterations: int
     steps: int
     derivatives: np.ndarray
-
-
-def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:
-    """Estimate the mean contact pressure under a cone [GPa], for the size of the mesh alone.
-
-    A cone of slope cot(alpha) strains what lies under it by about 0.2 cot(alpha) (Johnson, Contact Mechanics, 1985,
-    section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
-    modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
-    """
-    shear, bulk = coefficients[SHEAR], coefficients[1]
-    ratio = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
-
-    def pressure(secant_shear: float) -> float:
-        return secant_shear * (1 + ratio) * slope / (1 - ratio**2)
-
-    p = pressure(shear)
-    for _ in range(30):
-        q = p / 3.0
-        strain = q / (2 * shear) + duration * coefficients[STEADY] * q ** (2 * coefficients[STEADY_EXPONENT] + 1)
-        for c_t, m_t, _t in coefficients[VOIGT:].reshape(-1, 3):
-            strain += c_t * q ** (2 * m_t + 1)
-        p = np.sqrt(p * pressure(q / (2 * strain)))
-    flow = coefficients[YIELD] + 0.2 * slope * coefficients[HARDENING]
-    return float(min(p, 2.8 * flow))
-
-
-def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
-    """Estimate the smallest contact radius that counts and the largest one [um].
-
-    The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
-    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (JKR, see
-    `palpate.analytic.jkr`).
-    """
-    smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
-    if specimen.substrate is None:
-        return smallest, largest
-    return smallest, max(largest, _contact_range(specimen.substrate, specimen.adhesion, indenter, protocol)[1])
-
-
-def _contact_range(
-    coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
-) -> tuple[float, float]:
-    radius = indenter.radius * 1e-3
-    duration = float(protocol.knot_time[-1] * 0.6)
-    slope = indenter.slope
-    loads = protocol.sample_load
-    smallest_load = loads[loads > 0].min(initial=protocol.max_load, where=loads[loads > 0] > 0.005 * protocol.max_load)
-    punch = 8.0 * np.pi * plane_strain_modulus(coefficients) * GPA_UM * work
-
-    def contact_radius(load: float) -> float:
-        if radius == 0.0 and work == 0.0:
-            return float(np.sqrt(load / (np.pi * mean_pressure(coefficients, slope, duration))))
-        a = radius * 0.1 if radius else 0.1
-        for _ in range(40):
-            local = min(slope, 0.7 * a / radius) if radius else slope
-            borne = load + np.sqrt(punch * a**3)
-            a = 0.5 * (a + np.sqrt(borne / (np.pi * mean_pressure(coefficients, local, duration))))
-        return float(a)
-
-    return contact_radius(smallest_load), contact_radius(protocol.max_load)
-
-
-def plane_strain_modulus(coefficients: np.ndarray) -> float:
-    """Return E / (1 - nu^2) of a law [GPa]."""
-    shear, bulk = coefficients[SHEAR], coefficients[BULK]
-    return float(4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear))
-
-
-def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
-    """Return the radii [um] of the rings of the mesh that an indentation needs."""
-    return ring_radii(*contact_range(specimen, indenter, protocol), resolution, not indenter.sharp)
-
-
-def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False) -> np.ndarray:
-    """Return the ends of all time steps: samples, knots, steps between them, and a graded onset of loading.
-
-    Where a body yields, a step in which the load grows by more than the resolution's share is divided: the direction of
-    plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile.
-    """
-    ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
-    ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
-    fine = divided(ends, np.full(len(ends), resolution.refine))
-    onset = protocol.knot_time[np.flatnonzero(protocol.knot_load > 0)[0] - 1]
-    first = fine[fine > onset * (1 + 1e-9)][0]
-    graded = np.union1d(fine, onset + (first - onset) * GRADED_START)
-    if not yields:
-        return graded
-    load = protocol.load_at(graded)
-    before = np.append(0.0, load[:-1])
-    growth = np.divide(load - before, before, out=np.zeros_like(load), where=before > 0.0)
-    return divided(graded, np.maximum(np.ceil(growth / resolution.load_growth - 1e-6), 1).astype(int))
-
-
-def divided(ends: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Return the ends of steps of which each is divided into so many equal parts; the first begins at zero."""
-    starts = np.append(0.0, ends[:-1])
-    return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, parts, strict=True)])
-
-
-def laws_of(specimen: Specimen) -> np.ndarray:
-    """Return the laws (regions, c): substrate and film in series, by shares of the film in steps of an eighth."""
-    if specimen.substrate is None:
-        return specimen.coefficients[None, :]
-    return np.stack([series(specimen.coefficients, specimen.substrate, k / 8) for k in range(9)])
-
-
-def regions(specimen: Specimen, mesh: Mesh, unit: float = 1.0) -> np.ndarray:
-    """Return the law of each element (m,), by the share of its volume above the interface; the mesh is in `unit` um."""
-    if specimen.substrate is None:
-        return np.zeros(len(mesh.elements), dtype=np.int64)
-    return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness / unit)).astype(np.int64)
-
-
-def resolved(specimen: Specimen, indenter: Indenter, first: float) -> Specimen:
-    """Return the specimen with a size effect down to the depth at which the `first` ring of nodes [um] touches."""
-    return replace(specimen, shallowest=1e3 * Profile.of(indenter).depth_for(first))
-
-
-def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
-    """Refuse what the mesh for a largest contact radius [um] cannot hold.
-
-    Raises
-    ------
-    InputError
-        When a film is thinner than an element at the edge of contact, or a tip larger than the body.
-    """
-    element, body = 1e3 * (resolution.growth - 1.0) * largest, 1e3 * resolution.far * largest
-    if specimen.film_thickness < element:
-        raise InputError(
-            f"thickness = {specimen.film_thickness:g} nm is less than an element at the edge of contact",
-            remedy=f"give at least {element:.3g} nm, or a smaller load",
-            place="mechanisms.film_on_substrate.thickness",
-        )
-    if indenter.radius > body:
-        raise InputError(
-            f"radius = {indenter.radius:g} nm is larger than the body that is simulated",
-            remedy=f"give at most {body:.3g} nm, or a larger load",
-            place="indenter.radius",
-        )
 
 
 def attraction(specimen: Specimen, resolution: Resolution, largest: float, mesh: Mesh) -> Adhesion | None:

@@ -9,9 +9,11 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError
-from palpate.fem.indent import History, mesh_radii, resolved, step_times
+from palpate.fem.discretisation import mesh_radii, step_times
+from palpate.fem.indent import History
 from palpate.fem.march import march_by
 from palpate.fem.mesh import Resolution
+from palpate.fem.regions import resolved
 from palpate.fem3d.mesh import wedge_mesh
 from palpate.fem3d.newton import Problem, State, Workspace, advance
 from palpate.fem3d.shell import shell
@@ -42,7 +44,7 @@ def indent_3d(
     specimen, indenter, protocol, resolution
         What is pressed, by what, how, and how finely it is resolved.
     radii : ndarray, optional
-        Of the shells of the mesh [um], in place of `palpate.fem.indent.mesh_radii`.
+        Of the shells of the mesh [um], in place of `palpate.fem.discretisation.mesh_radii`.
     observe
         Called with the problem and the state at the end of every time step asked for, sampling times among them.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from palpate.calibration import calibrate
 from palpate.calibration.measures import relative
-from palpate.fem.indent import RESOLUTIONS
+from palpate.fem.discretisation import RESOLUTIONS
 from palpate.laboratory import exact_curve
 from palpate.observations import observations
 from palpate.steps import settings_of

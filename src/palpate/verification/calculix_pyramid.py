@@ -11,7 +11,7 @@ import numpy as np
 from palpate.analytic import berkovich
 from palpate.errors import PalpateError
 from palpate.export.wedge import INCREMENTS, deck
-from palpate.fem.indent import mesh_radii
+from palpate.fem.discretisation import mesh_radii
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.mesh import wedge_mesh
 from palpate.fem3d.newton import SIXTH

@@ -13,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.fem.indent import RESOLUTIONS, indent
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.materials import LAWS
 from palpate.protocol import trapezoid

@@ -1,0 +1,102 @@
+"""How large the contact becomes, estimated before anything is simulated: it sets the size of the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.fem.adhesion import GPA_UM
+from palpate.fem.mesh import Resolution
+from palpate.indenters import Indenter
+from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.protocol import Protocol
+from palpate.specimen import Specimen
+
+
+def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:
+    """Estimate the mean contact pressure under a cone [GPa], for the size of the mesh alone.
+
+    A cone of slope cot(alpha) strains what lies under it by about 0.2 cot(alpha) (Johnson, Contact Mechanics, 1985,
+    section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
+    modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
+    """
+    shear, bulk = coefficients[SHEAR], coefficients[1]
+    ratio = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+
+    def pressure(secant_shear: float) -> float:
+        return secant_shear * (1 + ratio) * slope / (1 - ratio**2)
+
+    p = pressure(shear)
+    for _ in range(30):
+        q = p / 3.0
+        strain = q / (2 * shear) + duration * coefficients[STEADY] * q ** (2 * coefficients[STEADY_EXPONENT] + 1)
+        for c_t, m_t, _t in coefficients[VOIGT:].reshape(-1, 3):
+            strain += c_t * q ** (2 * m_t + 1)
+        p = np.sqrt(p * pressure(q / (2 * strain)))
+    flow = coefficients[YIELD] + 0.2 * slope * coefficients[HARDENING]
+    return float(min(p, 2.8 * flow))
+
+
+def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
+    """Estimate the smallest contact radius that counts and the largest one [um].
+
+    The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
+    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (JKR, see
+    `palpate.analytic.jkr`).
+    """
+    smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
+    if specimen.substrate is None:
+        return smallest, largest
+    return smallest, max(largest, _contact_range(specimen.substrate, specimen.adhesion, indenter, protocol)[1])
+
+
+def _contact_range(
+    coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
+) -> tuple[float, float]:
+    radius = indenter.radius * 1e-3
+    duration = float(protocol.knot_time[-1] * 0.6)
+    slope = indenter.slope
+    loads = protocol.sample_load
+    smallest_load = loads[loads > 0].min(initial=protocol.max_load, where=loads[loads > 0] > 0.005 * protocol.max_load)
+    punch = 8.0 * np.pi * plane_strain_modulus(coefficients) * GPA_UM * work
+
+    def contact_radius(load: float) -> float:
+        if radius == 0.0 and work == 0.0:
+            return float(np.sqrt(load / (np.pi * mean_pressure(coefficients, slope, duration))))
+        a = radius * 0.1 if radius else 0.1
+        for _ in range(40):
+            local = min(slope, 0.7 * a / radius) if radius else slope
+            borne = load + np.sqrt(punch * a**3)
+            a = 0.5 * (a + np.sqrt(borne / (np.pi * mean_pressure(coefficients, local, duration))))
+        return float(a)
+
+    return contact_radius(smallest_load), contact_radius(protocol.max_load)
+
+
+def plane_strain_modulus(coefficients: np.ndarray) -> float:
+    """Return E / (1 - nu^2) of a law [GPa]."""
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    return float(4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear))
+
+
+def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
+    """Refuse what the mesh for a largest contact radius [um] cannot hold.
+
+    Raises
+    ------
+    InputError
+        When a film is thinner than an element at the edge of contact, or a tip larger than the body.
+    """
+    element, body = 1e3 * (resolution.growth - 1.0) * largest, 1e3 * resolution.far * largest
+    if specimen.film_thickness < element:
+        raise InputError(
+            f"thickness = {specimen.film_thickness:g} nm is less than an element at the edge of contact",
+            remedy=f"give at least {element:.3g} nm, or a smaller load",
+            place="mechanisms.film_on_substrate.thickness",
+        )
+    if indenter.radius > body:
+        raise InputError(
+            f"radius = {indenter.radius:g} nm is larger than the body that is simulated",
+            remedy=f"give at most {body:.3g} nm, or a larger load",
+            place="indenter.radius",
+        )
