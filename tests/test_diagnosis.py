@@ -16,7 +16,7 @@ from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors, noise_of, varying
 from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import Search
+from palpate.diagnosis.diagnose import Search, may_be_named
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import solve, starting_points
 from palpate.diagnosis.locate import location
@@ -301,6 +301,16 @@ def test_single_recordings_measure_all_explanations_by_the_quietest_noise():
     assert np.median(own[0]) > 1.2 * np.median(own[1])
     assert base.errors.noise.sigma == pytest.approx(own[1], rel=0.01)
     assert framed.errors.noise is base.errors.noise
+
+
+def test_one_kind_of_test_names_no_effect_but_the_instruments():
+    def named(count, replicated, *explanation):
+        return may_be_named(SimpleNamespace(conditions=CONDITIONS[:count], replicated=replicated), explanation)
+
+    assert named(2, True, "size_effect", "thermal_drift")
+    assert named(1, True, "thermal_drift", "frame_compliance")
+    assert not named(1, True, "size_effect", "thermal_drift")
+    assert not named(2, False, "thermal_drift")
 
 
 def ranged(ranges):

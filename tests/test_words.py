@@ -62,7 +62,7 @@ def test_what_all_explanations_share_is_said():
 
 def test_a_single_suspicion_is_no_name():
     said = sentence(content("ambiguous", DRIFT, held_out=(None, None)))
-    assert "Without replicates the name stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
+    assert "From these recordings alone it stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
 
 
 @pytest.mark.parametrize(

@@ -190,7 +190,7 @@ def diagnose(
     a likelihood ratio of 100 of the best tried, so that a name given alone should be wrong in less than one case of a
     hundred. While none stands, sets with one mechanism more are tried in the same way, up to the study's
     ``diagnosis.largest_set``. One that contradicts an exact law never passes.
-    Where most conditions have no replicates part of the noise is assumed, and no explanation is given alone.
+    A name is given alone only where the recordings bear it, see `may_be_named`.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def diagnose(
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried, standing = _sharpened(search, found, found + tried, level)
     verdict, probabilities = _judge(standing)
-    if verdict == "identified" and not base.fit.errors.noise.replicated:
+    if verdict == "identified" and not may_be_named(problem, standing[0].fit.explanation):
         verdict = "ambiguous"
     return Diagnosis(verdict, base, standing, probabilities, tried)
 
@@ -292,6 +292,16 @@ def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> l
     return [
         candidate for candidate in found if candidate.adequate(level) and candidate.fit.log_evidence >= best - CLOSE
     ]
+
+
+def may_be_named(problem: Problem, explanation: Explanation) -> bool:
+    """Return whether recordings bear a name alone, where a single explanation stands.
+
+    Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
+    law: what an effect on the body does to one curve, a law that is in no library may do, too.
+    """
+    of_instrument = not any(MECHANISMS[key].needs_learning for key in explanation)
+    return problem.replicated and (of_instrument or len(problem.conditions) > 1)
 
 
 def _judge(standing: list[Candidate]) -> tuple[str, list[float]]:

@@ -135,7 +135,10 @@ def limits(study: Study, problem: Problem) -> list[str]:
     elif len(problem.repeated) < count:
         said.append("Some conditions have no replicates: their noise is taken from the others.")
     if count == 1:
-        said.append("There is a single condition: effects of load, rate and time cannot be told apart by comparison.")
+        said.append(
+            "There is a single condition: effects of load, rate and time cannot be told apart by comparison, so no "
+            "effect but the instrument's is named alone."
+        )
     if len({round(c.protocol.max_load, 9) for c in problem.conditions}) == 1:
         said.append(
             "All tests reach the same load: an effect with a length (rounding, film, size effect) or of the frame can "

@@ -22,9 +22,8 @@ def sentence(content: Mapping[str, Any]) -> str:
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
-        return (
-            f"{start} What explains it best: {names}. Without replicates the name stays a suspicion; {_gain(content)}."
-        )
+        best = f"What explains it best: {names}"
+        return f"{start} {best}. From these recordings alone it stays a suspicion; {_gain(content)}."
     test = content["discriminating_test"]
     further = (
         f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
