@@ -75,7 +75,10 @@ def _map(content: Mapping[str, Any], axis) -> None:
 
 
 def _candidates(content: Mapping[str, Any], axis) -> None:
-    """Draw the log evidence of what was tried, relative to the base model, those that stand in colour."""
+    """Draw the log evidence of what was tried, relative to the base model, those that stand in colour.
+
+    Beside each bar stands by how much it lies behind the best one.
+    """
     tried = content["tried"][:9]
     standing = [candidate["mechanisms"] for candidate in content["candidates"]]
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
@@ -84,6 +87,8 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
         names.append(" + ".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model")
         stands = entry["mechanisms"] in standing
         axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
+        behind = f"{entry['log_evidence'] - tried[0]['log_evidence']:.1f}" if k else "best"
+        axis.text(1.02, k, behind, transform=axis.get_yaxis_transform(), va="center", fontsize=6)
     axis.set_ylim(len(tried) - 0.4, -0.6)
     axis.set_yticks(range(len(tried)), names, fontsize=6)
     axis.tick_params(axis="y", length=0)
