@@ -67,6 +67,28 @@ def test_each_channel_has_its_time_and_unit(tmp_path, values, headings):
 
 
 @pytest.mark.parametrize(
+    ("line", "row"),
+    [
+        ("Time (s)\tPd (µm)\tFn (µN)\tFnRef (µN)\tSegmentID", "{0:.1f}\t{2:.6f}\t{1:.3f}\t5.3546\t1"),
+        ("Time [s]\tFn [µN]\tPd [µm]\t", "{0:.1f}\t{1:.3f}\t{2:.6f}\t"),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_a_single_test_is_read_in_the_units_and_the_order_of_its_headings(tmp_path, line, row, encoding):
+    rows = [row.format(time, 1e3 * load, 1e-3 * depth) for time, load, _, depth in ONE]
+    text = "\r\n".join(["Indentation", "", "Measured values", line, "", *rows, ""])
+    (test,) = read_vendor_file(write(tmp_path, text, encoding))
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
+    assert test.recording.depth == pytest.approx(DEPTH, abs=1e-2)
+
+
+def test_a_single_test_in_unknown_units_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"x\.TXT.*load in 'V' is not known"):
+        read_vendor_file(write(tmp_path, "Indentation\nTime (s)\tPd (nm)\tFn (V)\n0\t0\t0\n"))
+
+
+@pytest.mark.parametrize(
     ("second", "names", "words"),
     [
         (ONE, ("A", "A"), None),

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 
 from palpate.errors import InputError
+from palpate.readers.anton_paar_columns import KEYS
 from palpate.readers.source import Source
 from palpate.readers.text import table
+from palpate.readers.units import scale
 from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
 from palpate.recording import Recording
 
-COLUMNS = "Time (s)\tPd (nm)\tFn (mN)"
+HEADING = re.compile(rf"\s*({'|'.join(KEYS)})\s*[(\[](.+)[)\]]\s*")
 
 
 def matches(source: Source) -> bool:
@@ -22,15 +24,25 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test of the file; depth and load are the vendor's, from contact on."""
     refuse_corrections(source, corrections)
     lines, path = source.lines, source.path
-    starts = [k for k, line in enumerate(lines) if line.startswith(COLUMNS)]
-    if not starts:
-        raise InputError(f"lacks its column line {COLUMNS!r}", remedy="export the test again, with data", file=path)
-    start = starts[0]
-    values = table(lines[start + 1 :], start + 2, len(lines[start].split("\t")), path)
-    time, depth, load = values[:, :3].T
+    start = next((k for k, line in enumerate(lines) if len(columns(line)) == len(KEYS)), None)
+    if start is None:
+        raise InputError(
+            "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
+            remedy="export the test again, with data",
+            file=path,
+        )
+    places = columns(lines[start])
+    values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
+    time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in KEYS.values())
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings)]
+
+
+def columns(line: str) -> dict[str, tuple[int, str]]:
+    """Return the place and the unit of each channel that a line of headings such as ``Pd (nm)`` names."""
+    headings = enumerate(map(HEADING.fullmatch, line.split("\t")))
+    return {KEYS[found[1]]: (place, found[2]) for place, found in headings if found}
 
 
 def metadata(lines: list[str]) -> dict[str, str]:
