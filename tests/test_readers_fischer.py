@@ -1,0 +1,68 @@
+"""Fischer: tests one below another, in mN, um and s, with decimal commas; a spoilt one costs only itself."""
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.readers import Unreadable, read_each, read_vendor_file
+
+TIME = np.arange(0.1, 60, 0.1)
+LOAD = np.interp(TIME, [0, 30, 60], [0.4, 300, 30])
+DEPTH = np.interp(TIME, [0, 30, 60], [30, 1535, 900])
+SERIES = """FS1.hap\tName of the application
+\tApplication comment
+Standard\tName of test parameters
+F = ESP n 300.000mN/120s/37s
+C = ---
+1\tNumber of block
+3928,59\t44,652\t6,01398\tHM\tx\ty
+16970,8\ts²\tStatistics of block
+"""
+HEAD = """FS1.hap   26.05.2020  15:17:54
+Indenter shape correction: Hardness
+HM  0.300000/     30.0/      0.0=   3928.6
+Block : 1   Value : {}
+x=    44.65  y=     6.01
+EIT/(1-vs^2)\t[GPa]\t     83.7
+hmax\t[µm]\t    1.535
+
+Calculation of tangent with Power Law Method
+
+"""
+
+
+def export(tmp_path, *bodies, columns="F\th\tt"):
+    text = SERIES + "".join(f"{HEAD.format(n)}{columns}\n{body}" for n, body in enumerate(bodies, 1))
+    file = tmp_path / "FS1.txt"
+    file.write_bytes(text.replace("\n", "\r\n").encode("latin-1"))
+    return file
+
+
+def body(factor=1.0, more=""):
+    rows = zip(factor * LOAD, DEPTH / 1e3, TIME, strict=True)
+    return "".join(f"{load:.6g}\t{depth:.6g}\t{time:.6g}{more}\n".replace(".", ",") for load, depth, time in rows)
+
+
+@pytest.mark.parametrize(("columns", "more"), [("F\th\tt", ""), ("F\th\tt\tHMu\tHM", "\t1.5\t2.5")])
+def test_tests_below_one_another_in_their_units(tmp_path, columns, more):
+    tests = read_vendor_file(export(tmp_path, body(more=more), body(0.5, more), columns=columns))
+    assert [test.name for test in tests] == ["Block 1 Value 1", "Block 1 Value 2"]
+    for test, factor in zip(tests, (1, 0.5), strict=True):
+        assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+        assert test.recording.load == pytest.approx(factor * LOAD, rel=1e-5)
+        assert test.recording.depth == pytest.approx(DEPTH, rel=1e-5)
+        assert test.metadata["hmax [µm]"] == "1.535"
+        assert test.metadata["F"] == "ESP n 300.000mN/120s/37s"
+
+
+def test_a_spoilt_test_costs_only_itself(tmp_path):
+    first, second = read_each(export(tmp_path, body().replace("\t10\n", "\tten\n"), body()))
+    assert isinstance(first, Unreadable)
+    assert "line 119" in str(first.error)
+    assert second.recording.load == pytest.approx(LOAD, rel=1e-5)
+
+
+@pytest.mark.parametrize("bodies", [(), ("",)])
+def test_a_series_without_tests_is_refused_in_one_line(tmp_path, bodies, capsys):
+    assert main(["read", str(export(tmp_path, *bodies)), "-o", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
