@@ -134,7 +134,7 @@ def test_help_needs_no_heavy_imports():
 
 
 TABLE = "t,P,h\n0,0,0\n1,1,1\n2,2,2\n"
-BY_NAME = ["--columns", "time=t,load=P,depth=h"]
+BY_NAME = ["--columns", "time=t,load=P,depth=h", "--units", "time=s,load=mN,depth=nm"]
 
 
 @pytest.fixture

@@ -76,7 +76,7 @@ def test_a_comment_sign_before_the_header_is_no_column(tmp_path, names):
     assert test.recording.depth == pytest.approx(1e3 * PATH)
 
 
-SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"})
+SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"}, {"time": "s", "load": "mN", "depth": "nm"})
 
 
 def english(value):
@@ -129,7 +129,8 @@ def hundred(changes):
 def test_rows_are_left_out_with_a_word(tmp_path, changes, warning, capsys):
     file = tmp_path / "x.csv"
     file.write_text(hundred(changes))
-    assert main(["read", str(file), "--columns", "time=t,load=P,depth=h", "-o", str(tmp_path)]) == 0
+    columns = ("--columns", "time=t,load=P,depth=h", "--units", "time=s,load=mN,depth=nm")
+    assert main(["read", str(file), *columns, "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().err
     assert said == (f"palpate: {file}, x: {warning}\n" if warning else "")
     assert warning is None or warning in read_recording(tmp_path / "x.csv").notes
@@ -337,3 +338,48 @@ def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
     )
     with pytest.raises(InputError, match="is not three numbers; 40 of 61 rows"):
         read_vendor_file(file, columns=columns)
+
+
+def test_units_that_nobody_states_are_told(tmp_path):
+    file = tmp_path / "x.csv"
+    file.write_text("Time (s),Load,Depth\n0,0,0\n1,1,1\n")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.warnings == ("no unit is stated: load taken as mN, depth taken as nm (--units)",)
+    (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, {"load": "uN", "depth": "um"}))
+    assert test.warnings == ()
+    assert test.recording.load[-1] == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("name", ["Displacement [um]", "Displacement [µm]", "Displacement [μm]"])
+def test_columns_are_found_by_whatever_micro_sign(tmp_path, name):
+    file = tmp_path / "x.csv"
+    file.write_text("Time [s],Load [mN],Displacement [µm]\n0,0,0\n1,1,2\n", encoding="utf-8")
+    (test,) = read_vendor_file(file, columns=ColumnMap({"time": "Time [s]", "load": "Load [mN]", "depth": name}))
+    assert test.recording.depth == pytest.approx([0, 2000])
+
+
+@pytest.mark.parametrize("heading", ["Time", "Time (hh:mm:ss)", "Time/h:m:s"])
+def test_clocks_are_read(tmp_path, heading):
+    file = tmp_path / "x.csv"
+    file.write_text(f"{heading};Load (mN);Depth (nm)\n0:59:58,5;0;0\n1:00:00;1;1\n1:01:00,25;2;2\n")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.recording.time == pytest.approx([0, 1.5, 61.75])
+    assert test.warnings == ()
+
+
+@pytest.mark.parametrize("time", ["00:01", "2024-03-01 00:00:01"])
+def test_times_that_are_no_numbers_are_shown(tmp_path, time):
+    file = tmp_path / "x.csv"
+    file.write_text(f"Time,Load (mN),Depth (nm)\n{time},0,0\n{time},1,1\n")
+    with pytest.raises(InputError, match=rf"no table with numbers in the columns 1, 2, 3 \(line 2: '{time}, 0, 0'\)"):
+        read_vendor_file(file, columns=NUMBERED)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be", "utf-8"])
+@pytest.mark.parametrize("end", ["", "\0\0\0\0", "\x1a"])
+def test_unmarked_utf16_and_what_pads_the_end_are_read(tmp_path, encoding, end):
+    file = tmp_path / "x.csv"
+    file.write_bytes(f"Time (s);Load (µN);Depth (nm)\n0;0;0\n1;1;1\n2;4;2\n{end}".encode(encoding))
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.recording.load == pytest.approx([0, 1e-3, 4e-3])
+    assert test.warnings == ()

@@ -206,7 +206,7 @@ def test_a_sheet_without_rows_does_no_harm_to_the_others(tmp_path, head, capsys)
     ],
 )
 def test_a_table_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, spoilt, words, capsys):
-    sheets = {"A": spoilt, "B": [["t", "P", "h"], [0, 0, 0], [1, 7, 1]]}
+    sheets = {"A": spoilt, "B": [["t", "P", "h"], ["s", "mN", "nm"], [0, 0, 0], [1, 7, 1]]}
     by_name = ("--columns", "time=t,load=P,depth=h")
     assert run(tmp_path, sheets, *by_name) == (0, {"B": 7})
     line = capsys.readouterr().err.strip()

@@ -173,7 +173,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    first = source.first
+    first = " ".join(source.first.split())
     begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
     raise InputError(
         f"is of no format that palpate knows{begins}",

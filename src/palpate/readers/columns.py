@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.readers.clock import seconds
 from palpate.readers.decimals import numbers
 from palpate.readers.headings import is_row_of_units, is_word, stated
 from palpate.readers.source import Source
-from palpate.readers.units import CHANNELS, scale
+from palpate.readers.units import CHANNELS, plain, scale
 from palpate.readers.vendor import MOST_LEFT_OUT, PLACES, Unreadable, VendorTest, attempt, increasing, unless_all_fail
 from palpate.recording import Recording
 
@@ -109,7 +110,8 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
     tests = [test for test in found if test is not None]
     if not tests:
         raise InputError(
-            f"holds no table with numbers in the columns {', '.join(columns.names[key] for key in CHANNELS)}",
+            f"holds no table with numbers in the columns {', '.join(columns.names[key] for key in CHANNELS)}"
+            f"{_no_numbers(tables, columns)}",
             remedy=f"name columns of its header ({_header(tables)}), or give their numbers from 1",
             file=source.path,
         )
@@ -125,7 +127,8 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
     body = table.body(named, indices)
     if not body.rows:
         return None
-    values = numbers(body.rows, body.place)
+    clock = [seconds(row[0]) for row in body.rows]
+    values = numbers([[time, *others] for time, (_, *others) in zip(clock, body.rows, strict=True)], body.place)
     whole = np.isfinite(values).all(axis=1)
     if not whole.any():
         return None
@@ -135,7 +138,9 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
     if named is not None or table.delimiter == ",":
         _check_width(table, header, of_numbers)
     kept, warnings = _kept(body, values)
-    units = _units(columns, above, header)
+    units, assumed = _units(columns, above, header, told="s" if clock[kept[0]] != body.rows[kept[0]][0] else None)
+    if assumed:
+        warnings += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
     time, load, depth = (values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, table.name, (f"from {table.source.path.name}",))
@@ -147,10 +152,13 @@ def _names(above: Sequence[Sequence[str]]) -> int | None:
     return next((k for k, row in enumerate(above) if all(map(is_word, row)) and not is_row_of_units(row)), None)
 
 
-def _units(columns: ColumnMap, above: Sequence[Sequence[str]], header: int | None) -> dict[str, str]:
-    """Return the unit of each channel: as given, else as the rows `above` the numbers state it, else s, mN and nm.
+def _units(
+    columns: ColumnMap, above: Sequence[Sequence[str]], header: int | None, told: str | None
+) -> tuple[dict[str, str], list[str]]:
+    """Return the unit of each channel and the channels whose unit nobody states, which is taken as s, mN or nm.
 
-    A row holds the cells of time, load and depth. Above the header it counts if it is of units, below it if of words.
+    It is as given, else as the rows `above` the numbers state it. A row holds the cells of time, load and depth. Above
+    the header it counts if it is of units, below it if of words. `told` is the unit of times that are read off a clock.
     """
     alone = [row for row in above[:header] if is_row_of_units(row)]
     if header is not None:
@@ -159,8 +167,10 @@ def _units(columns: ColumnMap, above: Sequence[Sequence[str]], header: int | Non
     for k, key in enumerate(CHANNELS):
         heading = "" if header is None else above[header][k]
         beside = [row[k] for row in alone if row[k]]
-        units[key] = columns.units.get(key) or stated(key, columns.names[key], heading, beside) or CHANNELS[key]
-    return units
+        given = told if told and key == "time" else columns.units.get(key)
+        units[key] = given or stated(key, columns.names[key], heading, beside)
+    assumed = [key for key, unit in units.items() if unit is None]
+    return {key: unit or CHANNELS[key] for key, unit in units.items()}, assumed
 
 
 def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
@@ -204,7 +214,7 @@ def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]
         raise InputError(
             f"{cells!r} {'does not come later than the rows before' if late[first] else 'is not three numbers'}; "
             f"{len(damaged)} of {counted.sum()} rows cannot be used",
-            remedy="correct them, or export the test again",
+            remedy="correct them, export the test again, or write each of several tests to a file of its own",
             place=body.place(first),
         )
     if len(kept) < 2:
@@ -247,11 +257,12 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int | None, list[int]] | None:
     """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
-    wanted = [columns.names[key].strip() for key in CHANNELS]
-    if all(name.isdecimal() and int(name) > 0 for name in wanted):
-        return None, [int(name) - 1 for name in wanted]
+    given = [columns.names[key].strip() for key in CHANNELS]
+    if all(name.isdecimal() and int(name) > 0 for name in given):
+        return None, [int(name) - 1 for name in given]
+    wanted = [plain(name) for name in given]
     for number, row in enumerate(rows):
-        cells = [str(cell).strip() for cell in row]
+        cells = [plain(str(cell)) for cell in row]
         if all(name in cells for name in wanted):
             for name in wanted:
                 if cells.count(name) > 1:
@@ -260,6 +271,18 @@ def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int 
                     )
             return number, [cells.index(name) for name in wanted]
     return None
+
+
+def _no_numbers(tables: Sequence[Table], columns: ColumnMap) -> str:
+    """Return, for a message, the first row with digits of a table that has the columns but no numbers in them."""
+    for table in tables:
+        found = _columns_of(table.rows, columns)
+        body = table.body(*found) if found else None
+        for k, row in enumerate(body.rows if body else ()):
+            cells = ", ".join(str(cell) for cell in row)
+            if body and all(map(str, row)) and re.search(r"\d", cells):
+                return f" ({body.place(k)}: {cells!r})"
+    return ""
 
 
 def _header(tables: Sequence[Table]) -> str:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
 TEST = re.compile(r"Test (\d+)\b")
+PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 UNITS = {**SCALES, "stiffness": STIFFNESS}
 
@@ -45,17 +46,30 @@ class Source:
 
     @cached_property
     def lines(self) -> list[str]:
-        """Lines of text, whatever ends them; UTF-16 where it is marked, UTF-8 where that fits, Latin-1 otherwise.
+        """Lines of text, whatever ends them; a workbook has none.
 
-        A workbook has none.
+        UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1 otherwise. What pads the
+        end of the file (zero bytes, DOS's end of text) is dropped.
         """
         if self.content.startswith(WORKBOOKS):
             return []
         try:
-            text = self.content.decode("utf-16" if self.content.startswith(WIDE) else "utf-8-sig")
+            text = self.content.decode(self._encoding)
         except UnicodeDecodeError:
             text = self.content.decode("latin-1")
-        return re.split(r"\r\n|\r|\n", text)
+        return re.split(r"\r\n|\r|\n", text.rstrip(PADDING))
+
+    @property
+    def _encoding(self) -> str:
+        """The encoding that the first bytes speak for."""
+        if self.content.startswith(WIDE):
+            return "utf-16"
+        first, second, third, fourth = self.content[:4].ljust(4, b"x")
+        if first and third and not second and not fourth:
+            return "utf-16-le"
+        if second and fourth and not first and not third:
+            return "utf-16-be"
+        return "utf-8-sig"
 
     @property
     def first(self) -> str:
