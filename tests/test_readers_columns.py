@@ -383,3 +383,21 @@ def test_unmarked_utf16_and_what_pads_the_end_are_read(tmp_path, encoding, end):
     (test,) = read_vendor_file(file, columns=NUMBERED)
     assert test.recording.load == pytest.approx([0, 1e-3, 4e-3])
     assert test.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("depth", "load", "told"),
+    [
+        (-100 + 7 * TIME, np.clip(TIME - 15, 0, None), "begins at a depth of -100 nm, not at contact"),
+        (500 + 7 * TIME, TIME, "begins at a depth of 500 nm, not at contact"),
+        (30 + 7 * TIME, 0.2 + TIME, None),  # sampled from a small load on
+        (7 * TIME, TIME, None),
+    ],
+)
+def test_a_test_that_does_not_begin_at_zero_depth_is_told(tmp_path, depth, load, told):
+    file = tmp_path / "x.csv"
+    np.savetxt(file, np.column_stack([TIME, load, depth]), header="time_s;load_mN;depth_nm", comments="", delimiter=";")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert [warning.split(" (")[0] for warning in test.warnings] == ([told] if told else [])
+    (whole,) = read_vendor_file(file, contact="none", columns=NUMBERED)
+    assert whole.warnings == ()

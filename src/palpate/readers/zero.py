@@ -12,10 +12,11 @@ from palpate.contact_point import ContactPoint, first_touch, noise_of, touch_at
 from palpate.errors import InputError
 from palpate.readers.units import CHANNELS, to_turn
 from palpate.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
-from palpate.recording import Recording
+from palpate.recording import BARELY_LOADED, Recording
 
 CONTACTS = ("file", "auto", "none")
 LEAST_RISE = 0.05
+OFF_ZERO = 0.05  # of the way to the largest load
 
 
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
@@ -29,6 +30,8 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         ``file``: the approach is cut off, nothing else is touched. ``auto``: contact is found (`first_touch`).
         ``none``: the test stays whole. A number: contact is where the tip first comes to this depth [nm].
 
+    A test that begins at the file's contact but not at zero depth gets a warning.
+
     Raises
     ------
     InputError
@@ -40,7 +43,8 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         return test
     _check_signs(test.name, r)
     if contact == "file":
-        return replace(test, recording=until_retreat(r.at(slice(int(np.argmax(r.time >= 0)), None))))
+        begun_by_file = until_retreat(r.at(slice(int(np.argmax(r.time >= 0)), None)))
+        return replace(test, recording=begun_by_file, warnings=(*test.warnings, *_off_zero(begun_by_file)))
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     try:
@@ -76,6 +80,15 @@ def _check_signs(name: str, recording: Recording) -> None:
                 remedy=f"{to_turn(channel)}, or export the loading too",
                 place=name,
             )
+
+
+def _off_zero(recording: Recording) -> tuple[str, ...]:
+    """Return a warning where a test begins before zero depth, or beyond it without load: contact is elsewhere."""
+    load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
+    far = OFF_ZERO * (depth[peak] - depth[0])
+    if depth[0] >= -far and (depth[0] <= far or load[0] > BARELY_LOADED * load[peak]):
+        return ()
+    return (f"begins at a depth of {depth[0]:.4g} nm, not at contact (--contact auto finds the touch)",)
 
 
 def begun(recording: Recording, point: ContactPoint) -> Recording:
