@@ -81,6 +81,11 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
     [
         ("diagnosis", {"mechanisms": ["magic"]}, "diagnosis.mechanisms: mechanism 'magic' is not known"),
         ("diagnosis", {"ranges": {"friction": {"amount": [0, 1]}}}, "diagnosis.ranges.friction: amount is not"),
+        (
+            "diagnosis",
+            {"mechanisms": ["tip_rounding"], "snapshots": 8},
+            "diagnosis.snapshots: 8 is too few to learn tip_",
+        ),
         ("calibration", {"population": 202}, "calibration.subpopulations: population 202 cannot be split into 4"),
     ],
 )

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from palpate.config import Study, load_study
-from palpate.diagnosis.design import candidates
+from palpate.diagnosis.design import candidates, pairs
 from palpate.errors import InputError
 from palpate.observations import check_given
 from palpate.steps import settings_of
+
+PAIRS_FOR_EACH = 3  # of the parameters of an effect, as `palpate.diagnosis.effects.fit_effects` asks
 
 
 def checked_study(path: str | Path, data: str | None = None) -> Study:
@@ -32,5 +34,24 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
         place = f"calibration.{error.place}"
         raise InputError(error.problem, remedy=error.remedy, file=study.file, place=place) from None
     if study.diagnosis["enabled"]:
-        candidates(study)
+        _check_pairs(study)
     return study
+
+
+def _check_pairs(study: Study) -> None:
+    """Refuse a diagnosis with fewer pairs of simulations than an effect can be learnt from; raises `InputError`."""
+    condition = next(condition for condition in study.conditions if condition.role == "calibrate")
+    for key in candidates(study):
+        found = pairs(study, condition, key)
+        if not found:
+            continue
+        quantities = len(found[0].coordinates)
+        least = PAIRS_FOR_EACH * (len(study.free_parameters) + quantities)
+        if len(found) < least:
+            raise InputError(
+                f"{study.diagnosis['snapshots']} is too few to learn {key} beside {len(study.free_parameters)} free "
+                "parameters",
+                remedy=f"give {-(-2 * least // (1 + quantities))} or more",
+                file=study.file,
+                place="diagnosis.snapshots",
+            )

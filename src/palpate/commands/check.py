@@ -31,9 +31,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def described(study: Study) -> Iterator[str]:
     """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
+    from palpate.diagnosis import design
+
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
     yield f"{study.file}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots"
+    if study.recordings and study.diagnosis["enabled"]:
+        effects = sum(len(batch.files) for batch in design.plan(study))
+        yield f"the diagnosis learns what the mechanisms do from {effects} further simulations"
     yield f"calibrated on {', '.join(roles['calibrate'])}; judged by {', '.join(roles['validate']) or 'nothing else'}"
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
