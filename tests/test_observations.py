@@ -6,7 +6,7 @@ from test_config import CONDITION, load
 
 from palpate.cli import main
 from palpate.errors import InputError
-from palpate.observations import check, observations
+from palpate.observations import check, check_given, observations
 from palpate.protocol import trapezoid
 from palpate.recording import Recording, read_recording
 
@@ -153,7 +153,7 @@ def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, caps
     assert "calibrated on P1_T30; judged by V" in once
     assert f"recordings lab in {tmp_path / 'own'}: 1 of P1_T30, 1 of V" in once
     assert "too few tests are repeated" in once
-    write(tmp_path / "own/P1_T30_2.csv", *curve())
+    write(tmp_path / "own/P1_T30_2.csv", *curve(scale=1.01))
     again = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
     assert "2 of P1_T30" in again
     assert "too few" not in again
@@ -181,6 +181,16 @@ def test_missing_recordings_and_strange_files(tmp_path):
     write(folder / "P2_T30_1.csv", *curve())
     with pytest.raises(InputError, match="CONDITION_REPLICATE"):
         check(study, "lab")
+    with pytest.raises(InputError, match=r"P2_T30_1\.csv: is a file, no folder; correct recordings.lab"):
+        check(load(tmp_path, recordings={"lab": str(folder / "P2_T30_1.csv")}), "lab")
+
+
+def test_a_copy_is_no_replicate(tmp_path):
+    for name, scale in (("1", 1.0), ("2", 1.01), ("2 (copy)", 1.01)):
+        write(tmp_path / f"P1_T30_{name}.csv", *curve(scale=scale))
+    study = load(tmp_path, recordings={"lab": str(tmp_path)})
+    with pytest.raises(InputError, match=r"P1_T30_2\.csv: is the same recording as P1_T30_2 \(copy\)\.csv; remove one"):
+        check_given(study)
 
 
 def test_good_recordings_are_resampled(tmp_path):

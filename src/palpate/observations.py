@@ -34,7 +34,8 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
     """
     folder = study.recordings[name]
     if not folder.is_dir():
-        raise InputError("the folder is missing", remedy=f"correct recordings.{name} in {study.file}", file=folder)
+        problem = "is a file, no folder" if folder.exists() else "the folder is missing"
+        raise InputError(problem, remedy=f"correct recordings.{name} in {study.file}", file=folder)
     names = [condition.name for condition in study.conditions]
     found: dict[str, list[Path]] = {name: [] for name in names}
     for file in recording_files(folder):
@@ -73,7 +74,8 @@ def check_given(study: Study) -> None:
     """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file."""
     for name in study.recordings:
         if not written_by_workflow(study, name):
-            check(study, name)
+            for recordings in check(study, name).values():
+                _check_distinct(study.recordings[name], recordings)
     for condition, tests in (read_source(study.source) if study.source else {}).items():
         for test in tests:
             try:
@@ -81,6 +83,20 @@ def check_given(study: Study) -> None:
             except InputError as error:
                 where = ", ".join(filter(None, (test.name, error.place)))
                 raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
+
+
+def _check_distinct(folder: Path, recordings: Iterable[Recording]) -> None:
+    """Refuse replicates that are copies of one another: as if sites never differed, and noise did not exist."""
+    seen: dict[bytes, str] = {}
+    for recording in recordings:
+        curve = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
+        first = seen.setdefault(curve, recording.name)
+        if first != recording.name:
+            raise InputError(
+                f"is the same recording as {first}.csv",
+                remedy="remove one of them: each replicate is a test of its own",
+                file=folder / f"{recording.name}.csv",
+            )
 
 
 def written_by_workflow(study: Study, name: str) -> bool:
