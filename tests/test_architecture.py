@@ -9,7 +9,7 @@ SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "kernel_cache"},
     {"__init__"},
-    {"parameters", "yaml_file", "schema"},
+    {"parameters", "yaml_file", "schema", "output"},
     {"protocol", "recording", "indenters", "contact_point", "sharp_origin"},
     {"segments", "alignment", "load_history"},
     {"drift_rate"},

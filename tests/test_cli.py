@@ -172,6 +172,31 @@ def test_a_file_whose_name_is_no_unicode(tmp_path, more, capsys):
     assert "# from Pr\\udcfcfung.txt" in (tmp_path / "out/Pr_udcfcfung.csv").read_text()
 
 
+def test_no_command_writes_over_what_it_reads(tmp_path, refused):
+    table, file = tmp_path / "x.csv", tmp_path / "spec.yaml"
+    table.write_text(TABLE)
+    file.write_text(yaml.safe_dump(SPEC))
+    for source, line in (
+        (table, ["read", table, *BY_NAME, "-o", tmp_path]),
+        (file, ["simulate", file, "-o", file]),
+        (file, ["export", file, "--format", "calculix", "-o", tmp_path / "." / "spec.yaml"]),
+    ):
+        before = source.read_text()
+        assert f"{source}: the output would replace the file that is read; name another output" in refused(*line)
+        assert source.read_text() == before
+
+
+def test_a_recording_of_the_same_name_is_not_quietly_replaced(tmp_path, capsys):
+    """Laboratories keep a folder a day, with the same names in each."""
+    told = []
+    for day, scale in (("Monday", 1), ("Tuesday", 2), ("Tuesday", 2)):
+        (tmp_path / day).mkdir(exist_ok=True)
+        (tmp_path / day / "1.txt").write_text(f"t,P,h\n0,0,0\n1,1,{scale}\n2,2,{2 * scale}\n")
+        assert main(["read", str(tmp_path / day / "1.txt"), *BY_NAME, "-o", str(tmp_path / "out")]) == 0
+        told.append(capsys.readouterr().err)
+    assert told == ["", f"palpate: {tmp_path / 'out/1.csv'}: replaced; what stood there differed\n", ""]
+
+
 @pytest.mark.parametrize("buffer", ["PYTHONUNBUFFERED=", "PYTHONUNBUFFERED=1"])
 def test_a_reader_that_leaves_early_gets_no_complaint(palpate, buffer):
     done = palpate("check", CHALLENGE, before=buffer, after="| true; exit ${PIPESTATUS[0]}")

@@ -24,13 +24,15 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the deck; nothing is left behind when the program cannot represent the specification."""
     from palpate.export import FORMATS
     from palpate.model import specification_from
+    from palpate.output import spared
     from palpate.yaml_file import read_yaml
 
     if not arguments.output.absolute().parent.is_dir():
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
     values = read_yaml(arguments.specification)
+    output = spared(arguments.specification, arguments.output)
     try:
-        FORMATS[arguments.format].write(specification_from(values), arguments.output)
+        FORMATS[arguments.format].write(specification_from(values), output)
     except InputError as error:
         raise error.located(file=arguments.specification) from None
     return 0

@@ -102,6 +102,7 @@ def _pairs(text: str) -> dict[str, str]:
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.errors import InputError
+    from palpate.output import spared
     from palpate.readers import ColumnMap, Unreadable, VendorTest, read_each, select, sound, zeroed_each
 
     if arguments.units and not arguments.columns:
@@ -123,6 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
         surveys = [_survey(whole) for whole, _ in readable] if arguments.survey else []
     except InputError as error:
         raise error.located(file=arguments.file) from None
+    paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
     chosen = arguments.corrections
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
@@ -130,22 +132,19 @@ def run(arguments: argparse.Namespace) -> int:
     for test in begun:
         if isinstance(test, Unreadable):
             print(f"palpate: {test.error}; the test is left out", file=sys.stderr)
-    taken = set[str]()
-    for number, (_, test) in enumerate(readable, 1):
+    for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         for warning in test.warnings:
             print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*test.recording.notes, applied, *test.warnings, *facts)
-        name = re.sub(r"[^A-Za-z0-9._-]+", "_", test.name)
-        while name in taken:
-            name += f"_{number}"
-        taken.add(name)
-        path = arguments.output / f"{name}.csv"
         stiffness = test.recording.stiffness if arguments.stiffness else None
+        before = path.read_bytes() if path.exists() else None
         replace(test.recording, notes=notes, stiffness=stiffness).write(path)
+        if before not in (None, path.read_bytes()):
+            print(f"palpate: {path}: replaced; what stood there differed", file=sys.stderr)
         print(path)
         if surveys:
-            _draw(surveys[number - 1], path.with_suffix(".png"))
+            _draw(surveys[number], path.with_suffix(".png"))
             print(path.with_suffix(".png"))
     if surveys:
         from palpate.survey import table
@@ -154,6 +153,17 @@ def run(arguments: argparse.Namespace) -> int:
         path.write_text(table(surveys).to_csv(index=False, sep="\t", float_format="%.5g"), encoding="utf-8")
         print(path)
     return 0
+
+
+def _paths(folder: Path, names: list[str]) -> list[Path]:
+    """Return a path for each test, after its name."""
+    paths: list[Path] = []
+    for number, name in enumerate(names, 1):
+        stem = re.sub(r"[^A-Za-z0-9._-]+", "_", name)
+        while folder / f"{stem}.csv" in paths:
+            stem += f"_{number}"
+        paths.append(folder / f"{stem}.csv")
+    return paths
 
 
 def _survey(test: VendorTest) -> Survey:

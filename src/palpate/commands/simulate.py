@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 when the solver fails."""
     from palpate.model import simulate, specification_from
+    from palpate.output import spared
     from palpate.recording import Recording
     from palpate.yaml_file import read_yaml
 
@@ -29,6 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
     if arguments.output.is_dir():
         raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
+    output = spared(path, arguments.output)
     try:
         simulation = simulate(specification_from(values))
     except InputError as error:
@@ -36,5 +38,5 @@ def run(arguments: argparse.Namespace) -> int:
     if simulation.status != "ok":
         raise PalpateError(f"{path}: the simulation failed: {simulation.reason}")
     notes = ("SYNTHETIC: simulated by palpate",)
-    Recording(simulation.time, simulation.load, simulation.depth, notes=notes).write(arguments.output)
+    Recording(simulation.time, simulation.load, simulation.depth, notes=notes).write(output)
     return 0
