@@ -23,7 +23,8 @@ from palpate.schema import check_schema, suggestion, with_defaults
 from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
 
-RESERVED = ("figures", "logs", "recordings", "snapshots", "surrogates")
+SHARED = ("store", "thesis", "verification")  # folders of results that belong to no study
+RESERVED = ("effects", "figures", "logs", "recordings", "snapshots", "surrogates")
 
 
 @dataclass(frozen=True)
@@ -159,6 +160,10 @@ def load_study(path: str | Path, data: str | None = None) -> Study:
 def _study(values: Any, path: Path, data: str | None) -> Study:
     schema = json.loads(resources.files("palpate").joinpath("study.schema.json").read_text(encoding="utf-8"))
     check_schema(values, schema)
+    if values["study"] in SHARED:
+        raise InputError(
+            f"{values['study']!r} is the name of a folder of results", remedy="choose another name", place="study"
+        )
     settings = with_defaults(values, schema)
     material = dict(values["material"])
     model = material.pop("model")
