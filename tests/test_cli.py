@@ -127,6 +127,18 @@ def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, caps
     assert not (tmp_path / "c.csv").exists()
 
 
+def test_an_interrupt_is_told_in_a_line(tmp_path, monkeypatch, capsys):
+    file = tmp_path / "spec.yaml"
+    file.write_text(yaml.safe_dump(SPEC))
+
+    def interrupted(specification):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("palpate.model.simulate", interrupted)
+    assert main(["simulate", str(file), "-o", str(tmp_path / "curve.csv")]) == 130
+    assert capsys.readouterr().err == "palpate: interrupted\n"
+
+
 def test_help_needs_no_heavy_imports():
     code = (
         "import sys\nfrom palpate.cli import main\n"

@@ -29,8 +29,9 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``palpate``; return its exit code: 0 on success, 2 on bad input, 1 on failure or when nobody reads on.
+    """Run ``palpate``; return its exit code.
 
+    It is 0 on success, 2 on bad input, 1 on failure or when nobody reads on, and 130 after Ctrl-C.
     Letters that the output's encoding lacks are printed as numbers.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -54,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except PalpateError as error:
         print(f"palpate: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("palpate: interrupted", file=sys.stderr)
+        return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
