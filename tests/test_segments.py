@@ -9,7 +9,9 @@ from test_readers import HLD, KLA, LONG, XP, needs_recordings
 
 from palpate.drift_rate import drift_rate, measured_in
 from palpate.errors import InputError
+from palpate.figures import recording as figure_of_a_recording
 from palpate.readers import read_vendor_file
+from palpate.recording import Recording
 from palpate.segments import Segment, segments
 from palpate.survey import survey, table
 
@@ -136,3 +138,16 @@ def test_plain_tests_have_plain_segments():
     rows = table([found])
     assert rows["contact_nm"][0] == pytest.approx(found.contact.depth)
     assert np.isnan(rows["drift_nm_per_s"][0])
+
+
+def test_the_figure_of_a_recording_keeps_its_title_clear_of_its_legend(monkeypatch):
+    time = np.linspace(0.0, 50.0, 500)
+    load = np.interp(time, [0, 20, 30, 50], [0, 2, 2, 0])
+    depth = 500.0 * np.sqrt(load) + 2.0 * time
+    drawn = []
+    monkeypatch.setattr(figure_of_a_recording, "save", lambda figure, path: drawn.append(figure))
+    figure_of_a_recording.draw(survey(Recording(time, load, depth, "PMMA white, 2 mN in 20 s, site 1")), "", chosen=0.0)
+    (figure,) = drawn
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    assert not legend.get_window_extent().overlaps(figure._suptitle.get_window_extent())

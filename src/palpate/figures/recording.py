@@ -58,7 +58,7 @@ def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
         for axis in (in_load, near)
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
     }
-    figure.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=4, fontsize=6.5)
+    figure.legend(labelled.values(), labelled.keys(), loc="outside lower center", ncols=4, fontsize=6.5)
     figure.suptitle(r.name, fontsize=9, x=0.01, ha="left")
     save(figure, path)
 
