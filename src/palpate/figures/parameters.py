@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from palpate.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, mark_synthetic, plt, save
+from palpate.parameters import Parameter
 
 
 def draw(
-    table: pd.DataFrame, ranges: Mapping[str, Sequence[float]], path: str | Path, title: str, synthetic: bool
+    table: pd.DataFrame,
+    ranges: Mapping[str, Sequence[float]],
+    declared: Iterable[Parameter],
+    path: str | Path,
+    title: str,
+    synthetic: bool,
 ) -> None:
     """Draw one panel a parameter.
 
@@ -21,9 +28,12 @@ def draw(
         From `palpate.steps.parameter_table`.
     ranges
         Levels of each parameter; those with one level are left out.
+    declared
+        What the law declares, for symbols and units.
     """
+    labels = {parameter.name: label(parameter) for parameter in declared}
     names = [name for name, levels in ranges.items() if len(levels) > 1]
-    figure, axes = plt.subplots(1, len(names), figsize=(DOUBLE_COLUMN, 2.0), squeeze=False, sharey=True)
+    figure, axes = plt.subplots(1, len(names), figsize=(DOUBLE_COLUMN, 2.1), squeeze=False, sharey=True)
     for name, axis in zip(names, axes[0], strict=True):
         rows = table[table["parameter"] == name].reset_index(drop=True)
         for k, row in rows.iterrows():
@@ -34,9 +44,17 @@ def draw(
             axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
         low, high = min(ranges[name]), max(ranges[name])
         axis.set_xlim(low - 0.05 * (high - low), high + 0.05 * (high - low))
-        axis.set_title(name.replace("_", " "))
+        axis.set_title(name.replace("_", " ").replace("youngs", "Young's"))
+        axis.set_xlabel(labels[name])
         axis.set_yticks(range(len(rows)), rows["condition_set"])
         axis.set_ylim(len(rows) - 0.5, -0.5)
-    figure.suptitle(f"{title}\nbars: 95 % intervals; open: not identified; dashed: truth where it is known", fontsize=8)
+    legend = "bars: 95 % intervals; open: not identified" + ("; dashed: truth" if "truth" in table else "")
+    figure.suptitle(f"{title}\n{legend}", fontsize=8)
     mark_synthetic(figure, synthetic)
     save(figure, path)
+
+
+def label(parameter: Parameter) -> str:
+    """Return symbol and unit in mathtext, such as ``$C_s$ [GPa$^{-(2m_s+1)}$/s]``; pure numbers have no unit."""
+    unit = re.sub(r"\^(-\(.*?\))", r"$^{\1}$", parameter.unit)
+    return f"${parameter.symbol}$" + ("" if unit == "-" else f" [{unit}]")
