@@ -69,7 +69,10 @@ def misfit_sentence(calibration: Mapping) -> str:
         )
     ratio = calibration["misfit_ratio"]
     if ratio < 1.5:
-        return f"{span} The model explains the recordings to their noise (chi-square a degree of freedom: {ratio:.2f})."
+        return (
+            f"{span} Taken as a whole that is about the noise of the recordings (chi-square per degree of freedom: "
+            f"{ratio:.2f}); a small effect may hide in it, which the diagnosis looks for."
+        )
     return (
         f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
         f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."

@@ -1,0 +1,12 @@
+"""What the report says in words."""
+
+from palpate.report import misfit_sentence
+
+
+def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
+    """A drift of 0.15 nm/s was found with a misfit of 1.17: the diagnosis above must not be contradicted."""
+    calibration = {"conditions": {"a": {"rmse_nm": 1.1}}, "noise": {"a": {"replicates": 3}}, "misfit_ratio": 1.17}
+    said = misfit_sentence(calibration)
+    assert "explains the recordings" not in said
+    assert "1.17); a small effect may hide in it" in said
+    assert "does not explain the recordings" in misfit_sentence(calibration | {"misfit_ratio": 3.0})
