@@ -130,10 +130,10 @@ def test_rows_are_left_out_with_a_word(tmp_path, changes, warning, capsys):
     file = tmp_path / "x.csv"
     file.write_text(hundred(changes))
     columns = ("--columns", "time=t,load=P,depth=h", "--units", "time=s,load=mN,depth=nm")
-    assert main(["read", str(file), *columns, "-o", str(tmp_path)]) == 0
+    assert main(["read", str(file), *columns, "-o", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().err
     assert said == (f"palpate: {file}, x: {warning}\n" if warning else "")
-    assert warning is None or warning in read_recording(tmp_path / "x.csv").notes
+    assert warning is None or warning in read_recording(tmp_path / "out/x.csv").notes
 
 
 @pytest.mark.parametrize(
