@@ -91,6 +91,19 @@ def test_planted_drift_lies_in_the_interval(rho, recovery):
     assert held >= 9, "of 12, at 95 %"
 
 
+@pytest.mark.parametrize(
+    ("points", "rho", "recovery"),
+    [pytest.param(400, 0.0, 20.0, id="recovery between times on trial"), pytest.param(20, 0.7, 5.0, id="few points")],
+)
+def test_the_interval_is_wide_enough(points, rho, recovery):
+    time, rng, held = np.linspace(0.0, 60.0, points), np.random.default_rng(7), 0
+    for _ in range(40):
+        depth = 100.0 + 0.05 * time + recovery * np.exp(-time / 4.0) + correlated(rng, points, 0.3, rho)
+        found = drift_rate(time, depth)
+        held += found.lower <= 0.05 <= found.upper
+    assert held >= 36, "of 40, at 95 %"
+
+
 def test_correlated_noise_widens_the_interval():
     time, rng = np.linspace(0, 60, 300), np.random.default_rng(1)
     white, red = (drift_rate(time, 0.02 * time + correlated(rng, 300, 0.5, rho)) for rho in (0.0, 0.9))
