@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from palpate.fingerprint import PHYSICS
+
 SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "kernel_cache"},
@@ -72,3 +74,17 @@ def test_files_hold_one_idea():
 def test_scripts_are_thin():
     for script in (SOURCE.parent.parent / "scripts").glob("*.py"):
         assert len(script.read_text().splitlines()) <= 35, script.name
+
+
+def test_addresses_of_snapshots_know_all_code_that_decides_a_curve():
+    """What reads and checks parameters, or writes load histories, shows in what an address holds besides."""
+    seen, pending = set(), ["model"]
+    while pending:
+        name = pending.pop()
+        if name not in seen:
+            seen.add(name)
+            folder = SOURCE / name
+            files = folder.rglob("*.py") if folder.is_dir() else [SOURCE / f"{name}.py"]
+            pending += [found.split(".")[1] for file in files for found in imports(file) if "palpate." in found]
+    known = {part.removesuffix(".py") for part in PHYSICS}
+    assert seen - known == {"errors", "discovery", "parameters", "load_history"}

@@ -16,6 +16,7 @@ PHYSICS = (
     "protocol.py",
     "specification.py",
     "specimen.py",
+    "variation.py",
     "model.py",
 )
 

@@ -2,7 +2,7 @@
 from palpate.challenge.cases import divided, draw
 
 TRIAL = f"{FOLDER}/trial"
-TRIAL_CODE = fingerprint(*PHYSICS, "challenge")
+TRIAL_CODE = fingerprint(*PHYSICS, "challenge", "laboratory.py", "recording.py")
 RECORDED = (
     [f"{TRIAL}/recordings/{case.name}" for case in draw(STUDY)]
     if "challenge" in config

@@ -79,6 +79,7 @@ DIAGNOSIS_CODE = fingerprint(
     "classical",
     "diagnosis",
     "observations.py",
+    "recording.py",
 )
 FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
 READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
