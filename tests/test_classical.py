@@ -152,3 +152,10 @@ def test_creep_rate_of_a_parabola():
     assert creep_rate(time, load, depth) == pytest.approx(1.0, rel=1e-6)
     with pytest.raises(InputError, match="no hold"):
         creep_rate(time, time / 20, depth)
+
+
+def test_creep_rate_does_not_count_the_beginning_of_unloading():
+    rise, hold, down = np.arange(-10.0, 0.0, 0.1), np.linspace(0.0, 10.0, 101), np.linspace(10.03, 40.0, 1000)
+    load = np.concatenate([1 + rise / 10, np.ones(101), 1 - (down - 10) / 30])
+    depth = np.concatenate([300 + 30 * rise, 300 + 3 * hold - 0.1 * hold**2, 320 - 100 * (down - 10) / 30])
+    assert creep_rate(np.concatenate([rise, hold, down]), load, depth) == pytest.approx(1.0, rel=0.06)

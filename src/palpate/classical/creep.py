@@ -34,12 +34,15 @@ def corrected_stiffness(stiffness: float, creep_rate: float, unloading_rate: flo
 def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray, share: float = 0.3) -> float:
     """Return dh/dt [nm/s] at the end of the hold: the end slope of a parabola through the last `share` of the hold.
 
+    The hold ends with the last point within 0.1 % of the largest load; what follows already unloads, and recovers.
+
     Raises
     ------
     InputError
         When the recording has no hold of at least eight points.
     """
     hold = np.flatnonzero(load > 0.995 * load.max())
+    hold = hold[hold <= np.flatnonzero(load > 0.999 * load.max())[-1]]
     last = hold[-max(4, int(share * len(hold))) :]
     if len(hold) < 8:
         raise InputError("the recording has no hold", remedy="use a test that holds the largest load before unloading")
