@@ -19,7 +19,7 @@ def main(snakemake):
     steps.write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
     figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=recordings in study.laboratory)
-    page.write(content, snakemake.output.figure, snakemake.output.page, f"{study.title}: {recordings}")
+    page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, f"{study.title}: {recordings}")
     with tracking.nested_run(
         study.name, f"diagnosis {recordings}", "diagnosis", study.file, {"recordings": recordings}
     ):

@@ -17,7 +17,7 @@ def main(snakemake):
     curves.to_csv(snakemake.output.curves, index=False)
     Path(snakemake.output.figure).parent.mkdir(exist_ok=True)
     figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=False)
-    page.write(content, snakemake.output.figure, snakemake.output.page, study.title)
+    page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, study.title)
 
 
 if "snakemake" in globals():

@@ -3,7 +3,6 @@
 from palpate import steps
 from palpate.config import load_study
 from palpate.figures import convergence, parameters
-from palpate.materials import LAWS
 
 
 def main(snakemake):
@@ -15,8 +14,7 @@ def main(snakemake):
     table = steps.parameter_table(found, truth)
     table.to_csv(snakemake.output.parameters, index=False)
     synthetic = recordings in study.laboratory
-    declared = LAWS[study.model].declared(study.levels | study.fixed)
-    parameters.draw(table, study.levels, declared, snakemake.output.figure, study.title, synthetic)
+    parameters.draw(table, study.levels, study.declared.values(), snakemake.output.figure, study.title, synthetic)
     convergence.draw(found, snakemake.output.convergence, "genetic algorithm", synthetic)
 
 

@@ -16,6 +16,7 @@ from palpate.indenters import Indenter
 from palpate.load_history import KEYS, protocol_from
 from palpate.materials import LAWS
 from palpate.mechanisms import checked_mechanisms
+from palpate.parameters import Parameter
 from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, condition_of, read_recording, recording_files
@@ -105,6 +106,11 @@ class Study:
     def free_parameters(self) -> tuple[str, ...]:
         """Parameters with more than one level: those that a calibration looks for."""
         return tuple(name for name, levels in self.levels.items() if len(levels) > 1)
+
+    @property
+    def declared(self) -> dict[str, Parameter]:
+        """What the law declares of each parameter by name, such as symbol and unit."""
+        return {p.name: p for p in LAWS[self.model].declared({**self.fixed, **self.levels})}
 
     @property
     def cells(self) -> list[dict[str, float]]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import Template
 
+import numpy as np
 import pandas as pd
 
 PAGE = Template("""<!doctype html>
@@ -37,8 +38,18 @@ def paragraph(text: str) -> str:
 
 
 def table(frame: pd.DataFrame) -> str:
-    """Return a table; numbers to four digits."""
-    return frame.to_html(index=False, border=0, na_rep="", float_format=lambda x: f"{x:.4g}")
+    """Return a table; numbers to four digits, yes or no, and nothing where nothing is known."""
+    shown = frame.astype(object).map(cell)
+    return shown.to_html(index=False, border=0)
+
+
+def cell(value: object) -> object:
+    """Return what a table shows of one value."""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.4g}"
+    return "" if value is None else value
 
 
 def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequence[str], path: str | Path) -> None:

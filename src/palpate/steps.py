@@ -159,6 +159,13 @@ def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mappin
     return pd.DataFrame(rows).sort_values("parameter", kind="stable")
 
 
+def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
+    """Return a table of parameters with the unit of each."""
+    table = table.copy()
+    table.insert(1, "unit", [study.declared[name].unit for name in table["parameter"]])
+    return table
+
+
 def write_report(study: Study, folder: Path, path: Path) -> None:
     """Write the report of a study from what its `folder` holds."""
     index = pd.read_csv(folder / "snapshots.csv")
@@ -180,7 +187,7 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
         pieces = [
             f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
             report.table(pd.read_csv(found / "errors.csv")),
-            report.table(pd.read_csv(found / "parameters.csv")),
+            report.table(with_units(pd.read_csv(found / "parameters.csv"), study)),
             report.image(found / "figures/parameters.png", "calibrated parameters"),
             *(report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
             report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),

@@ -9,10 +9,17 @@ from typing import Any
 import pandas as pd
 
 from palpate import report
+from palpate.mechanisms import MECHANISMS
+from palpate.parameters import Parameter
+
+CERTAIN = 0.05  # share of false discoveries that is borne, see `palpate.diagnosis.locate`
+MOST_PARTS = 12
 
 
-def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, list[str]]]:
-    """Return headings and pieces of HTML, from the content of `diagnosis.json`."""
+def sections(
+    content: Mapping[str, Any], declared: Mapping[str, Parameter], figure: str | Path
+) -> list[tuple[str, list[str]]]:
+    """Return headings and pieces of HTML, from the content of `diagnosis.json`; the law has `declared` parameters."""
     found: list[tuple[str, list[str]]] = [
         ("What the recordings say", [report.paragraph(content["sentence"]), report.image(figure, "diagnosis")])
     ]
@@ -20,7 +27,7 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         {
             "explanation": " + ".join(candidate["mechanisms"]),
             "probability": candidate["probability"],
-            "parameter": name,
+            **effect(name),
             **values,
         }
         for candidate in content["candidates"]
@@ -30,8 +37,8 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         found.append(("Explanations that stand", [report.table(pd.DataFrame(rows))]))
     before, after = content["parameters"]["before"], content["parameters"]["after"]
     material = [
-        {"parameter": name, "before": before[name]["estimate"], "after": after[name]["estimate"]}
-        | {"lower": after[name]["lower"], "upper": after[name]["upper"]}
+        {"parameter": name, "unit": declared[name].unit, "before": before[name]["estimate"]}
+        | {"after": after[name]["estimate"], "lower": after[name]["lower"], "upper": after[name]["upper"]}
         for name in after
     ]
     found.append(("Material parameters before and after", [report.table(pd.DataFrame(material))]))
@@ -55,14 +62,14 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
             "What each effect on the recorded depth that is not named would amount to if it joined. Where the interval "
             "is wide, these recordings neither show the effect nor rule it out."
         )
-        rows = [{"parameter": name, **values} for name, values in content["may_hide"].items()]
+        rows = [effect(name) | values for name, values in content["may_hide"].items()]
         found.append(("What may still hide", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["open_amplitudes"]:
         words = (
             "What each effect on the recorded depth, named or not, may amount to if all effects considered act at "
             "once. Where this is much wider than under one explanation, these recordings do not fix the amplitude."
         )
-        rows = [{"parameter": name, **values} for name, values in content["open_amplitudes"].items()]
+        rows = [effect(name) | values for name, values in content["open_amplitudes"].items()]
         found.append(("If all effects act at once", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["laws"]:
         words = (
@@ -78,11 +85,30 @@ def sections(content: Mapping[str, Any], figure: str | Path) -> list[tuple[str, 
         )
         table = report.table(pd.DataFrame(content["zero_points"]))
         found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))
-    clearest = pd.DataFrame(content["location"][:12])
-    found.append(("Where the base model fails", [report.table(clearest)]))
+    found.append(("Where the base model fails", [located(content["location"])]))
     return found
 
 
-def write(content: Mapping[str, Any], figure: str | Path, path: str | Path, title: str) -> None:
+def effect(name: str) -> dict[str, str]:
+    """Return the first cells of a row on a mechanism's parameter, such as ``thermal_drift.rate``."""
+    key, parameter = name.split(".")
+    (unit,) = (p.unit for p in MECHANISMS[key].parameters if p.name == parameter)
+    return {"parameter": name, "unit": unit}
+
+
+def located(rows: list[dict[str, Any]]) -> str:
+    """Return the parts of tests where the misfit is no chance, or a sentence that there is none."""
+    clearest = [row for row in rows if row["q_value"] < CERTAIN]
+    if clearest:
+        return report.table(pd.DataFrame(clearest[:MOST_PARTS]))
+    return report.paragraph(
+        "No part of a test sticks out by itself. Whether the base model explains the recordings is judged by all parts "
+        "together, and by what each mechanism would do to them."
+    )
+
+
+def write(
+    content: Mapping[str, Any], declared: Mapping[str, Parameter], figure: str | Path, path: str | Path, title: str
+) -> None:
     """Write `diagnosis.html`."""
-    report.build(f"Diagnosis of {title}", sections(content, figure), [], path)
+    report.build(f"Diagnosis of {title}", sections(content, declared, figure), [], path)

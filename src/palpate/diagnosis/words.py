@@ -34,19 +34,23 @@ def sentence(content: Mapping[str, Any]) -> str:
     return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
 
 
+def rounded(value: float, digits: int = 3) -> str:
+    """Return a number to some digits, without an exponent where it has up to six."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
 def _claim(candidate: Mapping[str, Any]) -> str:
     """Name an explanation with its amplitudes."""
     claims = []
     for key in candidate["mechanisms"]:
-        values = []
+        title, values = MECHANISMS[key].title, []
         for parameter in MECHANISMS[key].parameters:
-            entry = candidate["parameters"][f"{key}.{parameter.name}"]
+            name, entry = parameter.name.replace("_", " "), candidate["parameters"][f"{key}.{parameter.name}"]
             unit = "" if parameter.unit == "-" else f" {parameter.unit}"
-            values.append(
-                f"{parameter.name.replace('_', ' ')} {entry['estimate']:.3g}{unit} "
-                f"({entry['lower']:.3g} to {entry['upper']:.3g})"
-            )
-        claims.append(f"{MECHANISMS[key].title}, {', '.join(values)}")
+            interval = f"({rounded(entry['lower'])} to {rounded(entry['upper'])})"
+            named = " of" if title.endswith(name) else f", {name}"
+            values.append(f"{named} {rounded(entry['estimate'])}{unit} {interval}")
+        claims.append(title + "".join(values))
     return " with ".join(claims)
 
 
@@ -63,8 +67,8 @@ def _suspected(content: Mapping[str, Any]) -> str:
     for name, entry in content["may_hide"].items():
         mechanism = MECHANISMS[name.split(".")[0]]
         if entry["lower"] * entry["upper"] > 0.0:
-            interval = f"({entry['lower']:.2g} to {entry['upper']:.2g})"
-            said.append(f"{mechanism.title}, {entry['estimate']:.2g} {mechanism.parameters[0].unit} {interval}")
+            interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
+            said.append(f"{mechanism.title}, {rounded(entry['estimate'], 2)} {mechanism.parameters[0].unit} {interval}")
     return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
 
 
@@ -75,7 +79,8 @@ def _where(content: Mapping[str, Any]) -> str:
         return ""
     row = found[0]
     part = "" if row["part"] == "whole" else f"{row['part']} "
-    return f", most clearly in {part}{row['segment']} of {row['condition']} ({row['residual_nm']:+.2g} nm)"
+    sign = "+" if row["residual_nm"] > 0.0 else ""
+    return f", most clearly in {part}{row['segment']} of {row['condition']} ({sign}{rounded(row['residual_nm'], 2)} nm)"
 
 
 def _gain(content: Mapping[str, Any]) -> str:

@@ -1,0 +1,26 @@
+"""The page of a diagnosis: units beside numbers, and no list of places where none stands out."""
+
+import pandas as pd
+
+from palpate import report
+from palpate.diagnosis.page import effect, located
+
+
+def test_parameters_of_effects_carry_their_units():
+    assert effect("thermal_drift.rate") == {"parameter": "thermal_drift.rate", "unit": "nm/s"}
+    assert effect("friction.coefficient")["unit"] == "-"
+
+
+def test_places_are_listed_only_where_they_stand_out():
+    row = {"condition": "A", "segment": "hold", "part": "late", "residual_nm": 3.21987}
+    said = located([{**row, "q_value": 0.01}, {**row, "condition": "B", "q_value": 0.4}])
+    assert "3.22" in said
+    assert "<td>A</td>" in said
+    assert "<td>B</td>" not in said
+    assert "No part of a test sticks out" in located([{**row, "q_value": 0.4}])
+
+
+def test_tables_show_nothing_where_nothing_is_known():
+    shown = report.table(pd.DataFrame([{"lower": None, "held": True}, {"lower": 1.23456, "held": False}]))
+    cells = [line.strip() for line in shown.splitlines() if "<td>" in line]
+    assert cells == ["<td></td>", "<td>yes</td>", "<td>1.235</td>", "<td>no</td>"]
