@@ -1,6 +1,6 @@
 """Calibrate one condition set on one set of recordings, draw the fit, and log both."""
 
-from palpate import steps, tracking
+from palpate import job, steps, tracking
 from palpate.config import load_study
 from palpate.figures import fit
 
@@ -22,4 +22,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

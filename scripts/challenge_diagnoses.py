@@ -3,6 +3,7 @@
 import time
 from pathlib import Path
 
+from palpate import job
 from palpate.challenge.trial import diagnose_case
 from palpate.config import load_study
 from palpate.steps import write_json
@@ -22,4 +23,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from palpate import job
 from palpate.challenge.cases import draw
 from palpate.challenge.laboratory import write
 from palpate.config import load_study
@@ -15,4 +16,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from palpate import job
 from palpate.challenge.cases import Case
 from palpate.challenge.trial import score_case
 from palpate.config import load_study
@@ -23,4 +24,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -4,6 +4,7 @@ import json
 
 import pandas as pd
 
+from palpate import job
 from palpate.challenge import score
 from palpate.figures import trial
 
@@ -23,4 +24,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -1,6 +1,6 @@
 """Diagnose one set of recordings, draw what was found, and log it."""
 
-from palpate import steps, tracking
+from palpate import job, steps, tracking
 from palpate.config import load_study
 from palpate.diagnosis import page
 from palpate.diagnosis.steps import run_diagnosis
@@ -28,4 +28,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

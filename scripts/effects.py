@@ -2,7 +2,7 @@
 
 import joblib
 
-from palpate import steps
+from palpate import job, steps
 from palpate.config import load_study
 from palpate.diagnosis import effects
 
@@ -16,4 +16,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from palpate import steps
+from palpate import job, steps
 from palpate.config import load_study
 from palpate.diagnosis import page
 from palpate.figures import diagnosis as figure
@@ -21,4 +21,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

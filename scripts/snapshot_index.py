@@ -1,6 +1,6 @@
 """Write the table of all snapshots of a study."""
 
-from palpate import snapshots
+from palpate import job, snapshots
 
 
 def main(snakemake):
@@ -8,4 +8,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -1,6 +1,6 @@
 """Compute one batch of snapshots, of the grid or of the mechanisms' effects, or fetch them from the store."""
 
-from palpate import snapshots
+from palpate import job, snapshots
 from palpate.config import load_study
 from palpate.diagnosis import design
 
@@ -14,4 +14,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

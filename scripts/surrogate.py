@@ -4,7 +4,7 @@ from pathlib import Path
 
 import joblib
 
-from palpate import steps, tracking
+from palpate import job, steps, tracking
 from palpate.config import load_study
 
 
@@ -22,4 +22,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -1,6 +1,6 @@
 """Write error and parameter tables of one set of recordings, and their figures."""
 
-from palpate import steps
+from palpate import job, steps
 from palpate.config import load_study
 from palpate.figures import convergence, parameters
 
@@ -19,4 +19,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

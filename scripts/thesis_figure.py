@@ -2,7 +2,7 @@
 
 import importlib
 
-from palpate import steps
+from palpate import job, steps
 
 
 def main(snakemake):
@@ -11,4 +11,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

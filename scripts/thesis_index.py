@@ -4,7 +4,7 @@ import datetime
 import os
 from pathlib import Path
 
-from palpate import steps, thesis
+from palpate import job, steps, thesis
 from palpate.thesis import index
 
 
@@ -19,4 +19,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

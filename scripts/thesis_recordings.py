@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from palpate import laboratory
+from palpate import job, laboratory
 from palpate.config import load_study
 
 
@@ -11,4 +11,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

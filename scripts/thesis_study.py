@@ -5,7 +5,7 @@ from pathlib import Path
 
 import joblib
 
-from palpate import steps, thesis
+from palpate import job, steps, thesis
 from palpate.config import load_study
 
 
@@ -23,4 +23,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import joblib
 
-from palpate import tracking
+from palpate import job, tracking
 
 
 def main(snakemake):
@@ -21,4 +21,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

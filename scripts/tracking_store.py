@@ -1,6 +1,6 @@
 """Make the MLflow store and this execution's parent run before several jobs write to it."""
 
-from palpate import tracking
+from palpate import job, tracking
 
 
 def main(snakemake):
@@ -9,4 +9,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

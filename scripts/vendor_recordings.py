@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from palpate import job
 from palpate.config import load_study
 from palpate.observations import convert_source
 
@@ -12,4 +13,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821

@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+from palpate import job
 from palpate.verification import runner
 from palpate.verification.case import Settings
 
@@ -16,4 +17,4 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    main(snakemake)  # noqa: F821
+    job.run(main, snakemake)  # noqa: F821
