@@ -129,6 +129,15 @@ def test_lines_that_end_with_carriage_returns():
         read_vendor_file(BRUKER, corrections=DRIFT)
 
 
+@needs_recordings
+def test_a_tip_lifted_after_its_preload_touches_anew():
+    """Lifted by 1000 nm, the load reads about 0.3 mN without contact and leaves that at -30 nm, on the way back."""
+    (test,) = read_vendor_file(BRUKER)
+    assert test.recording.depth[0] == pytest.approx(-30, abs=4)
+    assert test.recording.load[0] == pytest.approx(0.3, abs=0.05)
+    assert "reads 0.298 mN before contact" in " ".join(test.warnings)
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_planted_corrections_come_off_a_hysitron_text(tmp_path, end):
     time = np.linspace(0, 20, 401)

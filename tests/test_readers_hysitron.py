@@ -79,20 +79,67 @@ def test_a_count_may_part_its_thousands(tmp_path):
 
 
 @pytest.mark.parametrize("peaks", [(0.2, 0.5, 0.9, 5, 10), (2, 5, 10)])
-@pytest.mark.parametrize(("offset", "earliest"), [(0.0, 4), (0.03, 0)])
-def test_contact_is_before_the_first_of_many_cycles(peaks, offset, earliest):
+@pytest.mark.parametrize("offset", [-0.3, 0.0, 0.03])
+def test_contact_is_before_the_first_of_many_cycles(peaks, offset):
     times, loads = [0.0, 5.0], [0.0, 0.0]
     for peak in peaks:
         times += [times[-1] + step for step in (5, 7, 12, 14)]
         loads += [peak, peak, 0, 0]
     time = np.arange(0, times[-1], 0.1)
-    load = np.interp(time, times, loads) + 0.002 * np.random.default_rng(0).standard_normal(len(time)) + offset
-    assert earliest <= time[contact(load)] <= 6
+    force = np.interp(time, times, loads)
+    load = force + 0.002 * np.random.default_rng(0).standard_normal(len(time)) + offset
+    assert 4 <= time[contact(load, 100 * np.sqrt(force))] <= 6
 
 
 def test_load_left_from_the_search_for_the_surface_is_passed_over():
     time = np.arange(0, 40, 0.1)
-    assert time[contact(np.interp(time, [0, 1, 10, 40], [0.3, 0, 0, 10]))] == pytest.approx(10)
+    force = np.interp(time, [0, 1, 10, 40], [0.3, 0, 0, 10])
+    assert time[contact(force, 100 * np.sqrt(force))] == pytest.approx(10)
+
+
+def lifted(rng, noise, offset, points, before):
+    """Load, depth and the last point without load: to 100 mN by Hertz's law, after a preload and a lift or a way in.
+
+    Before contact the tip rests at 1 mN and is lifted by 1000 nm ("lift"), comes from there ("way"), or the file begins
+    at contact ("none") or under 2 mN ("loaded").
+    """
+    force = np.linspace(0.0 if before != "loaded" else 2.0, 100.0, 2000)
+    way = {
+        "lift": np.append(np.linspace(40, -960, points), np.linspace(-960, 0, points)),
+        "way": np.linspace(-960, 0, points),
+    }
+    depth = np.append(way.get(before, []), 860 * (force / 100) ** (2 / 3))
+    load = 100 * (np.clip(depth, 0, None) / 860) ** 1.5 + offset + noise * rng.standard_normal(len(depth))
+    return load, depth + 0.15 * rng.standard_normal(len(depth)), max(len(depth) - len(force), 0)
+
+
+@pytest.mark.parametrize("before", ["lift", "way"])
+@pytest.mark.parametrize("points", [100, 4000])
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.03])
+@pytest.mark.parametrize("offset", [-0.5, -0.03, 0.0, 0.03, 0.15, 0.5])
+def test_contact_is_found_whatever_the_load_reads_without_it(before, points, noise, offset):
+    for seed in range(4):
+        load, depth, truth = lifted(np.random.default_rng(seed), noise, offset, points, before)
+        begin = contact(load, depth)
+        assert -12 <= begin - truth <= 5
+        assert depth[begin] - depth[truth] < 9
+
+
+@pytest.mark.parametrize("before", ["none", "loaded"])
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.03])
+@pytest.mark.parametrize("offset", [0.0, 0.15, 0.5])
+def test_the_start_of_a_file_that_begins_under_a_rising_load_is_kept(before, noise, offset):
+    for seed in range(4):
+        load, depth, _ = lifted(np.random.default_rng(seed), noise, offset, 1, before)
+        assert contact(load, depth) <= 4
+
+
+@pytest.mark.parametrize(("offset", "words"), [(0.302, ["the load reads 0.3 mN before contact"]), (0.001, [])])
+def test_a_load_that_is_not_zero_before_contact_is_told(tmp_path, monkeypatch, offset, words):
+    monkeypatch.setitem(globals(), "LOAD", LOAD + offset)
+    test = read(tmp_path, text())
+    assert test.recording.depth == pytest.approx(DEPTH[100:])
+    assert [warning.partition(" (")[0] for warning in test.warnings] == words
 
 
 HEADER = {

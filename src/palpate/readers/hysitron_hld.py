@@ -50,7 +50,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     time, depth, force, cell = (column[kept] for column in columns)
     depth = depth - _entry(source, entries, "Disp Shift")
     load = force / 1e3 - _entry(source, entries, "Force Shift")
-    begin = contact(load)
+    begin = contact(load, depth)
     if corrections is not None and "drift" not in corrections:
         depth = depth + _entry(source, entries, "Drift Rate") * (time - time[begin])
     if corrections is not None and "frame" not in corrections:

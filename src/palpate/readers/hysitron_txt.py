@@ -65,7 +65,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     channels = [values[:, index] * factor for index, factor in (places[key] for key in needed)]
     kept, warnings = usable(source, "values", *channels)
     time, load, depth, *volts = (channel[kept] for channel in channels)
-    begin = contact(load)
+    begin = contact(load, depth)
     metadata = {"date": source.lines[0].strip()}
     if corrections is not None:
         drift, compliance = applied(depth, volts[0], load, time, source)

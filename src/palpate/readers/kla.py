@@ -50,7 +50,7 @@ def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
     if surface and surface[0] <= kept[-1]:
         begin = int(np.searchsorted(kept, surface[0]))
     else:
-        begin, warnings = contact(load), (*warnings, UNMARKED)
+        begin, warnings = contact(load, depth), (*warnings, UNMARKED)
     recording = Recording(time - time[begin], load, depth, sheet, (f"from {source.path.name}",))
     return VendorTest(sheet, recording, metadata, warnings)
 

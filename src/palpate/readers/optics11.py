@@ -53,7 +53,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         begin = max([0, *np.flatnonzero(~pressed[:deep])])
         zero = float(np.median((depth - indentation)[pressed]))
     else:
-        begin, warnings = contact(load - float(np.median(load[:LEVEL]))), (*warnings, UNMARKED)
+        begin, warnings = contact(load - float(np.median(load[:LEVEL])), depth), (*warnings, UNMARKED)
         zero = float(depth[begin])
     free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
     recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from scipy.ndimage import median_filter
 
-from palpate.contact_point import noise_of
+from palpate.contact_point import noise_of, way_in
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.recording import BARELY_LOADED, Recording
+from palpate.recording import Recording
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
@@ -140,20 +141,24 @@ def corrected(
     return depth
 
 
-def contact(load: np.ndarray) -> int:
-    """Return the index of the last point at or below zero load before the tip presses for the first time.
+def contact(load: np.ndarray, depth: np.ndarray) -> int:
+    """Return the index of the last point without load before the tip presses for the first time.
 
-    It presses where, once free, it carries more than the noise and a thousandth of the largest load; what load is left
-    of the search for the surface, at the start, is passed over. Where the load never falls to zero before a tenth of
-    its largest, its least value before then stands for zero.
+    Only the way in counts, from the farthest retreat on (`way_in`): what was pressed before it, such as a preload, is
+    passed over. What the load reads without contact is its median over the later half of the points that do not stand
+    out above its least. Where those rise by more than the noise, the file begins under load: then its own zero counts,
+    or its least load where that never falls to zero.
     """
-    early = load[: max(1, int(np.argmax(load > 0.1 * load.max())))]
-    zero = max(0.0, float(early.min()))
-    margin = max(6 * noise_of(load), BARELY_LOADED * float(load.max()))
-    free = int(np.argmax(early <= zero + margin))
-    pressed = free + max(1, int(np.argmax(load[free:] > zero + 2 * margin)))
-    approach = load[free:pressed]
-    return free + int(np.flatnonzero(approach <= max(zero, float(approach.min())))[-1])
+    first, last = way_in(load, depth)
+    force = load[first : last + 1]
+    noise = max(noise_of(force), 1e-6 * float(np.ptp(load)))
+    smooth = median_filter(force, 5, mode="nearest")
+    free = force[: int(np.flatnonzero(smooth <= smooth.min() + 6 * noise)[-1]) + 1]
+    half = len(free) // 2
+    level = float(np.median(free[half:]))
+    if level - np.median(free[: half + 1]) > 2 * noise:
+        level = max(0.0, float(free.min()))
+    return first + int(np.flatnonzero(force <= level)[-1])
 
 
 def increasing(time: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from palpate.recording import BARELY_LOADED, Recording
 CONTACTS = ("file", "auto", "none")
 LEAST_RISE = 0.05
 OFF_ZERO = 0.05  # of the way to the largest load
+LAST_FREE = 10  # points of an approach that tell what the load reads without contact
 
 
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
@@ -30,7 +31,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         ``file``: the approach is cut off, nothing else is touched. ``auto``: contact is found (`first_touch`).
         ``none``: the test stays whole. A number: contact is where the tip first comes to this depth [nm].
 
-    A test that begins at the file's contact but not at zero depth gets a warning.
+    A test that begins at the file's contact but not at zero depth, or whose load is not zero before, gets a warning.
 
     Raises
     ------
@@ -43,8 +44,10 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         return test
     _check_signs(test.name, r)
     if contact == "file":
-        begun_by_file = until_retreat(r.at(slice(int(np.argmax(r.time >= 0)), None)))
-        return replace(test, recording=begun_by_file, warnings=(*test.warnings, *_off_zero(begun_by_file)))
+        begin = int(np.argmax(r.time >= 0))
+        begun_by_file = until_retreat(r.at(slice(begin, None)))
+        told = (*_off_zero(begun_by_file), *_loaded_before(r.load, begin))
+        return replace(test, recording=begun_by_file, warnings=(*test.warnings, *told))
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     try:
@@ -89,6 +92,14 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     if depth[0] >= -far and (depth[0] <= far or load[0] > BARELY_LOADED * load[peak]):
         return ()
     return (f"begins at a depth of {depth[0]:.4g} nm, not at contact (--contact auto finds the touch)",)
+
+
+def _loaded_before(load: np.ndarray, begin: int) -> tuple[str, ...]:
+    """Return a warning where the last points of an approach that ends at point `begin` read a load."""
+    level = float(np.median(load[max(0, begin - LAST_FREE + 1) : begin + 1]))
+    if not begin or abs(level) <= BARELY_LOADED * load.max():
+        return ()
+    return (f"the load reads {level:.3g} mN before contact (--contact auto counts it from there)",)
 
 
 def begun(recording: Recording, point: ContactPoint) -> Recording:
