@@ -142,6 +142,30 @@ def test_a_load_that_is_not_zero_before_contact_is_told(tmp_path, monkeypatch, o
     assert [warning.partition(" (")[0] for warning in test.warnings] == words
 
 
+@pytest.mark.parametrize("written", ["{:,.4f}", "{:,.3f}", "{:.3f}"])
+@pytest.mark.parametrize("comma", [False, True])
+def test_a_sign_that_parts_thousands_is_no_decimal_sign(tmp_path, written, comma):
+    """As in 1,001.9436 and 1.001,9436; loads in uN."""
+    lines = text().splitlines()
+    body = ["\t".join(written.format(float(cell)) for cell in line.split("\t")) for line in lines[4:]]
+    swapped = [line.translate(str.maketrans(",.", ".,")) if comma else line for line in body]
+    recording = read(tmp_path, "\n".join([*lines[:4], *swapped])).recording
+    assert recording.load == pytest.approx(LOAD[100:], abs=1e-6)
+    assert recording.depth == pytest.approx(DEPTH[100:], abs=1e-3)
+
+
+@pytest.mark.parametrize(("cell", "load"), [("1,200", 1.2), ("5,304.5", 5.3045)])
+def test_one_load_with_a_comma_among_points_is_in_thousands(tmp_path, cell, load):
+    recording = read(tmp_path, text(changes=[(250, 1, cell)])).recording
+    assert recording.load[150] == pytest.approx(load)
+
+
+def test_a_comma_that_may_be_either_is_refused(tmp_path):
+    rows = "0\t0\t0\n100\t1,200\t1\n50\t0\t2\n"
+    with pytest.raises(InputError, match="line 6: '1,200' has a decimal sign or parts thousands"):
+        read(tmp_path, "Mon\n\nNumber of Points = 3\nDepth (nm)\tLoad (uN)\tTime (s)\n" + rows)
+
+
 HEADER = {
     "File Version": "Hysitron", "Machine Comp": "0.004 nm/µN", "Drift Rate": "0.2 nm/s", "Disp Shift": "-10 nm",
     "Force Shift": "-50 µN", "Test Data Points": "401",

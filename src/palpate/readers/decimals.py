@@ -11,7 +11,7 @@ import numpy as np
 from palpate.errors import InputError
 
 LARGEST = 1e300
-MISSING = ("", "nan", "inf")
+MISSING = ("", "nan", "-nan", "inf", "-inf")
 OTHER = {".": ",", ",": "."}
 WRITTEN = {
     sign: re.compile(

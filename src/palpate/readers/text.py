@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.readers.decimals import LARGEST
+from palpate.readers.decimals import LARGEST, numbers
 
 
 def number(cell: str) -> float:
@@ -19,38 +19,44 @@ def number(cell: str) -> float:
 
 
 def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.ndarray:
-    """Return tab-separated numbers (n, columns); blank lines are passed over.
+    """Return tab-separated numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
+
+    The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``.
 
     Parameters
     ----------
     first_line
         Number of the first of `lines` in the file, for messages.
+
+    Raises
+    ------
+    InputError
+        When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
+        decimal sign.
     """
-    rows = []
-    for number_of_line, line in enumerate(lines, first_line):
-        if not line.strip():
-            continue
-        cells = line.rstrip("\r\n").split("\t")
-        try:
-            row = [number(cell) for cell in cells[:columns]]
-        except ValueError as error:
-            raise InputError(
-                f"{line.strip()[:40]!r} is not a row of numbers",
-                remedy="export the test again",
-                file=path,
-                place=f"line {number_of_line}",
-            ) from error
-        if len(row) < columns:
-            raise InputError(
-                f"{len(row)} columns where {columns} were announced; the file is cut off",
-                remedy="export the test again",
-                file=path,
-                place=f"line {number_of_line}",
-            )
-        rows.append(row)
-    if not rows:
+    filled = {f"line {place}": line for place, line in enumerate(lines, first_line) if line.strip()}
+    if not filled:
         raise InputError("holds no measured values", remedy="export the test again", file=path)
-    return np.array(rows)
+    rows = [line.split("\t")[:columns] for line in filled.values()]
+    places = list(filled)
+    short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
+    values = numbers(rows[:short], lambda row: places[row])
+    words = np.flatnonzero(np.isnan(values).any(axis=1))
+    if len(words):
+        raise InputError(
+            f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
+            remedy="export the test again",
+            file=path,
+            place=places[words[0]],
+        )
+    if short < len(rows):
+        raise InputError(
+            f"{len(rows[short])} columns where {columns} were announced; the file is cut off",
+            remedy="export the test again",
+            file=path,
+            place=places[short],
+        )
+    return np.where(np.isfinite(values), values, np.nan)
 
 
 def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
