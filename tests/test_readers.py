@@ -225,6 +225,24 @@ def test_broken_files_get_one_line(tmp_path, source, spoil, words, capsys):
     assert "\n" not in line
 
 
+AP = "Indentation\n\nTime (s)\tPd (nm)\tFn (mN)\n0\t0\t0\n1\t1\t1\n"
+APC = "X_a_Time_[s]\tY_a_Fn_[mN]\tX_a_Time_[s]\tY_a_Pd_[nm]\n0\t0\t0\t0\n1\t1\t1\t1\n"
+TXT = "Mon\n\nNumber of Points = 2\nDepth (nm)\tLoad (uN)\tTime (s)\n0\t0\t0\n1\t1\t1\n"
+HEAD = "File Version: Hysitron\nMachine Comp: 0.004 nm/uN\nDrift Rate: 0 nm/s\nDisp Shift: 0 nm\nForce Shift: 0 uN\n"
+HLD_TEXT = HEAD + "Test Data Points: 2\nTime_s\tDisp_nm\tForce_uN\tLoadCell_nm\n0\t0\t0\t0\n1\t1\t1\t1\n"
+
+
+@pytest.mark.parametrize("text", [AP, APC, TXT, HLD_TEXT])
+@pytest.mark.parametrize("separator", [";", " ", ","])
+def test_a_vendor_s_file_saved_anew_without_tabs_is_told_as_that(tmp_path, text, separator):
+    file = tmp_path / "x.txt"
+    file.write_text(text)
+    assert len(read_vendor_file(file)[0].recording) == 2
+    file.write_text(text.replace("\t", separator))
+    with pytest.raises(InputError, match=r"no tabs between its columns .* saved anew; .*--columns time="):
+        read_vendor_file(file)
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [

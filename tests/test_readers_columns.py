@@ -34,6 +34,27 @@ def test_any_text_table_by_its_columns(tmp_path, delimiter, comma):
     assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-3)
 
 
+@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize("names", [("Time (s)", "Load (µN)", "Depth (µm)"), ("3", "2", "1")])
+def test_a_vendor_s_table_saved_anew_with_blanks(tmp_path, comma, names):
+    """Units in brackets stay with their names; commas between blanks are decimal."""
+    body = [f"{h:.7f} {p:.7f} {t:.7f} {t:.3f}" for h, p, t in zip(PATH, FORCE, TIME, strict=True)]
+    lines = ["Mon Apr 29", "Number of Points = 61", "", "Depth (µm) Load (µN) Time (s) Depth (V)", *body]
+    file = tmp_path / "x.txt"
+    file.write_text("\n".join(lines).replace(".", "," if comma else "."), encoding="utf-8")
+    columns = ColumnMap(dict(zip(("time", "load", "depth"), names, strict=True)))
+    (test,) = read_vendor_file(file, columns=columns)
+    assert test.recording.load == pytest.approx(FORCE / 1e3, abs=1e-6)
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-3)
+
+
+@pytest.mark.parametrize("delimiter", [", ", " , ", " ; ", "\t "])
+def test_blanks_beside_separators_are_none(tmp_path, delimiter):
+    (tmp_path / "x.txt").write_text(rows_of(delimiter, False))
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=MAP)
+    assert test.recording.load == pytest.approx(FORCE / 1e3, abs=1e-6)
+
+
 def test_columns_by_number(tmp_path):
     file = tmp_path / "bare.txt"
     np.savetxt(file, np.column_stack([TIME, FORCE, PATH]))

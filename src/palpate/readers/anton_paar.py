@@ -7,7 +7,7 @@ import re
 from palpate.errors import InputError
 from palpate.readers.anton_paar_columns import KEYS
 from palpate.readers.source import Source
-from palpate.readers.text import table
+from palpate.readers.text import require_tabs, table
 from palpate.readers.units import scale
 from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
 from palpate.recording import Recording
@@ -26,6 +26,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     lines, path = source.lines, source.path
     start = next((k for k, line in enumerate(lines) if len(columns(line)) == len(KEYS)), None)
     if start is None:
+        for line in filter(names_all, lines):
+            require_tabs(line, path)
         raise InputError(
             "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
             remedy="export the test again, with data",
@@ -37,6 +39,11 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings)]
+
+
+def names_all(line: str) -> bool:
+    """Return whether a line names all channels, whatever stands between them."""
+    return all(re.search(rf"\b{key} *[(\[]", line) for key in KEYS)
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.text import table
+from palpate.readers.text import require_tabs, table
 from palpate.readers.units import scale
 from palpate.readers.vendor import (
     Corrections,
@@ -39,6 +39,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     The instrument writes the last point of a segment again as the first of the next; the repetition is dropped.
     """
     refuse_corrections(source, corrections)
+    require_tabs(source.first, source.path)
     start = next(k for k, line in enumerate(source.lines) if line.strip())
     headings = source.lines[start].rstrip().split("\t")
     values = table(source.lines[start + 1 :], start + 2, len(headings), source.path)

@@ -22,6 +22,9 @@ from palpate.recording import Recording
 DELIMITERS = ("\t", ";", ",")
 WORD = re.compile(r"[^\W\d_]")
 LISTED = 12
+NUMBER = r"[-+]?(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?"
+NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
+NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
 
 
 @dataclass(frozen=True)
@@ -231,19 +234,28 @@ def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]
 def _tables(source: Source) -> list[Table]:
     """Return a workbook's sheets, or the one table of a text file.
 
-    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of; else at blanks,
-    and then # before a line is no cell.
+    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of, but not at the decimal
+    commas of numbers between blanks; else at blanks.
     """
     if source.workbook:
         sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
         return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
     lines = {number: line for number, line in enumerate(source.lines, 1) if line.strip()}
+    at_blanks = {number: len(line.split()) for number, line in lines.items() if NUMBERS_AT_BLANKS.fullmatch(line)}
     for delimiter in DELIMITERS:
-        if sum(line.count(delimiter) >= 2 for line in lines.values()) > len(lines) / 2:
+        holding = {number for number, line in lines.items() if line.count(delimiter) >= 2}
+        if len(holding - at_blanks.keys()) > len(lines) / 2:
             split = [_cells(line, delimiter) for line in lines.values()]
             return [Table(source, source.path.stem, split, list(lines), delimiter)]
-    split = [line.removeprefix("#").split() for line in lines.values()]
+    width = max(at_blanks.values(), default=0)
+    split = [_at_blanks(line, width) for line in lines.values()]
     return [Table(source, source.path.stem, split, list(lines), " ")]
+
+
+def _at_blanks(line: str, width: int) -> list[str]:
+    """Return the cells of a line without # before it; units in brackets join their names where that gives `width`."""
+    cells = NAME_WITH_UNIT.findall(line.removeprefix("#"))
+    return cells if len(cells) == width else line.removeprefix("#").split()
 
 
 def _cells(line: str, delimiter: str) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.text import counted, number
+from palpate.readers.text import counted, number, require_tabs
 from palpate.readers.units import SCALES, plain
 from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, usable
 from palpate.recording import Recording
@@ -40,6 +40,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     entries = dict(line.split(":", 1) for line in source.lines[:start] if ":" in line)
     if start is None or any(key not in entries for key in NEEDED):
         raise InputError(f"lacks {COUNT} or one of {', '.join(NEEDED)}", remedy="copy it again", file=source.path)
+    for headings in source.lines[start + 1 : start + 2]:
+        require_tabs(headings, source.path)
     names = [plain(name) for line in source.lines[start + 1 : start + 2] for name in line.split("\t")]
     if any(name not in names for name in COLUMNS):
         raise InputError(f"lacks one of the columns {', '.join(COLUMNS)}", remedy="copy it again", file=source.path)

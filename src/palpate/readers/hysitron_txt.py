@@ -12,22 +12,23 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.source import Source
-from palpate.readers.text import counted
+from palpate.readers.text import counted, require_tabs
 from palpate.readers.units import CHANNELS, SCALES, plain
 from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
 from palpate.recording import Recording
 
 COUNT = re.compile(r"Number of Points\s*[=:](.*)")
 HEADING = re.compile(r"\s*(Time|Load|Depth)\s*\((.+)\)\s*")
+DEPTH = re.compile(r"\bDepth *\((?!V)")
 VOLTS = "volts"
 EXACT = 0.05
 HEAD = 20
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file announces its number of points and then its columns."""
+    """Return whether the file announces its number of points and then its columns, whatever stands between these."""
     head = source.lines[:HEAD]
-    return any(COUNT.match(line) for line in head) and any("depth" in columns(line) for line in head)
+    return any(COUNT.match(line) for line in head) and any(DEPTH.search(line) for line in head)
 
 
 def columns(line: str) -> dict[str, tuple[int, float]]:
@@ -46,7 +47,8 @@ def columns(line: str) -> dict[str, tuple[int, float]]:
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the last point without load before it is loaded."""
-    start = next(k for k, line in enumerate(source.lines) if "depth" in columns(line))
+    start = next(k for k, line in enumerate(source.lines) if DEPTH.search(line))
+    require_tabs(source.lines[start], source.path)
     places = columns(source.lines[start])
     if not {*CHANNELS} <= {*places}:
         raise InputError(

@@ -18,6 +18,16 @@ def number(cell: str) -> float:
     return value if abs(value) <= LARGEST else float("nan")
 
 
+def require_tabs(headings: str, path: Path) -> None:
+    """Raise `InputError` on a line of headings without tabs: another program has saved the vendor's file anew."""
+    if "\t" not in headings:
+        raise InputError(
+            f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew",
+            remedy="export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)",
+            file=path,
+        )
+
+
 def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.ndarray:
     """Return tab-separated numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
 
