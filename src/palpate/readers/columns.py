@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,10 @@ class Table:
         more = f" and {len(rows) - PLACES} more" if len(rows) > PLACES else ""
         return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named + more
 
+    def at(self, kept: Sequence[int]) -> Table:
+        """Return the table of some of its rows."""
+        return replace(self, rows=[self.rows[k] for k in kept], numbers=[self.numbers[k] for k in kept])
+
     def body(self, header: int | None, indices: Sequence[int]) -> Table:
         """Return some columns of the rows below the header, or of all rows where there is none."""
         start = 0 if header is None else header + 1
@@ -96,7 +101,9 @@ class Table:
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
-    """Read the one table of a text file, or one from each sheet of a workbook that holds the columns.
+    """Read the table of a text file, or one from each sheet of a workbook that holds the columns.
+
+    A table that repeats its header, and begins its time anew there, holds several tests.
 
     The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
     Rows without any number, of units and remarks, do no harm before and after the numbers; other rows without three, or
@@ -109,7 +116,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
         twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
     tables = _tables(source)
-    found = [attempt(source.path, table.name, _test, table, columns) for table in tables]
+    found = [test for table in tables for test in _tests(table, columns)]
     tests = [test for test in found if test is not None]
     if not tests:
         raise InputError(
@@ -121,8 +128,40 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
     return unless_all_fail(tests)
 
 
-def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
-    """Return the test in a table, or None when it has no such columns or no numbers in them."""
+def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable | None]:
+    """Return the tests in a table: one, or several below one another, each under the same row of names."""
+    path = table.source.path
+    parts = attempt(path, table.name, _parts, table, columns)
+    if isinstance(parts, Unreadable):
+        return [parts]
+    names = [f"{table.name}_{number}" for number in range(1, len(parts) + 1)] if len(parts) > 1 else [table.name]
+    return [attempt(path, name, _test, name, part, columns) for name, part in zip(names, parts, strict=True)]
+
+
+def _parts(table: Table, columns: ColumnMap) -> list[Table]:
+    """Return the table, cut where its header is repeated and time does not go on; each has what stands above it.
+
+    Where time goes on, the header is repeated within a test.
+    """
+    found = _columns_of(table.rows, columns)
+    if found is None or found[0] is None:
+        return [table]
+    header, indices = found[0], found[1]
+    repeated = [k for k, row in enumerate(table.rows) if k > header and [*row] == [*table.rows[header]]]
+    if not repeated:
+        return [table]
+    body = table.body(None, indices)
+    time = numbers([[seconds(clock), *others] for clock, *others in body.rows], body.place)[:, 0]
+    cuts = [header]
+    for k in repeated:
+        past, coming = (part[np.isfinite(part)] for part in (time[cuts[-1] : k], time[k:]))
+        if len(past) and len(coming) and coming[0] <= past[-1]:
+            cuts.append(k)
+    return [table.at([*range(header), *range(*part)]) for part in pairwise([*cuts, len(table.rows)])]
+
+
+def _test(name: str, table: Table, columns: ColumnMap) -> VendorTest | None:
+    """Return the test of a name in a table, or None when it has no such columns or no numbers in them."""
     found = _columns_of(table.rows, columns)
     if found is None:
         return None
@@ -146,8 +185,8 @@ def _test(table: Table, columns: ColumnMap) -> VendorTest | None:
         warnings += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
     time, load, depth = (values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
-    recording = Recording(time - time[0], load, depth, table.name, (f"from {table.source.path.name}",))
-    return VendorTest(table.name, recording, facts, warnings)
+    recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
+    return VendorTest(name, recording, facts, warnings)
 
 
 def _names(above: Sequence[Sequence[str]]) -> int | None:
