@@ -482,3 +482,35 @@ def test_tests_below_one_another_under_other_headers_are_refused(tmp_path):
     file.write_text(below_one_another(ONE) + below_one_another(OTHER, heading="t,P,H"))
     with pytest.raises(InputError, match="write each of several tests to a file of its own"):
         read_vendor_file(file, columns=SHORT)
+
+
+@pytest.mark.parametrize(
+    ("heading", "missing", "others"),
+    [
+        ("Displacement Into Surface,Load On Sample,Displacement Into Surface,Load On Sample", "time", "load and depth"),
+        ("h (nm),P (mN)", "time", "load and depth"),
+        ("Time (s),Depth (nm)", "load", "time and depth"),
+        ("Time [s],Segment,Load [mN]", "depth", "time and load"),
+    ],
+)
+@pytest.mark.parametrize("separator", [None, ",", ";", "\t", " "])
+def test_a_channel_that_the_table_lacks_is_told(tmp_path, heading, missing, others, separator):
+    names = [re.sub(" (Into|On) .*", "", name) if separator == " " else name for name in heading.split(",")]
+    rows = [[k + 0.5] * len(names) for k in range(20)]
+    file = tmp_path / "x.csv"
+    if separator is None:
+        write_workbook(file, {"Test 001": [names, *rows]})
+    else:
+        file.write_text("\n".join(separator.join(map(str, row)) for row in [names, *rows]))
+    with pytest.raises(InputError, match=f"its table names {others}, but no {missing}, which cannot be guessed"):
+        read_vendor_file(file)
+    with pytest.raises(
+        InputError, match=f"no column is named for {missing}; .* export it with {missing}, which cannot"
+    ):
+        ColumnMap({key: key for key in ("time", "load", "depth") if key != missing})
+
+
+def test_a_text_that_only_speaks_of_load_and_depth_is_of_no_format(tmp_path):
+    (tmp_path / "x.txt").write_text("The load at this depth\nwas 5\nnot 7\n")
+    with pytest.raises(InputError, match="no format that palpate knows"):
+        read_vendor_file(tmp_path / "x.txt")

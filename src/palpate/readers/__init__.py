@@ -11,8 +11,9 @@ from typing import Any
 
 from palpate.discovery import discover
 from palpate.errors import InputError
-from palpate.readers.columns import ColumnMap, read_columns
+from palpate.readers.columns import ColumnMap, lacking, read_columns
 from palpate.readers.source import Source, number_of
+from palpate.readers.units import CHANNELS
 from palpate.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -173,6 +174,14 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
+    missing = lacking(source)
+    if missing:
+        others = " and ".join(key for key in CHANNELS if key != missing)
+        raise InputError(
+            f"its table names {others}, but no {missing}, which cannot be guessed",
+            remedy=f"export the {missing} too, or name its column (--columns time=...,load=...,depth=...)",
+            file=source.path,
+        )
     first = " ".join(source.first.split())
     begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
     raise InputError(

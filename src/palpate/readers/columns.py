@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.readers.clock import seconds
 from palpate.readers.decimals import numbers
-from palpate.readers.headings import is_row_of_units, is_word, stated
+from palpate.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.readers.source import Source
 from palpate.readers.units import CHANNELS, plain, scale
 from palpate.readers.vendor import MOST_LEFT_OUT, PLACES, Unreadable, VendorTest, attempt, increasing, unless_all_fail
@@ -47,7 +47,11 @@ class ColumnMap:
     def __post_init__(self) -> None:
         for key in CHANNELS:
             if key not in self.names:
-                raise InputError(f"no column is named for {key}", remedy=f"add {key}=NAME", place="columns")
+                raise InputError(
+                    f"no column is named for {key}",
+                    remedy=f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed",
+                    place="columns",
+                )
         for given, place in ((self.names, "columns"), (self.units, "units")):
             for key in given:
                 if key not in CHANNELS:
@@ -126,6 +130,24 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
             file=source.path,
         )
     return unless_all_fail(tests)
+
+
+def lacking(source: Source) -> str | None:
+    """Return the channel that a table lacks whose header, with numbers below, names the others; None without such."""
+    parted = re.compile(r"[\t;,]")
+    text = [parted.split(line) if parted.search(line) else NAME_WITH_UNIT.findall(line) for line in source.lines]
+    for rows in [source.sheet(name) for name in source.sheets] or [text]:
+        for row, *below in zip(rows, rows[1:], rows[2:], strict=False):
+            named = {key: k for k, cell in enumerate(row) if isinstance(cell, str) and (key := channel_of(cell))}
+            if len(named) == len(CHANNELS) - 1 and any(_numeric(cells, named.values()) for cells in below):
+                return next(key for key in CHANNELS if key not in named)
+    return None
+
+
+def _numeric(row: Sequence[Any], indices: Iterable[int]) -> bool:
+    """Return whether cells of a row hold digits and no words."""
+    cells = [str(row[k]) if k < len(row) else "" for k in indices]
+    return all(re.search(r"\d", cell) and not is_word(cell) for cell in cells)
 
 
 def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable | None]:

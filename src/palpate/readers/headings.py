@@ -17,6 +17,17 @@ LIKE_A_UNIT = re.compile(
     r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
     r"|(?:milli|micro|nano)?seconds)"
 )
+CHANNEL_WORDS = {
+    "time": {"time", "zeit", "temps", "t"},
+    "load": {"load", "force", "kraft", "fn", "p", "f"},
+    "depth": {"depth", "displacement", "disp", "indentation", "penetration", "eindringtiefe", "pd", "h"},
+}
+
+
+def channel_of(heading: str) -> str | None:
+    """Return the channel whose name a heading holds, such as ``load`` for ``Load On Sample``; None for any other."""
+    words = {word.casefold() for word in LETTERS.findall(BRACKETED.sub(" ", plain(heading)))}
+    return next((key for key, known in CHANNEL_WORDS.items() if words & known), None)
 
 
 def is_word(cell: str) -> bool:
