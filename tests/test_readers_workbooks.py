@@ -1,5 +1,7 @@
 """Workbooks: the order and the units of their sheets, spoilt sheets beside good ones, contact without a marker."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from test_readers import XP, needs_recordings
@@ -7,6 +9,7 @@ from workbooks import write_workbook
 
 from palpate.cli import main
 from palpate.errors import InputError
+from palpate.observations import convert_source
 from palpate.readers import read_each, read_vendor_file, select
 from palpate.recording import read_recording
 
@@ -177,6 +180,15 @@ def test_a_recording_has_three_columns_unless_stiffness_is_asked_for_and_measure
     assert run(tmp_path, {"Test 1": counting(units)}, *options) == (0, {"Test_1": 39})
     lines = (tmp_path / "out/Test_1.csv").read_text().splitlines()
     assert next(line for line in lines if not line.startswith("#")) == header
+
+
+def test_a_study_s_recordings_have_three_columns_and_keep_the_stiffness_apart(tmp_path):
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": counting(XP_UNITS)})
+    convert_source(SimpleNamespace(source={"file": str(file), "condition": "A"}), tmp_path / "lab")
+    lines = (tmp_path / "lab/A_1.csv").read_text().splitlines()
+    assert {line.count(",") for line in lines if not line.startswith("#")} == {2}
+    stiffness = read_recording(tmp_path / "lab/A_1.csv").stiffness
+    assert stiffness == pytest.approx(read_vendor_file(file)[0].recording.stiffness)
 
 
 @pytest.mark.parametrize("head", [["t,P,h"], ["t,P,h", "s,uN,nm"]])

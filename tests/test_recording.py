@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from palpate.errors import InputError
 from palpate.protocol import MOST_KNOTS, recorded
-from palpate.recording import Recording, read_recording
+from palpate.recording import Recording, read_recording, recording_files
 
 
 def ramp(start=0.0, clock=0.0, n=401, rate=0.5):
@@ -105,6 +105,21 @@ def test_a_history_of_the_wrong_sign_is_refused():
 def test_notes_stay_on_their_line(tmp_path):
     Recording([0.0, 1.0], [0.0, 1.0], [0.0, 5.0], notes=("two\nlines",)).write(tmp_path / "a.csv")
     assert read_recording(tmp_path / "a.csv").notes == ("two lines",)
+
+
+def test_a_stiffness_written_apart_leaves_three_columns_and_is_read_again(tmp_path):
+    time, file = np.linspace(0.0, 4.0, 9), tmp_path / "a_1.csv"
+    stiffness = np.where(time > 2.0, 0.1 * np.sqrt(time), np.nan)
+    recording = Recording(time, time, 80.0 * np.sqrt(time), notes=("steel",), stiffness=stiffness)
+    recording.write_apart(file)
+    assert file.read_text().splitlines()[:2] == ["# steel", "time_s,load_mN,depth_nm"]
+    assert recording_files(tmp_path) == [file]
+    assert read_recording(file).stiffness == pytest.approx(stiffness, rel=1e-6, nan_ok=True)
+    recording.at(slice(1, None)).write(file.parent / "stiffness" / file.name)
+    with pytest.raises(InputError, match=r"stiffness/a_1.csv: has other times than .*a_1.csv; remove it"):
+        read_recording(file)
+    Recording(time, time, time).write_apart(file)
+    assert read_recording(file).stiffness is None
 
 
 def test_a_measured_stiffness_travels_with_the_recording(tmp_path):

@@ -221,11 +221,11 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
 
 
 def convert_source(study: Study, folder: Path) -> None:
-    """Write the tests of the study's vendor file as replicates of their conditions."""
+    """Write the tests of the study's vendor file as replicates of their conditions; stiffness in a folder beside."""
     source = study.source
     notes = tuple(f"{key}: {source[key]}" for key in ("repository", "commit", "path", "licence") if key in source)
     folder.mkdir(parents=True, exist_ok=True)
     for condition, tests in read_source(source).items():
         for number, test in enumerate(tests, 1):
             said = (*test.recording.notes, *test.warnings, *notes)
-            replace(test.recording, notes=said).write(folder / f"{condition}_{number}.csv")
+            replace(test.recording, notes=said).write_apart(folder / f"{condition}_{number}.csv")

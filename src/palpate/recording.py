@@ -14,6 +14,7 @@ from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
+APART = "stiffness"
 BARELY_LOADED = 1e-3
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
@@ -124,6 +125,19 @@ class Recording:
         partial.write_text(text.getvalue(), encoding="utf-8")
         partial.replace(path)
 
+    def write_apart(self, path: str | Path) -> None:
+        """Write the recording in three columns, and once more with its stiffness, if it has one, in a folder beside.
+
+        `read_recording` puts the two together again.
+        """
+        path = Path(path)
+        replace(self, stiffness=None).write(path)
+        beside = path.parent / APART / path.name
+        beside.unlink(missing_ok=True)
+        if self.stiffness is not None:
+            beside.parent.mkdir(exist_ok=True)
+            self.write(beside)
+
 
 def recording_files(folder: Path) -> list[Path]:
     """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
@@ -137,14 +151,27 @@ def condition_of(file: Path) -> str:
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read a recording CSV and check it.
+    """Read a recording CSV and check it; its stiffness may stand in a folder beside (`Recording.write_apart`).
 
     Raises
     ------
     InputError
-        When the file is missing, empty, has another header, text, gaps or times that do not increase.
+        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
+        beside it is that of other times.
     """
     path = Path(path)
+    recording = _recording_at(path)
+    beside = path.parent / APART / path.name
+    if recording.stiffness is not None or not beside.is_file():
+        return recording
+    measured = _recording_at(beside)
+    if not np.array_equal(measured.time, recording.time):
+        raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
+    return replace(recording, stiffness=measured.stiffness)
+
+
+def _recording_at(path: Path) -> Recording:
+    """Return the recording in one CSV, checked."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
