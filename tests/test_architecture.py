@@ -13,7 +13,7 @@ ORDER = [
     {"__init__"},
     {"parameters", "yaml_file", "schema", "output"},
     {"protocol", "recording", "indenters", "contact_point", "sharp_origin"},
-    {"segments", "alignment", "load_history"},
+    {"segments", "alignment", "load_history", "correlated"},
     {"drift_rate"},
     {"survey"},
     {"materials"},

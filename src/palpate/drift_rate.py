@@ -5,10 +5,7 @@ r"""The rate of thermal drift, from a hold under a low load, with the uncertaint
 The exponential is what recovery after unloading leaves, over within the hold (tau is at most a fifth of it; slower
 recovery cannot be told from drift); it is kept when the Bayesian information criterion speaks
 very strongly for it (by more than 10: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
-The errors are autoregressive of first order: neighbouring points of an instrument share most of their noise, and
-taking them for independent makes the interval several times too narrow. How correlated they are is not known from a
-hold either: the rates at all correlations are weighed by the restricted likelihood, which allows for what a, r and c
-absorb of the noise (Patterson and Thompson, Biometrika 58 (1971) 545).
+Neighbouring errors are correlated, by how much a hold does not tell either: see `palpate.correlated`.
 """
 
 from __future__ import annotations
@@ -19,16 +16,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from palpate.correlated import Series, Shared, shared_coefficient
 from palpate.errors import InputError
 from palpate.segments import Segment
 
 MOST = 400
 FEWEST = 20
 CORNER = 2
-CORRELATIONS = np.linspace(0.0, 0.99, 100)
 TRANSIENTS = 12
 VERY_STRONG = 10.0
-LEAST = 1e-300
 PROFILE = 0.5 * stats.chi2.ppf(0.95, 1)
 
 
@@ -108,46 +104,21 @@ def drift_rate(time: np.ndarray, depth: np.ndarray) -> DriftRate:
     moments, values = (np.array([np.median(channel[block]) for block in blocks]) for channel in (time, depth))
     span = moments[-1] - moments[0]
     since = moments - moments[0]
-    line = np.column_stack([np.ones_like(since), since])
+    level = np.ones_like(since)
 
-    def with_transient(tau: float) -> tuple[float, float, float, int]:
-        return (*_fitted(values, np.column_stack([line, np.exp(-since / tau)])), 5)
+    def with_transient(tau: float) -> tuple[Shared, int]:
+        return shared_coefficient([Series(values, since, np.column_stack([level, np.exp(-since / tau)]))]), 5
 
     coarse = np.geomspace(span / 50, span / 5, TRANSIENTS)
     fits = [with_transient(tau) for tau in coarse]
-    near = int(np.argmax([fit[2] for fit in fits]))
+    near = int(np.argmax([fit.likelihood for fit, _ in fits]))
     fits += [
         with_transient(tau)
         for tau in np.geomspace(coarse[max(near - 1, 0)], coarse[min(near + 1, TRANSIENTS - 1)], 2 * TRANSIENTS)
     ]
-    fits.append((*_fitted(values, line), 3))
-    count = len(values)
-    best = min(fits, key=lambda fit: fit[3] * np.log(count) - 2 * fit[2] + (VERY_STRONG if fit[3] > 3 else 0.0))
-    likely = [fit for fit in fits if fit[3] == best[3] and fit[2] >= best[2] - PROFILE]
-    lower, upper = min(fit[0] - fit[1] for fit in likely), max(fit[0] + fit[1] for fit in likely)
-    return DriftRate(best[0], lower, upper, float(time[0]), float(time[-1]))
-
-
-def _fitted(values: np.ndarray, terms: np.ndarray) -> tuple[float, float, float]:
-    """Return the second coefficient, half its 95 % interval and the largest log-likelihood, over all correlations.
-
-    The points are whitened by Prais and Winsten's transform. With it the sums of products that the normal equations
-    need are a quadratic in the correlation, so that all correlations are tried at once.
-    """
-    count, width = terms.shape
-    begin = np.linalg.lstsq(terms, values, rcond=None)[0]
-    columns = np.column_stack([values - terms @ begin, terms])
-    rho = CORRELATIONS[:, None, None]
-    lagged, inner = columns[1:].T @ columns[:-1], columns[1:-1].T @ columns[1:-1]
-    products = columns.T @ columns - rho * (lagged + lagged.T) + rho**2 * inner
-    information, along = products[:, 1:, 1:], products[:, 1:, :1]
-    solution = np.linalg.solve(information, along)
-    power = np.maximum(products[:, 0, 0] - np.sum(along * solution, axis=(1, 2)), LEAST)
-    shared = 0.5 * np.log(1 - CORRELATIONS**2)
-    restricted = shared - 0.5 * ((count - width) * np.log(power) + np.linalg.slogdet(information)[1])
-    weight = np.exp(restricted - restricted.max())
-    weight /= weight.sum()
-    rate = float(weight @ solution[:, 1, 0])
-    variance = np.linalg.inv(information)[:, 1, 1] * power / (count - width) + (solution[:, 1, 0] - rate) ** 2
-    half = float(stats.t.ppf(0.975, count - width) * np.sqrt(weight @ variance))
-    return float(begin[1]) + rate, half, float((shared - 0.5 * count * np.log(power / count)).max())
+    fits.append((shared_coefficient([Series(values, since, level[:, None])]), 3))
+    penalty = np.log(len(values))
+    best, size = min(fits, key=lambda fit: fit[1] * penalty - 2 * fit[0].likelihood + VERY_STRONG * (fit[1] > 3))
+    likely = [fit for fit, free in fits if free == size and fit.likelihood >= best.likelihood - PROFILE]
+    lower, upper = min(fit.value - fit.half for fit in likely), max(fit.value + fit.half for fit in likely)
+    return DriftRate(best.value, lower, upper, float(time[0]), float(time[-1]))

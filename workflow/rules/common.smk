@@ -68,6 +68,7 @@ FINDERS = (
     "contact_point.py",
     "sharp_origin.py",
     "segments.py",
+    "correlated.py",
     "drift_rate.py",
     "survey.py",
 )

@@ -20,9 +20,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from palpate.classical.oliver_pharr import fit_unloading
+from palpate.correlated import Series, shared_coefficient
 from palpate.errors import InputError
 from palpate.segments import Segment
 
@@ -36,7 +36,6 @@ POINTS = 8
 TOP = 0.95
 ROUNDS = 3
 LEVELS = 24
-LEAST, MOST_MEMORY = 1e-300, 0.98
 
 
 @dataclass(frozen=True)
@@ -139,9 +138,9 @@ def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
-    fitted together, and the interval is Student's, for residuals that are correlated as theirs are. Either is widened
-    to how the slope moves when loads below 5, 10 or 20 % of each test's largest are left out or all are kept: where
-    hardness depends on depth, it shows there.
+    fitted together, with an interval that allows for errors correlated along a test (`palpate.correlated`). Either is
+    widened to how the slope moves when loads below 5, 10 or 20 % of each test's largest are left out or all are kept:
+    where hardness depends on depth, it shows there.
     """
     found = {start: _from_start(tops_of_tests, start) for start in STARTS}
     slope, lower, upper, count = found[MAIN] or found[STARTS[0]] or (np.nan, np.nan, np.nan, 0)
@@ -162,26 +161,23 @@ def _from_start(
     lines = [_line(loads, values, start) for loads, values in tops_of_tests if _tells(loads, start)]
     if not lines:
         return None
-    count = sum(len(x) for x, _ in lines)
-    slopes = np.array([float(x @ y / (x @ x)) for x, y in lines])
+    count = sum(len(line.values) for line in lines)
     if len(lines) >= MANY:
-        return (*hodges_lehmann(slopes), count)
-    x, y = (np.concatenate(part) for part in zip(*lines, strict=True))
-    slope, freedom = float(x @ y / (x @ x)), count - len(lines) - 1
-    left = y - slope * x
-    memory = float(np.clip(left[1:] @ left[:-1] / max(float(left @ left), LEAST), 0.0, MOST_MEMORY))
-    deviation = float(np.sqrt(left @ left / freedom / (x @ x) * (1 + memory) / (1 - memory)))
-    half = float(stats.t.ppf(0.975, freedom)) * deviation
-    return slope, slope - half, slope + half, count
+        return (*hodges_lehmann(np.array([_slope(line) for line in lines])), count)
+    found = shared_coefficient(lines)
+    return found.value, found.value - found.half, found.value + found.half, count
 
 
-def _line(loads: np.ndarray, compliances: np.ndarray, start: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return sqrt(P) and C sqrt(P) of one test (k,), weighed by sqrt(P), each less what its constant k explains."""
+def _line(loads: np.ndarray, compliances: np.ndarray, start: float) -> Series:
+    """Return C P = C_f P + k sqrt(P) of one test, whose errors are those of the depth."""
     kept = loads >= start * loads.max()
-    root = np.sqrt(loads[kept])
-    constant = root / np.linalg.norm(root)
-    x, y = root * root, root * root * compliances[kept]
-    return x - constant * (constant @ x), y - constant * (constant @ y)
+    load = loads[kept]
+    return Series(load * compliances[kept], load, np.sqrt(load)[:, None])
+
+
+def _slope(line: Series) -> float:
+    """Return the coefficient of one test alone, by least squares."""
+    return float(np.linalg.lstsq(np.column_stack([line.common, line.own]), line.values, rcond=None)[0][0])
 
 
 def hodges_lehmann(values: np.ndarray) -> tuple[float, float, float]:
