@@ -9,6 +9,7 @@ from palpate.classical import (
     AreaFunction,
     corrected_stiffness,
     depth_while_growing,
+    fit_unloading,
     fit_viscoelastic,
     oliver_pharr,
     ting,
@@ -127,6 +128,34 @@ def test_an_elastic_tip_makes_the_sample_stiffer_than_its_contact():
     rigid, diamond = (oliver_pharr(load, depth, 0.2, indenter=tip) for tip in (None, (1141.0, 0.07)))
     assert 1 / diamond.reduced_modulus == pytest.approx((1 - 0.04) / diamond.modulus + (1 - 0.0049) / 1141.0)
     assert diamond.modulus > rigid.modulus
+
+
+def unloaded(modulus):
+    """A cone's elastic recovery on a rigid tip, from a depth that a first loading left."""
+    load = np.concatenate([np.linspace(0.1, 5, 50), np.linspace(5, 0, 51)[1:]])
+    recovered = 1e3 * math.sqrt(math.pi / 24.5 * 5.0 / modulus)
+    return load, 2000 - recovered * (1.0 - np.sqrt(load / 5.0))
+
+
+@pytest.mark.parametrize("begin", [0.0, -1995.0], ids=["all depths negative", "more recovered than there was"])
+def test_an_unloading_that_cannot_be_one_is_told(begin):
+    load, depth = unloaded(70.0)
+    frame = 0.0 if begin else 2000.0
+    with pytest.raises(InputError, match="cannot recover"):
+        fit_unloading(load, depth + begin - frame * load)
+
+
+def test_a_contact_stiffer_than_its_tip_is_told():
+    load, depth = unloaded(1e7)
+    assert oliver_pharr(load, depth, 0.3, indenter=None).reduced_modulus > 1141.0 / (1 - 0.07**2)
+    with pytest.raises(InputError, match="which the tip allows on no sample"):
+        oliver_pharr(load, depth, 0.3)
+
+
+def test_a_contact_above_the_surface_is_told():
+    load, depth = unloaded(70.0)
+    with pytest.raises(InputError, match="contact depth is -"):
+        oliver_pharr(load, depth - 1970.0, 0.3)
 
 
 def test_area_function_is_recovered_with_any_number_of_terms():

@@ -21,6 +21,7 @@ from palpate.errors import InputError
 EPSILON = 0.75
 BETA = 1.034
 DIAMOND = (1141.0, 0.07)
+LOWEST, HIGHEST = (-10.0, 1e-9, 1.0), (2.0, 20.0, 8.0)  # of h_f and the recovery, in largest depths, and of m
 
 
 @dataclass(frozen=True)
@@ -83,18 +84,34 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lowe
 
     The fit is to the depth, h = h_f + (P / B)^(1/m), with loads and depths scaled by their largest values. With a nose
     the law cannot hold, and the exponent ends on its upper bound; the stiffness is then that of the best such curve.
+
+    Raises
+    ------
+    InputError
+        When fewer than four points lie between the fractions, no depth is positive, or unloading recovers several times
+        the largest depth: a larger frame was taken off than there is, or the depth does not begin at contact.
     """
     part, at = unloading_part(load, depth, upper, lower)
     scale_p, scale_h = load.max(), float(at.max())
+    slope = float(np.polyfit(part / scale_p, at, 1)[0])
+    if scale_h <= 0.0 or scale_h - 1.4 * slope < LOWEST[0] * scale_h:
+        raise InputError(
+            f"unloading from {scale_h:.4g} nm cannot recover {slope:.4g} nm",
+            remedy="let the depth begin at contact, and take off no more than the frame's part of it",
+            place="depth_nm",
+        )
     p, h = part / scale_p, at / scale_h
 
     def predicted(x: np.ndarray) -> np.ndarray:
         return x[0] + x[1] * p ** (1.0 / x[2])
 
-    slope = np.polyfit(p, h, 1)[0]
-    start = [h.max() - 1.4 * max(slope, 1e-3), 1.4 * max(slope, 1e-3), 1.4]
+    rise = 1.4 * max(slope / scale_h, 1e-3)
     found = least_squares(
-        lambda x: predicted(x) - h, start, bounds=([-10, 1e-9, 1.0], [2, 20, 8.0]), x_scale=[0.1, 0.1, 1], xtol=1e-12
+        lambda x: predicted(x) - h,
+        [1.0 - rise, rise, 1.4],
+        bounds=(LOWEST, HIGHEST),
+        x_scale=[0.1, 0.1, 1],
+        xtol=1e-12,
     ).x
     final, rise, exponent = found[0] * scale_h, found[1] * scale_h, found[2]
     return Unloading(float(scale_p / rise**exponent), float(final), float(exponent), float(exponent * scale_p / rise))
@@ -130,14 +147,32 @@ def oliver_pharr(
         dh/dt at the end of the hold [nm/s] and |dP/dt| of unloading [mN/s], to correct the stiffness.
     window
         Upper and lower fraction of the largest load between which unloading is fitted.
+
+    Raises
+    ------
+    InputError
+        When unloading cannot be fitted (`fit_unloading`), the contact depth is not positive, or the contact is as stiff
+        as the tip allows even on a rigid sample, 1/E_r <= (1 - nu_i^2)/E_i: there is no such modulus.
     """
     unloading = fit_unloading(load, depth, *window)
     stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
     last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
     contact_depth = float(depth[last] - epsilon * load.max() / stiffness)
+    if not contact_depth > 0.0:
+        raise InputError(
+            f"the contact depth is {contact_depth:.4g} nm",
+            remedy="let the depth begin at contact, and take off no more than the frame's part of it",
+            place="depth_nm",
+        )
     contact_area = float((area or AreaFunction()).area(np.array(contact_depth)))
     reduced = 1e6 * np.sqrt(np.pi) * stiffness / (2 * beta * np.sqrt(contact_area))
     tip = 0.0 if indenter is None else (1 - indenter[1] ** 2) / indenter[0]
+    if not 1 / reduced > tip:
+        raise InputError(
+            f"the reduced modulus is {reduced:.4g} GPa, which the tip allows on no sample",
+            remedy="check the area function, the tip's modulus and what was taken off for the frame",
+            place="indenter",
+        )
     return OliverPharr(
         stiffness,
         contact_depth,
