@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
+from palpate import steps
 from palpate.errors import InputError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
 
@@ -155,3 +157,21 @@ CHECKS = estimator_checks_generator(
 @pytest.mark.parametrize(("estimator", "check"), list(CHECKS))
 def test_scikit_learn_contract(estimator, check):
     check(estimator)
+
+
+def test_points_of_no_depth_do_not_count_in_the_relative_error(monkeypatch):
+    """An elastic body's depth is back at zero in the end, to rounding."""
+    modulus = np.geomspace(2.0, 8.0, 7)[:, None]
+    curves = 500.0 * np.sqrt(np.append(np.linspace(0.1, 1.0, 10), 0.0) / modulus)
+    curves[:, -1] = -4e-14
+    monkeypatch.setattr(steps.snapshots, "matrix", lambda files, levels: (modulus, curves, []))
+    model, _, _, summary = steps.fit_surrogate(SimpleNamespace(levels={}, surrogate={}), [])
+    relative = (model.loo_error_ / curves)[:, :-1]
+    assert summary["loo_relative_percent"] == pytest.approx(100 * np.sqrt(np.mean(relative**2, axis=0)).mean())
+
+
+def test_the_relative_error_of_a_case_done_by_hand():
+    curves = np.array([[100.0, 200.0, 0.0], [50.0, 400.0, 3.0]])
+    error = np.array([[1.0, 4.0, 9.0], [1.0, 4.0, 9.0]])
+    by_point = np.sqrt([(0.01**2 + 0.02**2) / 2, (0.02**2 + 0.01**2) / 2])
+    assert steps.relative_percent(error, curves) == pytest.approx(100 * by_point.mean())

@@ -31,7 +31,6 @@ def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np
     """
     parameters, curves, failures = snapshots.matrix(files, study.levels)
     model = PODRBF(**study.surrogate).fit(parameters, curves)
-    relative = np.sqrt(np.mean((model.loo_error_ / curves) ** 2, axis=0))
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
@@ -41,12 +40,29 @@ def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np
         "condition_number": float(model.condition_number_),
         "loo_rmse_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
         "loo_largest_point_rms_nm": float(model.loo_rms_.max()),
-        "loo_relative_percent": float(100 * relative.mean()),
+        "loo_relative_percent": relative_percent(model.loo_error_, curves),
         "loo_rms_nm": model.loo_rms_.tolist(),
         "spectrum": np.diff(model.energy_, prepend=0.0).tolist(),
         "failures": failures,
     }
     return model, parameters, curves, summary
+
+
+def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
+    """Return the root mean square over the snapshots of error / depth, in the mean along the curve, in per cent.
+
+    As in `palpate.calibration.measures.error_measures`, depths below 1 % of their curve's largest are left out: what is
+    left of a recovered body's depth is rounding.
+
+    Parameters
+    ----------
+    error, curves : ndarray, shape (n_snapshots, n_points)
+        [nm]
+    """
+    deep = curves > 0.01 * curves.max(axis=1, keepdims=True)
+    told = deep.any(axis=0)
+    squares = np.divide(error, curves, out=np.zeros_like(curves), where=deep)[:, told] ** 2
+    return float(100 * np.sqrt(squares.sum(axis=0) / deep[:, told].sum(axis=0)).mean())
 
 
 def settings_of(study: Study) -> CalibrationSettings:
