@@ -117,6 +117,12 @@ def test_additive_response_is_partitioned_exactly():
     assert analysis.means["E"] == pytest.approx(7 + effects[0])
 
 
+def test_a_response_that_nothing_changes_is_told():
+    design = OrthogonalArray.of("L16", "EYh")
+    with pytest.raises(InputError, match="is 7 in all runs"):
+        anova(design, np.full(16, 7.0))
+
+
 def test_one_factor_agrees_with_scipy():
     levels = np.repeat([0, 1, 2], 9)[:, None]
     response = np.random.default_rng(3).standard_normal(27) + levels[:, 0]

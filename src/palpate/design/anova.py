@@ -82,12 +82,19 @@ def anova(design: OrthogonalArray, response: np.ndarray) -> Anova:
     Raises
     ------
     InputError
-        When response and design differ in length, or the factors leave no degree of freedom for the error.
+        When response and design differ in length, the response is the same in all runs, or the factors leave no degree
+        of freedom for the error.
     """
     response = np.asarray(response, dtype=float)
     runs = len(design.levels)
     if response.shape != (runs,) or not np.all(np.isfinite(response)):
         raise InputError(f"the response has shape {response.shape}, expected ({runs},)", remedy="give one each run")
+    if np.ptp(response) == 0.0:
+        raise InputError(
+            f"the response is {response[0]:g} in all runs",
+            remedy="analyse one that the factors change",
+            place="response",
+        )
     mean = response.mean()
     total = float(np.sum((response - mean) ** 2))
     means, squares, freedoms = {}, {}, {}
