@@ -207,6 +207,15 @@ def test_error_measures_on_a_case_done_by_hand():
     assert relative(measured[1:], simulated[1:]) == pytest.approx(np.sqrt((0.1**2 + 0.05**2) / 2))
 
 
+@pytest.mark.parametrize("role", ["calibrate", "validate"])
+@pytest.mark.parametrize("depth", [0.0, 300.0, -300.0 * T], ids=["none", "constant", "negative"])
+def test_a_depth_that_no_indentation_has_is_told(depth, role):
+    data = observed(np.random.default_rng(3))
+    data["fast"] = Observation(T, np.full((2, len(T)), depth), role)
+    with pytest.raises(InputError, match="which is no indentation"):
+        calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK)
+
+
 def test_recordings_are_resampled_on_the_sample_times():
     fine = np.linspace(0.0, 1.0, 501)
     seen = Observation.from_recordings(T, [Recording(fine, 2 * fine, 300 * fine)] * 2)

@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from palpate.calibration.confirm import Confirm, confirm_and_correct
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
-from palpate.calibration.measures import OBJECTIVES, check_measurable
+from palpate.calibration.measures import OBJECTIVES, check_indents, check_measurable
 from palpate.calibration.noise import complete_noise, model_covariance
 from palpate.calibration.observation import Observation
 from palpate.calibration.polish import Predictor, WeightedFit
@@ -100,13 +100,16 @@ def calibrate(
     ------
     InputError
         When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
-        parameters, or the relative objective meets a depth that is not positive.
+        parameters, a mean depth is constant or nowhere positive, or the relative objective meets a depth that is not
+        positive.
     """
     settings = settings or CalibrationSettings()
     space = Space(bounds)
     fitted = {name: item for name, item in observations.items() if item.role == "calibrate"}
     measured = {name: item.mean for name, item in fitted.items()}
     check_consistent(space, surrogates, measured, settings.objective)
+    for name, item in observations.items():
+        check_indents(name, item.mean)
 
     evolution = evolve(objectives(space, surrogates, measured, settings), space.dimensions, settings.genetic, rng)
     starts = starting_points(evolution)

@@ -31,8 +31,18 @@ def check_measurable(name: str, measured: np.ndarray, objective: str) -> None:
         )
 
 
+def check_indents(name: str, measured: np.ndarray) -> None:
+    """Raise `InputError` where the depth never changes or is nowhere positive: nothing is measured against it."""
+    if np.ptp(measured) == 0.0 or measured.max() <= 0.0:
+        raise InputError(
+            f"the mean depth of {name} is {measured.min():g} to {measured.max():g} nm, which is no indentation",
+            remedy="check the column depth_nm of its recordings, and its sign",
+            place=name,
+        )
+
+
 def error_measures(measured: np.ndarray, simulated: np.ndarray) -> dict[str, float]:
-    """Error table of the thesis' chapter 5 for one curve.
+    """Error table of the thesis' chapter 5 for one curve, which passes `check_indents`.
 
     Returns
     -------
