@@ -151,6 +151,7 @@ def test_a_lag_delays_the_curve():
             "no derivative by the thickness",
         ),
         ({"controller_lag": {"lag": 5.0}}, "controller_lag.lag", "meets a sampling time"),
+        ({"controller_lag": {"lag": 0.0}}, "controller_lag.lag", "without a lag"),
     ],
 )
 def test_what_has_no_derivative_is_refused(changes, name, message):

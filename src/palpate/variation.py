@@ -22,6 +22,7 @@ from palpate.parameters import Parameter
 from palpate.specification import Specification
 
 STEP = 1e-6
+SMALL = 1e-3  # below this a value counts as that much; a time of zero as the test
 
 
 def acting(specification: Specification) -> Specification:
@@ -70,7 +71,8 @@ class Variation:
             When the specification has no such parameter.
         """
         parameter, value = _find(specification, name)
-        reach = STEP * max(abs(value), 1e-3)
+        without = specification.protocol.knot_time[-1] if parameter.unit == "s" and value == 0.0 else SMALL
+        reach = STEP * max(abs(value), without)
         low, high = max(value - reach, parameter.lower), min(value + reach, parameter.upper)
         return cls(_with(specification, name, low), _with(specification, name, high), high - low)
 

@@ -57,7 +57,8 @@ class Clock:
     def __post_init__(self) -> None:
         if any(len(ends) != len(self.ends) for pair in self.moved for ends in pair):
             raise InputError(
-                "the depth has no derivative where a corner of the moving load history meets a sampling time",
+                "the depth has no derivative where a corner of the moving load history meets a sampling time, "
+                "as all do without a lag",
                 remedy="change the lag a little",
                 place="parameters",
             )
