@@ -59,7 +59,7 @@ def fit_viscoelastic(
     if model not in MODELS:
         raise InputError(f"model {model!r} is not known", remedy=f"use one of: {', '.join(MODELS)}", place="model")
     names = MODELS[model].names
-    bounds = np.log([LIMITS[name.rstrip("_2")] for name in names]).T
+    bounds = np.log([LIMITS[name.removesuffix("_2")] for name in names]).T
     growing = protocol.sample_time <= protocol.knot_time[np.flatnonzero(protocol.knot_load == protocol.max_load)[-1]]
     fitted = np.ones(len(depth), dtype=bool) if unloading else growing
 
@@ -81,7 +81,7 @@ def fit_viscoelastic(
             "retardation_time": share * duration,
             "retardation_time_2": 0.1 * share * duration,
         }
-        start = np.log([begin.get(name, begin[name.rstrip("_2")]) for name in names])
+        start = np.log([begin.get(name, begin[name.removesuffix("_2")]) for name in names])
         start = np.clip(start, bounds[0] + 1e-6, bounds[1] - 1e-6)
         attempts.append(least_squares(lambda x: (curve(x) - depth)[fitted], start, bounds=bounds, max_nfev=200))
     best = min(attempts, key=lambda attempt: attempt.cost)
