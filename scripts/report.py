@@ -12,4 +12,5 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    job.run(main, snakemake)  # noqa: F821
+    with job.logged(snakemake.log[0]):  # noqa: F821
+        main(snakemake)  # noqa: F821

@@ -11,7 +11,7 @@ SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "kernel_cache"},
     {"__init__"},
-    {"parameters", "yaml_file", "schema", "output"},
+    {"parameters", "yaml_file", "schema", "output", "job"},
     {"protocol", "recording", "indenters", "contact_point", "sharp_origin"},
     {"segments", "alignment", "load_history", "correlated"},
     {"drift_rate"},

@@ -5,32 +5,26 @@ from __future__ import annotations
 import sys
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from palpate.errors import PalpateError
 
 
-def run(main: Callable[[Any], None], snakemake: Any) -> None:
-    """Do a job with an empty log, and write to its end how long it took or why it failed.
-
-    Parameters
-    ----------
-    main
-        What the job does, of `snakemake`.
-    snakemake
-        What Snakemake hands to a script: files, parameters, wildcards.
+@contextmanager
+def logged(path: str | Path) -> Iterator[None]:
+    """Do a job with an empty log at `path`, and write to its end how long it took or why it failed.
 
     Raises
     ------
     SystemExit
         With one line, when palpate refuses or cannot go on; anything else is raised as it is.
     """
-    began, log = time.perf_counter(), Path(snakemake.log[0])
+    began, log = time.perf_counter(), Path(path)
     log.write_text("", encoding="utf-8")
     try:
-        main(snakemake)
+        yield
     except PalpateError as error:
         _note(log, f"palpate: {error}")
         sys.exit(f"palpate: {error}")
