@@ -6,7 +6,9 @@ import os
 
 import mlflow
 import numpy as np
+import pytest
 
+from palpate.errors import PalpateError
 from palpate.surrogate import PODRBF
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
@@ -23,6 +25,17 @@ def log(folder, number):
         tracking.log_surrogate(model, X, Y, {"loo_rmse_nm": 1.0})
     with tracking.nested_run("s", f"search {number}", "fit", folder / "study.yaml", {}):
         tracking.log_fit({"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]})
+
+
+def test_a_series_opens_no_run_of_its_own(tmp_path, monkeypatch):
+    from palpate import tracking
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
+    tracking.connect("s")
+    with pytest.raises(PalpateError, match="no run is open to log best to"):
+        tracking.log_series("best", [3.0, 2.0], [0, 1])
+    assert mlflow.active_run() is None
 
 
 def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):

@@ -20,6 +20,8 @@ from filelock import FileLock
 from mlflow.entities import Metric
 from mlflow.models import infer_signature
 
+from palpate.errors import PalpateError
+
 STORE = "sqlite:///results/mlflow.db"
 EXECUTION = "PALPATE_EXECUTION"
 LOCK = Path("results/.mlflow.lock")
@@ -83,8 +85,10 @@ def nested_run(study: str, name: str, kind: str, configuration: Path, tags: Mapp
 
 
 def log_series(key: str, values: Iterable[float], steps: Iterable[int]) -> None:
-    """Log a metric with many steps to the open run in one go."""
-    run = mlflow.active_run() or mlflow.start_run()
+    """Log a metric with many steps to the open run in one go; raises `PalpateError` where none is open."""
+    run = mlflow.active_run()
+    if run is None:
+        raise PalpateError(f"no run is open to log {key} to: call this within nested_run")
     now = int(time.time() * 1000)
     metrics = [Metric(key, float(value), now, int(step)) for value, step in zip(values, steps, strict=True)]
     for first in range(0, len(metrics), 1000):
