@@ -85,6 +85,7 @@ rule thesis_study:
     params:
         code=lambda wildcards: CALIBRATION_CODE
         + SURROGATE_CODE
+        + LABORATORY_CODE
         + fingerprint("design", "classical", *SHARED, f"thesis/{wildcards.key}.py"),
     script:
         "../../scripts/thesis_study.py"
