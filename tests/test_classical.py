@@ -19,7 +19,7 @@ from palpate.classical.viscoelastic import Compliance, hereditary
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.model import simulate, specification_from
-from palpate.protocol import trapezoid
+from palpate.protocol import Protocol, trapezoid
 
 CONE = Indenter("cone", half_angle=70.3)
 SPHERE = Indenter("sphere", radius=1000.0)
@@ -70,6 +70,20 @@ def test_ting_converges_with_the_grid():
     coarse, middle, fine = (ting.depth(compliance, CONE, protocol, steps) for steps in (200, 400, 1600))
     assert np.abs(middle - fine).max() < 0.6 * np.abs(coarse - fine).max()
     assert np.abs(middle - fine).max() < 0.005 * fine.max()
+
+
+def test_ting_knows_no_reloading():
+    once, twice = (
+        Protocol(np.arange(5.0), np.array([0.0, 1.0, 1.0, again, 0.0]), np.linspace(0.1, 4.0, 40))
+        for again in (0.5, 1.2)
+    )
+    assert np.all(np.isfinite(ting.depth(Compliance.of(BURGERS, 0.3), CONE, once, steps=50)))
+    assert np.all(np.isfinite(ting.depth(Compliance.of(BURGERS, 0.3), CONE, twice, steps=50))), (
+        "a second step of loading"
+    )
+    cycles = Protocol(np.arange(5.0), np.array([0.0, 1.0, 0.4, 0.8, 0.0]), np.linspace(0.1, 4.0, 40))
+    with pytest.raises(InputError, match="rises again at 2 s"):
+        ting.depth(Compliance.of(BURGERS, 0.3), CONE, cycles)
 
 
 def test_ting_agrees_with_finite_elements_in_unloading():

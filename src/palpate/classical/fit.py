@@ -54,7 +54,7 @@ def fit_viscoelastic(
     Raises
     ------
     InputError
-        On a model that is not known.
+        On a model that is not known, or when a whole curve is to be fitted whose load rises again after it has fallen.
     """
     if model not in MODELS:
         raise InputError(f"model {model!r} is not known", remedy=f"use one of: {', '.join(MODELS)}", place="model")

@@ -52,7 +52,8 @@ class Reference:
 def frame_of_reference(tests: Sequence[tuple[np.ndarray, np.ndarray]], reference: Reference) -> FrameCompliance:
     """Return the frame's compliance from the unloading of each test from its largest load.
 
-    The interval holds the scatter between tests, and 1.96 times what the reference is uncertain by.
+    The interval holds the scatter between tests, and 1.96 times what the reference is uncertain by. One test alone
+    shows no scatter: the reference's uncertainty must then be large enough to hold it.
 
     Parameters
     ----------

@@ -6,8 +6,9 @@ and with the relaxation function psi, int psi(t - t') dM(t') = 1,
     P(t) = int_0^{t_1} psi(t - t') dA(t')       gives t_1 from the load,
     0    = int_{t_1}^{t} psi(t - t') dh(t')     gives the depth
 
-(Ting 1966, J. Appl. Mech. 33, 845; 1968, J. Appl. Mech. 35, 248). Both integrals are taken on an even grid, psi at the
-middle of its intervals, found from M on the same grid.
+as long as the load does not rise again, because the contact then grows anew (Ting 1966, J. Appl. Mech. 33, 845; 1968,
+J. Appl. Mech. 35, 248). Both integrals are taken on an even grid, psi at the middle of its intervals, found from M on
+the same grid.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from scipy.linalg import solve_toeplitz
 
 from palpate.classical.viscoelastic import Compliance, depth_of, hereditary
+from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.protocol import Protocol
 
@@ -36,7 +38,21 @@ def relaxation(compliance: Compliance, step: float, count: int) -> np.ndarray:
 
 
 def depth(compliance: Compliance, indenter: Indenter, protocol: Protocol, steps: int = STEPS) -> np.ndarray:
-    """Return the depth [nm] at the sampling times, unloading included."""
+    """Return the depth [nm] at the sampling times, unloading included.
+
+    Raises
+    ------
+    InputError
+        When the load rises again after it has fallen.
+    """
+    change = np.diff(protocol.knot_load)
+    again = np.maximum.accumulate(change < 0.0) & (change > 0.0)
+    if again.any():
+        raise InputError(
+            f"the load rises again at {protocol.knot_time[np.argmax(again)]:g} s, where the closed form does not hold",
+            remedy="use one loading and one unloading, with holds between",
+            place="loads",
+        )
     time = np.linspace(0.0, protocol.sample_time[-1], steps + 1)
     step = time[1]
     square = hereditary(compliance, protocol, time)
