@@ -13,6 +13,7 @@ rule calibration:
         figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
     log:
         f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
+    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     resources:
@@ -35,6 +36,7 @@ rule main_calibration:
         f"{FOLDER}/{{recordings}}/calibration.json",
     log:
         f"{FOLDER}/logs/main_calibration_{{recordings}}.log",
+    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     shell:

@@ -53,6 +53,7 @@ BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
+FIT_FIRST = 1  # priority of what leads to a fit, so that it comes before the simulations of what the diagnosis learns
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")

@@ -8,6 +8,7 @@ for number, batch in enumerate(BATCHES):
             batch.files,
         log:
             f"{FOLDER}/logs/snapshots/{batch.name}.log",
+        priority: FIT_FIRST
         conda:
             "../../envs/palpate.yaml"
         params:

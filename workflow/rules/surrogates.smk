@@ -15,6 +15,7 @@ rule tracking_store:
         touch(f"{FOLDER}/.tracking"),
     log:
         f"{FOLDER}/logs/tracking_store.log",
+    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -32,6 +33,7 @@ rule surrogate:
         summary=f"{FOLDER}/surrogates/{{condition}}.json",
     log:
         f"{FOLDER}/logs/surrogate_{{condition}}.log",
+    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     resources:
