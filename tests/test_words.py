@@ -72,3 +72,16 @@ def test_no_effect_is_named_without_need(verdict, words):
     said = sentence(content(verdict))
     assert words in said
     assert "hermal" not in said
+
+
+def test_only_what_stands_far_from_zero_is_suspected():
+    def beside(half):
+        entry = {"estimate": 0.11, "lower": 0.11 - half, "upper": 0.11 + half}
+        return sentence(content("identified", DRIFT) | {"may_hide": {"frame_compliance.compliance": entry}})
+
+    assert "Suspected, but not needed" not in beside(0.1)
+    assert "frame compliance, 0.11 nm/mN (0.06 to 0.16)" in beside(0.05)
+
+
+def test_an_error_that_rises_is_told():
+    assert "rises from 5.2 to 6.2 nm" in sentence(content("identified", DRIFT, held_out=(5.2, 6.2)))

@@ -11,7 +11,7 @@ import itertools
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import f as variance_ratio
 
 from palpate.diagnosis.fit import Fit
 from palpate.protocol import Protocol
@@ -27,9 +27,12 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
     -------
     list
         For each pair `conditions`, `difference_percent` (mean of h_2 / sqrt(k) over h_1, less one) and `p_value` of a
-        chi-square test with the difference's mean and slow trends; noise and site scatter count, the model does not.
+        test with the difference's mean and slow trends; noise and site scatter count, the model does not. Fisher's
+        distribution allows for how few replicates tell the scatter between sites.
     """
     problem = fit.problem
+    repeats = sum(len(problem.observed[c.name].depth) - 1 for c in problem.conditions)
+    freedom = repeats if problem.replicated else np.inf
     blocks = fit.errors.blocks(fit.errors.noise)
     found = []
     for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):
@@ -48,7 +51,7 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
             {
                 "conditions": [one.name, two.name],
                 "difference_percent": float(100 * np.mean(difference[deep] / first[deep])),
-                "p_value": float(chi2.sf(statistic, DEGREE + 1)),
+                "p_value": float(variance_ratio.sf(statistic / (DEGREE + 1), DEGREE + 1, freedom)),
             }
         )
     return sorted(found, key=lambda row: row["p_value"])

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from scipy.stats import norm
+
 from palpate.mechanisms import MECHANISMS
+
+RISEN = 1.05  # ratio of errors from which one says that they rise
 
 
 def sentence(content: Mapping[str, Any]) -> str:
@@ -62,11 +66,12 @@ def _in_all(content: Mapping[str, Any]) -> str:
 
 
 def _suspected(content: Mapping[str, Any]) -> str:
-    """Say which effects are not needed, yet would differ from zero if they joined."""
+    """Say which effects are not needed, yet would differ from zero if they joined, at a family-wise 1 %."""
     said = []
+    least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
     for name, entry in content["may_hide"].items():
         mechanism = MECHANISMS[name.split(".")[0]]
-        if entry["lower"] * entry["upper"] > 0.0:
+        if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
             interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
             said.append(f"{mechanism.title}, {rounded(entry['estimate'], 2)} {mechanism.parameters[0].unit} {interval}")
     return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
@@ -88,8 +93,10 @@ def _gain(content: Mapping[str, Any]) -> str:
     fit = content["fit"]
     role, words = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
     before, after = fit[role]["before_rmse_nm"], fit[role]["after_rmse_nm"]
-    fall = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
-    return f"the {words} error {fall}, where noise and scatter alone make {fit['noise_nm']:.1f} nm"
+    change = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
+    if after > RISEN * before:
+        change = f"rises from {before:.1f} to {after:.1f} nm"
+    return f"the {words} error {change}, where noise and scatter alone make {fit['noise_nm']:.1f} nm"
 
 
 def _bias(content: Mapping[str, Any]) -> str:
