@@ -1,6 +1,7 @@
 """The plan of the house: imports point one way, and the workflow stays outside."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,24 @@ def test_addresses_of_snapshots_know_all_code_that_decides_a_curve():
             pending += [found.split(".")[1] for file in files for found in imports(file) if "palpate." in found]
     known = {part.removesuffix(".py") for part in PHYSICS}
     assert seen - known == {"errors", "discovery", "parameters", "load_history"}
+
+
+def rules(file):
+    """Return the text of each rule of a file of the workflow."""
+    text = (SOURCE.parent.parent / "workflow/rules" / file).read_text()
+    return re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]
+
+
+def test_what_leads_to_a_fit_comes_before_what_the_diagnosis_learns():
+    first = [rules("snapshots.smk")[0]]
+    first += [rule for name in ("recordings", "surrogates", "calibration") for rule in rules(f"{name}.smk")]
+    assert len(first) == 7
+    assert all("priority: FIT_FIRST" in rule for rule in first)
+    assert not any("priority" in rule for rule in rules("diagnosis.smk"))
+
+
+def test_studies_of_the_thesis_know_the_laboratory_that_they_use():
+    users = [f for f in (SOURCE / "thesis").glob("*.py") if "palpate.laboratory" in set(imports(f))]
+    assert users
+    (study,) = (rule for rule in rules("thesis.smk") if rule.strip().startswith("thesis_study:"))
+    assert "LABORATORY_CODE" in study
