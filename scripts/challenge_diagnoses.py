@@ -10,7 +10,7 @@ from palpate.steps import write_json
 
 
 def main(snakemake):
-    study, names = load_study(snakemake.params.study), snakemake.params.conditions
+    study, names = load_study(snakemake.params.study, data=snakemake.params.data), snakemake.params.conditions
     base = dict(zip(names, snakemake.input.surrogates, strict=True))
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:

@@ -9,7 +9,7 @@ from palpate.config import load_study
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study)
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
     folders = [Path(folder) for folder in snakemake.output]
     names = {folder.name for folder in folders}
     write(study, [case for case in draw(study) if case.name in names], folders[0].parent)

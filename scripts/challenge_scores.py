@@ -11,7 +11,7 @@ from palpate.steps import write_json
 
 
 def main(snakemake):
-    study, names = load_study(snakemake.params.study), snakemake.params.conditions
+    study, names = load_study(snakemake.params.study, data=snakemake.params.data), snakemake.params.conditions
     base = dict(zip(names, snakemake.input.surrogates, strict=True))
     effects = dict(zip(names, snakemake.input.effects, strict=True))
     truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))

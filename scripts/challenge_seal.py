@@ -8,7 +8,7 @@ from palpate.config import load_study
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study)
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
     checksum = seal(draw(study), Path(snakemake.output.truth))
     Path(snakemake.output.checksum).write_text(f"{checksum}  sealed.json\n", encoding="utf-8")
     print(f"the truth is sealed; SHA-256 {checksum}")

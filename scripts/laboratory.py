@@ -7,7 +7,7 @@ from palpate.config import load_study
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study)
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
     laboratory.write(study, snakemake.params.laboratory, Path(snakemake.output[0]))
 
 

@@ -27,6 +27,7 @@ rule sealed_truth:
         "../../envs/palpate.yaml"
     params:
         study=STUDY_FILE,
+        data=DATA,
         settings=STUDY.challenge,
         code=TRIAL_CODE,
     script:
@@ -46,6 +47,7 @@ for group, folders in WRITTEN.items():
             "../../envs/palpate.yaml"
         params:
             study=STUDY_FILE,
+            data=DATA,
             settings=STUDY.challenge,
             code=TRIAL_CODE,
         message:
@@ -68,6 +70,7 @@ rule trial_diagnoses:
         "../../envs/palpate.yaml"
     params:
         study=STUDY_FILE,
+        data=DATA,
         conditions=CALIBRATED,
         settings=[STUDY.diagnosis, STUDY.calibration],
         code=DIAGNOSIS_CODE,
@@ -90,6 +93,7 @@ rule trial_scores:
         "../../envs/palpate.yaml"
     params:
         study=STUDY_FILE,
+        data=DATA,
         conditions=CALIBRATED,
         code=TRIAL_CODE + DIAGNOSIS_CODE,
     script:

@@ -13,6 +13,7 @@ for laboratory, settings in STUDY.laboratory.items():
             "../../envs/palpate.yaml"
         params:
             study=STUDY_FILE,
+            data=DATA,
             laboratory=laboratory,
             settings=settings,
             curves=curves(settings["parameters"], "fine"),
