@@ -84,13 +84,15 @@ def _candidates(content: Mapping[str, Any], axis) -> None:
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
     names = []
     for k, entry in enumerate(tried):
-        names.append(" + ".join(m.replace("_", " ") for m in entry["mechanisms"]) or "base model")
+        titles = [m.replace("_", " ") for m in entry["mechanisms"]]
+        lines = [" + ".join(titles[:2]) or "base model", *(f"+ {title}" for title in titles[2:])]
+        names.append("\n".join(lines))
         stands = entry["mechanisms"] in standing
         axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
         behind = f"{entry['log_evidence'] - tried[0]['log_evidence']:.1f}" if k else "best"
         axis.text(1.02, k, behind, transform=axis.get_yaxis_transform(), va="center", fontsize=6)
     axis.set_ylim(len(tried) - 0.4, -0.6)
-    axis.set_yticks(range(len(tried)), names, fontsize=6)
+    axis.set_yticks(range(len(tried)), names, fontsize=5.5, linespacing=0.9)
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     axis.set_xlabel("log evidence, base model: 0")
