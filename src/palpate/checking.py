@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from palpate.config import Study, load_study
-from palpate.diagnosis.design import candidates, pairs
+from palpate.diagnosis.design import PAIRS_FOR_EACH, candidates, pairs
 from palpate.errors import InputError
 from palpate.observations import check_given
 from palpate.steps import settings_of
-
-PAIRS_FOR_EACH = 3  # of the parameters of an effect, as `palpate.diagnosis.effects.fit_effects` asks
 
 
 def checked_study(path: str | Path, data: str | None = None) -> Study:

@@ -30,6 +30,7 @@ THINNING = 3
 SMALL_LOAD = 0.2
 QUARTERS = (0.25, 0.75)
 MESHES = 2
+PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
 MOST_COORDINATES = 3
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
 

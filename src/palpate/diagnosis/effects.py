@@ -15,7 +15,7 @@ import numpy as np
 
 from palpate import snapshots
 from palpate.config import Condition, Study
-from palpate.diagnosis.design import Pair, candidates, pairs, refinement, refinements, thinned
+from palpate.diagnosis.design import PAIRS_FOR_EACH, Pair, candidates, pairs, refinement, refinements, thinned
 from palpate.errors import PalpateError
 from palpate.mechanisms import Mechanism
 from palpate.surrogate import PODRBF
@@ -137,7 +137,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
         points = np.array([[*(p.cell[name] for name in study.free_parameters), *p.coordinates] for p in found])
         difference = np.array([rest(pair, mechanism) for pair in found])
         good = np.isfinite(difference).all(axis=1)
-        if good.sum() < max(3 * points.shape[1], len(good) // 2):
+        if good.sum() < max(PAIRS_FOR_EACH * points.shape[1], len(good) // 2):
             raise PalpateError(
                 f"{key} under {condition.name}: {good.sum()} of {len(good)} pairs succeeded, too few for "
                 f"{points.shape[1]} parameters"

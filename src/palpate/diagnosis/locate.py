@@ -10,6 +10,8 @@ from scipy.stats import false_discovery_control, norm
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.segments import segments
 
+CERTAIN = 0.05  # share of false discoveries below which a part stands out
+
 
 def location(fit: Fit) -> list[dict[str, Any]]:
     """Return the mean residual (recorded less simulated) of each part, the most certain first.

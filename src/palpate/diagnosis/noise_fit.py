@@ -61,6 +61,10 @@ class Replicates:
         """Return a covariance (n, n) in the basis (d, d), which is the identity where it has n rows."""
         return self.basis @ matrix @ self.basis.T if len(self.basis) < len(matrix) else matrix
 
+    def with_parts(self, points: np.ndarray, variances: Mapping[str, float]) -> np.ndarray:
+        """Return the covariance (d, d) in the basis: of the point noise and of the variance components."""
+        return points + sum(variances[name] * part for name, part in self.parts.items())
+
     def points(self, sigma: float, memory: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the point noise's covariance (d, d) in the basis, and its derivative by logit rho."""
         size = self.basis.shape[1]
@@ -131,7 +135,7 @@ def fit_noise(
         value, slope = 0.0, np.zeros(len(x))
         for k, r in enumerate(replicates):
             points, by_memory = r.points(sigma[k], memory[k])
-            factor = cho_factor(points + sum(variances[name] * part for name, part in r.parts.items()), lower=True)
+            factor = cho_factor(r.with_parts(points, variances), lower=True)
             inverse = cho_solve(factor, np.eye(len(factor[0])))
             solved = inverse @ r.contrasts.T
             rank = len(r.contrasts)
@@ -177,7 +181,7 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
     information = np.zeros((2 * count + len(names),) * 2)
     for k, r in enumerate(replicates):
         points, by_memory = r.points(sigma[k], memory[k])
-        inverse = np.linalg.inv(points + sum(variances[name] * part for name, part in r.parts.items()))
+        inverse = np.linalg.inv(r.with_parts(points, variances))
         solved = [inverse @ part for part in (2 * points, by_memory, *r.parts.values())]
         places = [k, count + k, *range(2 * count, 2 * count + len(names))]
         for a, i in enumerate(places):

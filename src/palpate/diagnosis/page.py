@@ -9,10 +9,10 @@ from typing import Any
 import pandas as pd
 
 from palpate import report
+from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter
 
-CERTAIN = 0.05  # share of false discoveries that is borne, see `palpate.diagnosis.locate`
 MOST_PARTS = 12
 
 

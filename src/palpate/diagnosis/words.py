@@ -7,6 +7,7 @@ from typing import Any
 
 from scipy.stats import norm
 
+from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 
 RISEN = 1.05  # ratio of errors from which one says that they rise
@@ -79,7 +80,7 @@ def _suspected(content: Mapping[str, Any]) -> str:
 
 def _where(content: Mapping[str, Any]) -> str:
     """Say where the misfit is clearest."""
-    found = [row for row in content["location"] if row["q_value"] < 0.05]
+    found = [row for row in content["location"] if row["q_value"] < CERTAIN]
     if not found:
         return ""
     row = found[0]
