@@ -70,6 +70,17 @@ class Errors:
         """The errors, were the surrogates exact."""
         return replace(self, model=self.model - self.surrogate, surrogate=0.0 * self.surrogate)
 
+    def slopes(self, weights: np.ndarray) -> np.ndarray:
+        """Return the derivative of ``covariance @ weights`` by each estimate of the noise (n_all, p)."""
+        rows = np.split(weights, np.cumsum([len(next(iter(parts.values()))) for parts in self.components])[:-1])
+        found = []
+        for k, (parts, n, row) in enumerate(zip(self.components, self.counts, rows, strict=True)):
+            of_condition = np.zeros((len(row), len(self.noise.covariance)))
+            for place, slope in self.noise.slopes(k, parts).items():
+                of_condition[:, place] = slope @ row / n
+            found.append(of_condition)
+        return np.vstack(found)
+
     def blocks(self, noise: NoiseModel) -> list[np.ndarray]:
         """Return the noise of the mean of each condition's recordings."""
         return [

@@ -1,10 +1,11 @@
 """What may still hide behind an explanation that stands: amplitudes of effects on the recorded depth.
 
 By generalised least squares together with the parameters of the explanation, to first order about the best point; where
-an exact law speaks of the effect, with that law. `may_hide` lets each effect that is not named join alone. A wide
-interval says that these recordings neither show the effect nor rule it out. `open_amplitudes` lets all effects of the
-list act at once, named or not: an amplitude that then may be anything is not known from these recordings, however
-narrow its interval under one explanation, and what it trades with says why.
+an exact law speaks of the effect, with that law. Intervals allow for a noise that is estimated (`estimated_noise`).
+`may_hide` lets each effect that is not named join alone. A wide interval says that these recordings neither show the
+effect nor rule it out. `open_amplitudes` lets all effects of the list act at once, named or not: an amplitude that then
+may be anything is not known from these recordings, however narrow its interval under one explanation, and what it
+trades with says why.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.stats import t as student
 
 from palpate.diagnosis.design import mechanism_dimensions
+from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
-from palpate.diagnosis.law import NORMAL_95
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import unchanged_specification
 
@@ -48,12 +50,31 @@ class Extra:
     variance: float
 
 
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """All coordinates when effects join: those of the explanation, then the coefficients of the effects.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n_all, k)
+        What one unit of each adds to the depth [nm].
+    change : ndarray, shape (k,)
+        From the best point.
+    covariance : ndarray, shape (k, k)
+        Were the noise known.
+    """
+
+    design: np.ndarray
+    change: np.ndarray
+    covariance: np.ndarray
+
+
 def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
     found = {}
     for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
-        change, covariance = _joined(fit, [Extra(key, _unit_column(fit, key), np.inf)])
-        found[_named(key)] = _interval(float(change[-1]), float(covariance[-1, -1]))
+        joined = _joined(fit, [Extra(key, _unit_column(fit, key), np.inf)])
+        found[_named(key)] = _interval(fit, joined, len(fit.z))
     return found
 
 
@@ -65,18 +86,18 @@ def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
     """
     keys = list(keys)
     extras = [_extra(fit, key) for key in keys if key not in fit.explanation]
-    change, covariance = _joined(fit, extras)
+    joined = _joined(fit, extras)
     names = _coordinates(fit) + [extra.key for extra in extras]
-    deviation = np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.diag(joined.covariance))
     found: dict[str, dict[str, Any]] = {}
     for key in filter(_only_adds, keys):
         place = names.index(key)
         value, slope = _amplitude(fit, key, place) if key in fit.explanation else (0.0, 1.0)
-        correlation = covariance[place] / (deviation * deviation[place])
+        correlation = joined.covariance[place] / (deviation * deviation[place])
         correlation[place] = 0.0
         other = int(np.argmax(np.abs(correlation)))
         found[_named(key)] = {
-            **_interval(value + slope * float(change[place]), (slope * float(deviation[place])) ** 2),
+            **_interval(fit, joined, place, value, slope),
             "trades_with": names[other],
             "correlation": float(np.sign(slope) * correlation[other]),
         }
@@ -103,15 +124,13 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
     return said
 
 
-def _joined(fit: Fit, extras: list[Extra]) -> tuple[np.ndarray, np.ndarray]:
-    """Return how all coordinates change from the best point when effects join, and their covariance.
-
-    The coordinates are those of the explanation, then the coefficients of the effects.
-    """
+def _joined(fit: Fit, extras: list[Extra]) -> Joined:
+    """Return how all coordinates change from the best point when effects join."""
     own = len(fit.z)
-    design = fit.whiten(np.column_stack([fit.tangent, *(extra.column for extra in extras)]))
+    design = np.column_stack([fit.tangent, *(extra.column for extra in extras)])
+    white = fit.whiten(design)
     prior = np.append(np.full(own, 1.0 / PRIOR_VARIANCE), [1.0 / extra.variance for extra in extras])
-    precision, pull = design.T @ design + np.diag(prior), design.T @ fit.white
+    precision, pull = white.T @ white + np.diag(prior), white.T @ fit.white
     precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
     pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
     for place, extra in enumerate(extras, own):
@@ -119,7 +138,7 @@ def _joined(fit: Fit, extras: list[Extra]) -> tuple[np.ndarray, np.ndarray]:
             precision[place, place] += law.weight(0.0) ** 2
             pull[place] -= law.weight(0.0) * law.departure(0.0)
     covariance = np.linalg.inv(precision)
-    return covariance @ pull, covariance
+    return Joined(design, covariance @ pull, covariance)
 
 
 def _extra(fit: Fit, key: str) -> Extra:
@@ -162,6 +181,9 @@ def _named(key: str) -> str:
     return f"{key}.{parameter.name}"
 
 
-def _interval(estimate: float, variance: float) -> dict[str, float]:
-    half = NORMAL_95 * float(np.sqrt(variance))
+def _interval(fit: Fit, joined: Joined, place: int, value: float = 0.0, slope: float = 1.0) -> dict[str, float]:
+    """Return estimate and 95 % interval of what is `value` at the best point, and has a `slope` by a coordinate."""
+    variance, freedom = adjusted(fit, joined.design, joined.covariance, place)
+    estimate = value + slope * float(joined.change[place])
+    half = abs(slope) * float(student.isf(0.025, freedom) * np.sqrt(variance))
     return {"estimate": estimate, "lower": estimate - half, "upper": estimate + half}

@@ -56,6 +56,13 @@ class NoiseModel:
         """Return K (n, n) of condition number k [nm^2]."""
         return matrix_of(self.sigma[k], self.memory[k], self.variances, components)
 
+    def slopes(self, k: int, components: Mapping[str, np.ndarray]) -> dict[int, np.ndarray]:
+        """Return the derivative (n, n) of K of condition number k by each estimate, under its place in `covariance`."""
+        count, size = len(self.sigma), len(next(iter(components.values())))
+        points = point_noise(self.sigma[k], self.memory[k], size)
+        found = {k: 2.0 * points, count + k: slope_by_memory(self.sigma[k], self.memory[k], size)}
+        return found | {2 * count + j: components[name] for j, name in enumerate(self.variances)}
+
     def typical(self, components: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return K (n, n) of a condition of which only the `components` are known: median point noise [nm^2]."""
         return matrix_of(float(np.median(self.sigma)), float(np.median(self.memory)), self.variances, components)
@@ -136,6 +143,12 @@ def matrix_of(
 def point_noise(sigma: float, memory: float, size: int) -> np.ndarray:
     """Return the covariance (size, size) of the point noise [nm^2]."""
     return sigma**2 * (toeplitz(memory ** np.arange(size)) + 1e-6 * np.eye(size))
+
+
+def slope_by_memory(sigma: float, memory: float, size: int) -> np.ndarray:
+    """Return the derivative (size, size) of the point noise's covariance by logit rho [nm^2]."""
+    lags = np.arange(size)
+    return sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
 
 
 def _first_order(memory: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, helmert, toeplitz
+from scipy.linalg import cho_factor, cho_solve, helmert
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from palpate.diagnosis.noise import NoiseModel, largest_memory, point_noise
+from palpate.diagnosis.noise import NoiseModel, largest_memory, point_noise, slope_by_memory
 
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
@@ -68,9 +68,7 @@ class Replicates:
     def points(self, sigma: float, memory: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the point noise's covariance (d, d) in the basis, and its derivative by logit rho."""
         size = self.basis.shape[1]
-        lags = np.arange(size)
-        slope = sigma**2 * toeplitz(lags * memory ** np.maximum(lags - 1, 0)) * memory * (1 - memory)
-        return self.in_basis(point_noise(sigma, memory, size)), self.in_basis(slope)
+        return self.in_basis(point_noise(sigma, memory, size)), self.in_basis(slope_by_memory(sigma, memory, size))
 
 
 def contrasts(depth: np.ndarray) -> np.ndarray:

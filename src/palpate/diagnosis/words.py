@@ -67,7 +67,10 @@ def _in_all(content: Mapping[str, Any]) -> str:
 
 
 def _suspected(content: Mapping[str, Any]) -> str:
-    """Say which effects are not needed, yet would differ from zero if they joined, at a family-wise 1 %."""
+    """Say which effects are not needed, yet would differ from zero if they joined, at a family-wise 1 %.
+
+    The intervals are wider where few recordings tell the noise; at 1 % they are taken to be so by the same factor.
+    """
     said = []
     least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
     for name, entry in content["may_hide"].items():

@@ -1,0 +1,54 @@
+r"""What an amplitude's interval must allow for because the noise is estimated and not known.
+
+Generalised least squares gives an amplitude :math:`w^T r` of the residual r, with the variance V, as if the covariance
+C(theta) of the curves were known. But the weights w err with theta, and so does V. To first order in the errors of
+theta, with their covariance T, C_i = dC/dtheta_i and P = C^-1 less what the fit takes up,
+
+    V_adjusted = V + 2 sum_ij T_ij w' C_i P C_j w
+    freedom    = 2 V^2 / sum_ij T_ij (w' C_i w) (w' C_j w)
+
+and the amplitude has Student's distribution (M.G. Kenward and J.H. Roger, Biometrics 53 (1997) 983-997; for a single
+coefficient the freedom is Satterthwaite's). Simulated curves' errors count as known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import cho_solve
+
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.noise import FURTHEST, NoiseModel
+
+
+def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -> tuple[float, float]:
+    """Return the variance of a coefficient and its degrees of freedom.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n_all, k)
+        What one unit of each coefficient adds to the curves [nm].
+    covariance : ndarray, shape (k, k)
+        Of the coefficients, were the noise known.
+    place
+        Which coefficient.
+    """
+    variance, uncertain = float(covariance[place, place]), uncertainty(fit.errors.noise)
+    weights = cho_solve((fit.factor, True), design @ covariance[:, place])
+    slopes = fit.errors.slopes(weights)
+    white = fit.whiten(slopes)
+    taken_up = fit.whiten(design).T @ white
+    left = white.T @ white - taken_up.T @ covariance @ taken_up
+    by_estimates = weights @ slopes
+    freedom = 2.0 * variance**2 / float(by_estimates @ uncertain @ by_estimates)
+    return variance + 2.0 * max(float(np.sum(uncertain * left)), 0.0), freedom
+
+
+def uncertainty(noise: NoiseModel) -> np.ndarray:
+    """Return the covariance T of the estimates of the noise; log sigma and logit rho are known to within `FURTHEST`.
+
+    Fisher's information leaves both open near the largest memory, where the first order says nothing.
+    """
+    points = slice(0, 2 * len(noise.sigma))
+    rows = noise.covariance[points]
+    known = rows[:, points] + FURTHEST**2 * np.eye(len(rows))
+    return noise.covariance - rows.T @ np.linalg.solve(known, rows)

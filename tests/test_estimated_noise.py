@@ -1,0 +1,86 @@
+"""Intervals that allow for estimated noise: against closed forms of means, and how often they hold what is true."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.linalg import cholesky, solve_triangular
+from scipy.stats import t as student
+from test_diagnosis import RECORD_ONLY, fitted, problem, recordings, weighed
+
+from palpate.diagnosis.covariance import Errors
+from palpate.diagnosis.estimated_noise import adjusted
+from palpate.diagnosis.fit import solve
+from palpate.diagnosis.hidden import may_hide
+from palpate.diagnosis.noise import NoiseModel
+
+
+def mean_of(sigma, freedom, counts, site=0.0, site_freedom=1):
+    """Variance and freedom of the mean of conditions of one point each, their strengths estimated independently."""
+    size = len(sigma)
+    spread = [*(0.5 / freedom), *np.zeros(size), 2.0 * site**4 / site_freedom]
+    noise = NoiseModel(sigma, np.full(size, 0.5), {"site": site**2}, 0.0, np.diag(spread), True)
+    none = np.zeros((size, size))
+    errors = Errors(noise, [{"site": np.ones((1, 1))}] * size, none, none, list(counts))
+    factor = cholesky(errors.covariance, lower=True)
+    fit = SimpleNamespace(
+        errors=errors, factor=factor, whiten=lambda values: solve_triangular(factor, values, lower=True)
+    )
+    design = np.ones((size, 1))
+    white = fit.whiten(design)
+    known = np.linalg.inv(white.T @ white)
+    return float(known[0, 0]), *adjusted(fit, design, known, 0)
+
+
+def test_a_mean_of_equal_sites_has_the_freedom_of_their_scatter():
+    """Three recordings of eight tests: the weights do not depend on the scatter, and Student's law is exact."""
+    sites = mean_of(np.full(8, 1e-6), np.full(8, 16.0), [3] * 8, site=0.01, site_freedom=16)
+    assert sites == pytest.approx((0.01**2 / 24, 0.01**2 / 24, 16.0), rel=1e-6)
+
+
+def test_a_mean_of_unequal_tests_is_as_uncertain_as_meier_found():
+    """P. Meier, Biometrics 9 (1953) 59-73: V (1 + 4 sum p (1 - p) / f); freedom by B.L. Welch, 1 / sum p^2 / f."""
+    sigma, freedom, counts = np.array([1.0, 1.5]), np.array([20.0, 12.0]), np.array([21, 13])
+    share = counts / sigma**2 / np.sum(counts / sigma**2)
+    known, variance, found = mean_of(sigma, freedom, counts)
+    assert variance / known - 1.0 == pytest.approx(4.0 * np.sum(share * (1.0 - share) / freedom), rel=0.02)
+    assert found == pytest.approx(1.0 / np.sum(share**2 / freedom), rel=0.02)
+
+
+def test_a_mean_of_unequal_tests_with_few_recordings_lies_within_its_interval():
+    """Five recordings each; with the noise taken as known 0.84 of the intervals hold the mean."""
+    rng, held, held_if_known = np.random.default_rng(20), 0, 0
+    for _ in range(1500):
+        rows = np.array([[1.0], [1.5]]) * rng.standard_normal((2, 5))
+        sigma = rows.std(axis=1, ddof=1)
+        mean = np.average(rows.mean(axis=1), weights=sigma**-2)
+        known, variance, freedom = mean_of(sigma, np.full(2, 4.0), [5, 5])
+        held += abs(mean) < student.isf(0.025, freedom) * np.sqrt(variance)
+        held_if_known += abs(mean) < 1.96 * np.sqrt(known)
+    assert held_if_known / 1500 < 0.87
+    assert held / 1500 > 0.92
+
+
+def test_many_replicates_tell_the_noise():
+    """The interval is then what the noise, once known, leaves; with two recordings of each test it is wider."""
+    widths = []
+    for count in (2, 20):
+        fit = fitted(problem(recordings(np.random.default_rng(3), replicates=count)))
+        column = np.concatenate([fit.problem.unit_effect("thermal_drift", c) for c in fit.problem.conditions])
+        white = fit.whiten(np.column_stack([fit.tangent, column]))
+        deviation = np.sqrt(np.linalg.inv(white.T @ white + np.diag([12.0, 12.0, 0.0]))[-1, -1])
+        drift = may_hide(fit, ["thermal_drift"])["thermal_drift.rate"]
+        widths.append((drift["upper"] - drift["lower"]) / (2 * 1.96 * deviation))
+    assert widths[0] > 1.2
+    assert widths[1] == pytest.approx(1.01, abs=0.01)
+
+
+def test_single_recordings_without_an_effect_hold_zero():
+    """40 sets; with the noise taken as known 110 of the 120 intervals do."""
+    rng, held = np.random.default_rng(21), 0
+    for _ in range(40):
+        task = problem(recordings(rng, replicates=1))
+        rough = fitted(task)
+        fit = solve(task, (), weighed(task, (), rough.residual), [rough.z])
+        held += sum(entry["lower"] < 0.0 < entry["upper"] for entry in may_hide(fit, RECORD_ONLY).values())
+    assert held >= 0.95 * 120
