@@ -1,10 +1,12 @@
 """Intervals that allow for estimated noise: against closed forms of means, and how often they hold what is true."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.linalg import cholesky, solve_triangular
+from scipy.special import expit, logit
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings, weighed
 
@@ -59,6 +61,25 @@ def test_a_mean_of_unequal_tests_with_few_recordings_lies_within_its_interval():
         held_if_known += abs(mean) < 1.96 * np.sqrt(known)
     assert held_if_known / 1500 < 0.87
     assert held / 1500 > 0.92
+
+
+def test_slopes_by_the_estimates_are_differences_of_covariances():
+    """Of log sigma and logit rho of each condition, then of the variances."""
+    fit = fitted(problem(recordings(np.random.default_rng(3))))
+    noise, weights = fit.errors.noise, np.random.default_rng(4).standard_normal(len(fit.residual))
+    points, values = np.stack([np.log(noise.sigma), logit(noise.memory)]).ravel(), list(noise.variances.values())
+
+    def pulled(estimates):
+        sigma, memory, variances = np.split(estimates, [4, 8])
+        named = dict(zip(noise.variances, variances, strict=True))
+        moved = replace(noise, sigma=np.exp(sigma), memory=expit(memory), variances=named)
+        return replace(fit.errors, noise=moved).covariance @ weights
+
+    estimates = np.append(points, values)
+    for place, slope in enumerate(fit.errors.slopes(weights).T):
+        step = np.where(np.arange(len(estimates)) == place, 1e-5, 0.0)
+        difference = (pulled(estimates + step) - pulled(estimates - step)) / 2e-5
+        assert slope == pytest.approx(difference, rel=1e-3, abs=1e-5 * np.abs(difference).max())
 
 
 def test_many_replicates_tell_the_noise():
