@@ -21,6 +21,7 @@ import numpy as np
 
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
+from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
 from palpate.fem.batch_specimens import Specimens
@@ -54,8 +55,8 @@ class Case:
 
     @property
     def suits(self) -> bool:
-        """Whether it can be batched: a body of revolution without friction or adhesion."""
-        return self.indenter.of_revolution and self.indenter.friction == 0.0 and self.specimen.adhesion == 0.0
+        """Whether it can be batched: a body of revolution without adhesion."""
+        return self.indenter.of_revolution and self.specimen.adhesion == 0.0
 
     @property
     def largest(self) -> float:
@@ -95,8 +96,8 @@ class Case:
         """What cases that run together have in common."""
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
-        homogeneous = self.specimen.substrate is None
-        return self.large, self.resolution, shape, len(self.times), len(self.specimen.coefficients), homogeneous
+        homogeneous, rubs = self.specimen.substrate is None, self.indenter.friction > 0.0
+        return self.large, self.resolution, shape, len(self.times), len(self.specimen.coefficients), homogeneous, rubs
 
 
 def indent_batch(cases: Sequence[Case]) -> list[History]:
@@ -146,14 +147,18 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     body, bodies = Body.of(mesh), Specimens.of(specimens, mesh, units)
     scale = np.array([protocol.max_load for protocol in protocols]) / units**2
     band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
-    march = March(large, body, bodies, protocols, units, scale, band, iterations, steps)
+    friction = [case.indenter.friction for case in lanes]
+    upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
+    march = March(large, body, bodies, protocols, units, scale, band, upper, iterations, steps)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
+    heights = np.stack([profile(body.distance)[0] for profile in profiles], axis=1)
     ends = np.stack([case.times for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([case.carries for case in lanes], axis=1)
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),
         Touch.at_apex(profiles, len(mesh.surface)),
+        Grip.untouched(friction, heights),
         *bodies.at(np.zeros(LANES), times[:, 1]),
         np.zeros((mesh.size + 1, LANES)),
         np.zeros(LANES),

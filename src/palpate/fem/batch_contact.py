@@ -1,8 +1,9 @@
-"""Contact with a rigid frictionless indenter, as `palpate.fem.contact`, for `LANES` indentations at once.
+"""Contact with a rigid indenter, as `palpate.fem.contact`, for `LANES` indentations at once.
 
 A node that touches, u_z = f(r + u_r) - depth, is eliminated from the assembled system: forces and matrix are those in
-the unknowns u_r and depth, K' = T^T K T and, at large strains, what the curvature of f adds. A lane in which a node
-does not touch has zeros in its place of the mask.
+the unknowns u_r and depth, K' = S^T K T and what curvature of f and friction add. T follows the indenter; S is the same
+without friction, and else puts balance along the generator in place of the node's forces, (1 + m f') F_r + (f' - m) F_z
+= 0. A lane in which a node does not touch has zeros in its place of the mask.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem.batch_banded import PANEL
+from palpate.fem.batch_friction import anchor, arrive, reverses, rub, set_out
 from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
 from palpate.fem.contact import PENETRATION, Profile
 
@@ -31,8 +33,8 @@ class Touch(NamedTuple):
         One where a surface node touches, else zero.
     gap : ndarray, shape (k, LANES)
         Gap that the next change of displacements closes.
-    push : ndarray, shape (k, LANES)
-        Vertical force on each node that touches.
+    push, pull : ndarray, shape (k, LANES)
+        Vertical and radial force on each node that touches.
     joined : ndarray of bool, shape (LANES,)
         Whether some gap is to be closed.
     """
@@ -45,39 +47,71 @@ class Touch(NamedTuple):
     touching: np.ndarray
     gap: np.ndarray
     push: np.ndarray
+    pull: np.ndarray
     joined: np.ndarray
 
     @classmethod
     def at_apex(cls, profiles: Sequence[Profile], count: int) -> Touch:
         """Return indenters whose apex alone touches the first of `count` nodes; lengths are in units of the lanes."""
-        slope, curvature, touching, gap, push = np.zeros((5, count, LANES))
+        slope, curvature, touching, gap, push, pull = np.zeros((6, count, LANES))
         touching[0] = 1.0
         radius, edge, flank = np.array([(p.radius, p.edge, p.flank) for p in profiles]).T.copy()
-        return cls(radius, edge, flank, slope, curvature, touching, gap, push, np.zeros(LANES, dtype=np.bool_))
+        return cls(radius, edge, flank, slope, curvature, touching, gap, push, pull, np.zeros(LANES, dtype=np.bool_))
 
 
 @njit(cache=True)
-def follow(large, body, touch, displacement, depth, done):
-    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`.
+def beneath(large, touch, lane, distance, moved):
+    """Return height, slope and curvature of a lane's profile at a node that moved outwards from its `distance`.
 
-    The profile is that at the nodes, and at small strains its tangent where they were, see `palpate.fem.contact`.
+    At small strains along the tangent where it was, see `palpate.fem.contact`.
     """
+    radius, edge = touch.radius[lane], touch.edge[lane]
+    place = distance + moved if large else distance
+    height, slope, curvature = touch.flank[lane] * place, touch.flank[lane], 0.0
+    if radius > 0.0:
+        root = np.sqrt(radius**2 - min(place, edge) ** 2)
+        height, slope = radius - root + max(place - edge, 0.0) * slope, min(place, edge) / root
+        curvature = radius**2 / root**3 if place < edge else 0.0
+    if large:
+        return height, slope, curvature
+    return height + slope * moved, slope, 0.0
+
+
+@njit(cache=True)
+def begin_step(large, body, touch, grip, displacement, depth, step):
+    """Begin steps of so many seconds (LANES,) at some displacements (size + 1, LANES) and depths."""
+    for k in range(body.radial.shape[0]):
+        r, z, distance = body.radial[k], body.vertical[k], body.distance[k]
+        for lane in range(LANES):
+            moved = displacement[r, lane] if r >= 0 else 0.0
+            height = beneath(large, touch, lane, distance, moved)[0]
+            set_out(grip, k, lane, distance + moved, height - depth[lane] - displacement[z, lane], step[lane])
+
+
+@njit(cache=True)
+def end_step(body, touch, grip, displacement, step):
+    """End steps of so many seconds (LANES,) at some displacements (size + 1, LANES)."""
+    for k in range(body.radial.shape[0]):
+        r = body.radial[k]
+        for lane in range(LANES):
+            moved = displacement[r, lane] if r >= 0 else 0.0
+            arrive(grip, k, lane, body.distance[k] + moved, touch.touching[k, lane] > 0.0, step[lane])
+
+
+@njit(cache=True)
+def follow(large, body, touch, grip, displacement, depth, done):
+    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`."""
     for lane in range(LANES):
         if done[lane]:
             continue
-        touch.joined[lane] = False
-        radius, edge = touch.radius[lane], touch.edge[lane]
+        touch.joined[lane], grip.changed[lane] = False, False
         for k in range(body.radial.shape[0]):
-            z = body.vertical[k]
-            moved = displacement[body.radial[k], lane] if body.radial[k] >= 0 else 0.0
-            distance = body.distance[k] + moved if large else body.distance[k]
-            height, slope, curvature = touch.flank[lane] * distance, touch.flank[lane], 0.0
-            if radius > 0.0:
-                root = np.sqrt(radius**2 - min(distance, edge) ** 2)
-                height, slope = radius - root + max(distance - edge, 0.0) * slope, min(distance, edge) / root
-                curvature = radius**2 / root**3 if distance < edge else 0.0
-            if not large:
-                height, curvature = height + slope * moved, 0.0
+            r, z, distance, moved = body.radial[k], body.vertical[k], body.distance[k], 0.0
+            if r >= 0:
+                if reverses(grip, k, lane, distance + displacement[r, lane]):
+                    displacement[r, lane] = grip.anchor[k, lane] - distance
+                moved = displacement[r, lane]
+            height, slope, curvature = beneath(large, touch, lane, distance, moved)
             touch.slope[k, lane], touch.curvature[k, lane] = slope, curvature
             gap = height - depth[lane] - displacement[z, lane]
             touch.gap[k, lane] = 0.0
@@ -87,6 +121,8 @@ def follow(large, body, touch, displacement, depth, done):
                 touch.touching[k, lane] = 1.0
                 touch.gap[k, lane] = gap
                 touch.joined[lane] = True
+                anchor(grip, k, lane, gap)
+            rub(grip, k, lane, distance + moved)
 
 
 @njit(cache=True)
@@ -134,7 +170,7 @@ def close_gaps(body, touch, band, forces):
 
 
 @njit(cache=True)
-def constrain_forces(body, touch, forces, reaction):
+def constrain_forces(body, touch, grip, forces, reaction):
     """Put balance along the profiles in place of the forces of the nodes that touch; add the rest to `reaction`."""
     total = splat(0.0)
     for k in range(body.radial.shape[0]):
@@ -145,42 +181,80 @@ def constrain_forces(body, touch, forces, reaction):
         store(touch.push, k, force)
         store(forces, z, vertical - force)
         if r >= 0:
-            store(forces, r, load(forces, r) + load(touch.slope, k) * force)
+            radial = load(forces, r)
+            along, across = balance(touch, grip, k)
+            store(touch.pull, k, load(touch.touching, k) * radial)
+            store(forces, r, along * radial + across * vertical)
     store(reaction, 0, total)
 
 
-@njit(cache=True)
-def constrain_matrix(body, touch, geometric, band, border, corner):
-    """Eliminate the nodes that touch from `band`; write the column (size, LANES) and diagonal (LANES,) of the depth.
+@njit(cache=True, inline="always")
+def balance(touch, grip, k):
+    """Return what a node's two forces count along the profile: one and zero where it does not touch."""
+    held, slope, ratio = load(touch.touching, k), load(touch.slope, k), load(grip.ratio, k)
+    return 1.0 + held * (ratio * slope), held * (slope - ratio)
 
-    The curvature of the profiles counts where `geometric` (LANES,) is one.
+
+@njit(cache=True)
+def constrain_matrix(body, touch, grip, geometric, lower, upper, column, row, corner):
+    """Eliminate the nodes that touch from the matrix; write column and row (size, LANES) and diagonal of the depth.
+
+    The curvature of the profiles counts where `geometric` (LANES,) is one. Without friction the matrix is symmetric:
+    `upper` is empty, see `palpate.fem.batch_banded`, and the `row` the `column`.
     """
-    border[:] = 0.0
+    symmetric = len(upper) == 0
+    column[:] = 0.0
     corner[:] = 0.0
+    if not symmetric:
+        upper[:] = lower
+        row[:] = 0.0
     for k in range(body.radial.shape[0]):
         r, z, held = body.radial[k], body.vertical[k], load(touch.touching, k)
         if greatest(held) == 0.0:
             continue
-        slope, curvature = load(touch.slope, k) * held, load(touch.curvature, k) * load(geometric, 0)
-        diagonal = load(band, entry(z, z, body.width))
-        side = load(border, z)
-        store(corner, 0, load(corner, 0) + held * (diagonal - 2.0 * side))
+        slope = held * load(touch.slope, k)
+        along, across = balance(touch, grip, k)
+        diagonal = load(lower, entry(z, z, body.width))
+        side, below = load(column, z), load(row, z)
+        store(corner, 0, load(corner, 0) + held * (diagonal - side - below))
         if r >= 0:
-            shared = load(band, entry(z, r, body.width))
-            own = load(band, entry(r, r, body.width))
-            own = own + slope * (2.0 * shared + slope * diagonal) + curvature * load(touch.push, k)
-            store(band, entry(r, r, body.width), own)
-            store(border, r, load(border, r) + slope * (side - diagonal) - held * shared)
-            store(band, entry(z, r, body.width), shared - held * shared)
-        store(border, z, side - held * side)
-        for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
-            if r <= m <= z:
-                continue
-            value = load(band, entry(m, z, body.width))
-            store(band, entry(m, z, body.width), value - held * value)
-            store(border, m, load(border, m) - held * value)
-            if r >= 0:
-                store(band, entry(m, r, body.width), load(band, entry(m, r, body.width)) + slope * value)
+            shared = load(lower, entry(z, r, body.width))
+            own = load(lower, entry(r, r, body.width))
+            own = along * (own + slope * shared) + across * (shared + slope * diagonal)
+            push, pull = load(touch.push, k), load(touch.pull, k)
+            own = own + load(touch.curvature, k) * load(geometric, 0) * (push + load(grip.ratio, k) * pull)
+            own = own + load(grip.steepness, k) * (load(touch.slope, k) * pull - push)
+            store(lower, entry(r, r, body.width), own)
+            store(column, r, along * (load(column, r) - held * shared) + across * (side - held * diagonal))
+            store(lower, entry(z, r, body.width), shared - held * shared)
+            if not symmetric:
+                store(row, r, load(row, r) + slope * below - held * (shared + slope * diagonal))
+                store(upper, entry(z, r, body.width), shared - held * shared)
+        store(column, z, side - held * side)
+        if symmetric:
+            fold(body, k, held, splat(1.0), slope, lower, lower, column)
+        else:
+            store(row, z, below - held * below)
+            fold(body, k, held, splat(1.0), slope, lower, upper, column)
+            fold(body, k, held, along, across, upper, lower, row)
+
+
+@njit(cache=True)
+def fold(body, k, held, own, other, below, above, border):
+    """Add to a node's radial column, times `own`, its vertical one times `other`, and take that to the `border`.
+
+    With the halves of the matrix exchanged the same happens to its rows.
+    """
+    r, z = body.radial[k], body.vertical[k]
+    for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
+        if r <= m <= z:
+            continue
+        half = below if m > z else above
+        value = load(half, entry(m, z, body.width))
+        store(half, entry(m, z, body.width), value - held * value)
+        store(border, m, load(border, m) - held * value)
+        if r >= 0:
+            store(half, entry(m, r, body.width), own * load(half, entry(m, r, body.width)) + other * value)
 
 
 @njit(cache=True, inline="always")

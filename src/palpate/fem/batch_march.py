@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.batch_contact import Touch
+from palpate.fem.batch_contact import Touch, begin_step, end_step
 from palpate.fem.batch_element import Body
+from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points, turn
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_specimens import Specimens
@@ -28,8 +29,8 @@ class States:
 
     Attributes
     ----------
-    points, touch
-        See `palpate.fem.batch_law` and `palpate.fem.batch_contact`.
+    points, touch, grip
+        See `palpate.fem.batch_law`, `palpate.fem.batch_contact` and `palpate.fem.batch_friction`.
     laws, weights : ndarray, shape (1 or m, rows, LANES)
         Of the last step, see `palpate.fem.batch_specimens`.
     displacement : ndarray, shape (size + 1, LANES)
@@ -38,6 +39,7 @@ class States:
 
     points: Points
     touch: Touch
+    grip: Grip
     laws: np.ndarray
     weights: np.ndarray
     displacement: np.ndarray
@@ -49,7 +51,7 @@ class States:
             np.copyto(mine, theirs, where=True if lanes is None else lanes)
 
     def _arrays(self) -> list[np.ndarray]:
-        return [*self.points, *self.touch, self.laws, self.weights, self.displacement, self.depth]
+        return [*self.points, *self.touch, *self.grip, self.laws, self.weights, self.displacement, self.depth]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ class March:
         Unit of length of each lane [um].
     scale : ndarray, shape (LANES,)
         Largest load of each history, in units of the lanes.
-    band : ndarray
+    band, upper : ndarray
         Storage, see `palpate.fem.batch_newton.advance`.
     iterations, steps : ndarray of int, shape (LANES,)
         Count the work done.
@@ -80,6 +82,7 @@ class March:
     units: np.ndarray
     scale: np.ndarray
     band: np.ndarray
+    upper: np.ndarray
     iterations: np.ndarray
     steps: np.ndarray
 
@@ -103,6 +106,7 @@ class March:
             The lanes that found equilibrium.
         """
         shallower = states.depth
+        begin_step(self.large, self.body, states.touch, states.grip, states.displacement, shallower, end - begin)
         states.displacement, states.depth = states.displacement + change, shallower + deepening
         before, loads = (
             [float(protocol.load_at(time)) for protocol, time in zip(self.protocols, times, strict=True)]
@@ -114,10 +118,11 @@ class March:
         states.laws, states.weights = resisting, following
         found = lanes.copy()
         advance(
-            self.large, self.body, states.points, states.touch, states.laws, states.weights,
-            np.array(loads) / self.units**2, self.scale, states.displacement, states.depth, self.band, found,
-            self.iterations,
+            self.large, self.body, states.points, states.touch, states.grip, states.laws, states.weights,
+            np.array(loads) / self.units**2, self.scale, states.displacement, states.depth, self.band, self.upper,
+            found, self.iterations,
         )  # fmt: skip
+        end_step(self.body, states.touch, states.grip, states.displacement, end - begin)
         self.steps[found] += 1
         return found
 

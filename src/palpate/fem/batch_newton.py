@@ -26,7 +26,7 @@ TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 @njit(cache=True)
 def advance(
-    large, body, points, touch, laws, weights, load_now, scale, displacement, depth, band, alive, spent,
+    large, body, points, touch, grip, laws, weights, load_now, scale, displacement, depth, band, upper, alive, spent,
 ):  # fmt: skip
     """Bring all lanes into equilibrium under the loads at the end of a step.
 
@@ -34,16 +34,17 @@ def advance(
     ----------
     large : bool
         See `palpate.fem.batch_hencky`.
-    body, points, touch, laws, weights
-        See `palpate.fem.batch_element` and `palpate.fem.batch_law`; `points` and `touch` are advanced.
+    body, points, touch, grip, laws, weights
+        See `palpate.fem.batch_element`, `palpate.fem.batch_law`, `palpate.fem.batch_contact` and
+        `palpate.fem.batch_friction`; `points`, `touch` and `grip` are advanced.
     load_now, scale : ndarray, shape (LANES,)
         Load at the end of the step, and the largest one of the history.
     displacement : ndarray, shape (size + 1, LANES)
         In: a guess; out: the solution.
     depth : ndarray, shape (LANES,)
         Likewise.
-    band : ndarray, shape (size * width + 1, LANES)
-        Storage.
+    band, upper : ndarray, shape (size * width + 1, LANES)
+        Storage for both halves of the matrix; `upper` is empty without friction.
     alive : ndarray of bool, shape (LANES,)
         Lanes that take part; one that finds no equilibrium leaves.
     spent : ndarray of int, shape (LANES,)
@@ -51,6 +52,7 @@ def advance(
     """
     size = body.size
     forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
+    row = border if len(upper) == 0 else np.zeros((size + 1, LANES))
     direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
     corner, reaction, excess = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     norm, work = np.zeros(LANES), np.zeros(LANES)
@@ -59,7 +61,7 @@ def advance(
     taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
     geometric, done = np.ones(LANES), ~alive
     for iteration in range(ITERATIONS):
-        follow(large, body, touch, displacement, depth, done)
+        follow(large, body, touch, grip, displacement, depth, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
         joined = np.any(touch.joined & ~done)
         if joined:
@@ -76,7 +78,7 @@ def advance(
                 held[lane] = pulled(body, touch, forces, lane, tolerance)
                 taken[lane] += 1
                 searching[lane] = False
-        constrain_forces(body, touch, forces, reaction)
+        constrain_forces(body, touch, grip, forces, reaction)
         excess[:] = -reaction - load_now
         measure(forces, direction, size, norm, work)
         work += toward * excess
@@ -93,7 +95,11 @@ def advance(
                 move(displacement, depth, direction, toward, lane, -fraction[lane])
             elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
                 done[lane] = True
-            elif searching[lane] and not touch.joined[lane] and unbalanced(work[lane], start[lane], tries[lane]):
+            elif (
+                searching[lane]
+                and not (touch.joined[lane] or grip.changed[lane])
+                and unbalanced(work[lane], start[lane], tries[lane])
+            ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
                 move(displacement, depth, direction, toward, lane, shorter - fraction[lane])
@@ -106,14 +112,14 @@ def advance(
             continue
         if not joined:
             stiffness(large, body, points, laws, displacement, geometric, band)
-        constrain_matrix(body, touch, geometric, band, border, corner)
-        step(band, body.width, forces, border, corner, excess, solving, direction, toward, start)
+        constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
+        step(band, upper, body.width, forces, border, row, corner, excess, solving, direction, toward, start)
         indefinite = solving & ~np.isfinite(start)
         if large and np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, band)
-            constrain_matrix(body, touch, geometric, band, border, corner)
-            step(band, body.width, forces, border, corner, excess, indefinite, direction, toward, start)
+            constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
+            step(band, upper, body.width, forces, border, row, corner, excess, indefinite, direction, toward, start)
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
@@ -168,18 +174,18 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def step(band, width, forces, border, corner, excess, solving, direction, toward, start):
+def step(band, upper, width, forces, border, row, corner, excess, solving, direction, toward, start):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`.
     """
     size = forces.shape[0] - 1
     forward, sideways = forces.copy(), border.copy()
-    solve(band, size, width, forward, sideways)
+    solve(band, upper, size, width, forward, sideways)
     ahead, aside = splat(0.0), splat(0.0)
     for i in range(size):
-        ahead = ahead + load(border, i) * load(forward, i)
-        aside = aside + load(border, i) * load(sideways, i)
+        ahead = ahead + load(row, i) * load(forward, i)
+        aside = aside + load(row, i) * load(sideways, i)
     change = (ahead - load(excess, 0)) / (load(corner, 0) - aside)
     chosen = np.where(solving, 1.0, 0.0)
     mask, total = load(chosen, 0), change * load(excess, 0)
