@@ -264,12 +264,13 @@ FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_mod
         {"indenter": {"shape": "sphero_cone", "radius": 300.0}},
         {"indenter": {"modulus": 10.0, "poisson_ratio": 0.2}},
         {"indenter": {"friction": 0.3}},
+        {"mechanisms": {"adhesion": {"work": 150.0}}},
         {"mechanisms": {"size_effect": {"length": 20.0}}},
         FILM,
         {"material": PLASTIC},
         {"material": PLASTIC, "indenter": {"shape": "sphero_cone", "radius": 300.0}} | FILM,
     ],
-    ids=["sphere", "rounded", "elastic tip", "friction", "size", "film", "yield", "all"],
+    ids=["sphere", "rounded", "elastic tip", "friction", "adhesion", "size", "film", "yield", "all"],
 )
 def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, monkeypatch):
     """Two meshes for one indentation, half a ring apart.
@@ -298,11 +299,18 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, 
         assert np.abs(history.depth - depth).max() < within * depth.max()
 
 
-def test_adhesion_goes_to_the_single_solver(monkeypatch):
-    monkeypatch.setattr(batch.Case, "alone", lambda self: self)
-    monkeypatch.setattr(batch, "run_lanes", lambda cases: ["lanes"] * len(cases))
-    other = case(specimen=Specimen(case().specimen.coefficients, adhesion=100.0))
-    assert batch.indent_batch([case(), other, case(), other]) == ["lanes", other, "lanes", other]
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+@pytest.mark.parametrize(("work", "friction"), [(50.0, 0.0), (400.0, 0.0), (150.0, 0.3)])
+def test_a_sphere_that_jumps_into_contact_does_so_in_lanes(work, friction, kinematics, monkeypatch):
+    tip = {"shape": "sphere", "half_angle": None, "radius": 1e4, "friction": friction}
+    tip = {key: value for key, value in (CONE | tip).items() if value is not None}
+    values = {"material": BURGERS, "indenter": tip, "protocol": TEST, "mechanisms": {"adhesion": {"work": work}}}
+    spec = replace(specification_from(values | {"kinematics": kinematics}), meshes=2)
+    alone = simulate(spec).depth
+    monkeypatch.setattr(batch, "indent_on", None)
+    together = simulate_batch([spec])[0].depth
+    within = 1e-4 if friction and kinematics == "large" else 1e-6
+    assert np.abs(together - alone).max() < within * alone.max()
 
 
 @pytest.mark.parametrize("model", ["nonlinear_burgers", "burgers_plasticity"])

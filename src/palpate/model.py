@@ -20,7 +20,7 @@ from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
 from palpate.load_history import protocol_from
-from palpate.mechanisms import MECHANISMS, checked_mechanisms
+from palpate.mechanisms import checked_mechanisms
 from palpate.protocol import Protocol
 from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
@@ -30,7 +30,6 @@ SECTIONS = {
     "indenter": "{shape: cone, half_angle: 70.3}",
     "protocol": "{max_load: 1.0, loading_time: 30, unloading_time: 30}",
 }
-SCATTERED = 0.1  # scatter of a mechanism between meshes, from which wider elements do not serve
 KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
 
 
@@ -226,14 +225,13 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
     ----------
     roughly
         Take elements twice as wide whatever the accuracy, for 0.4 of the time. A small difference between two curves
-        then departs by 5 % (creep) to 30 % (yielding, friction) of itself. Under adhesion it would be lost: that, and a
-        pyramid, are simulated as they would be.
+        then departs by 5 % (creep) to 30 % (yielding, friction) of itself. A pyramid is simulated as it would be.
     """
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(replace(specification, meshes=1)) for specification in specifications]
     cases = [
-        _case(acting(specification), part / specification.meshes, roughly and _bears_wider_elements(specification))
+        _case(acting(specification), part / specification.meshes, roughly)
         for specification in specifications
         for part in range(specification.meshes)
     ]
@@ -241,19 +239,13 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
     return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
 
 
-def _bears_wider_elements(specification: Specification) -> bool:
-    return all(MECHANISMS[key].solver_scatter < SCATTERED for key in specification.mechanisms)
-
-
 def smooth(specification: Specification) -> Specification:
     """Return the specification with as many meshes as free the depth of the mesh's ripple at the least cost.
 
     On one mesh the depth ripples by about a thousandth at ``accuracy: standard``. All lanes of one run cost little more
-    than one; what cannot run in lanes gets two meshes, in whose mean the first harmonic cancels.
+    than one. A pyramid keeps its one mesh.
     """
-    if not specification.indenter.of_revolution:
-        return specification
-    return replace(specification, meshes=LANES if _case(acting(specification)).suits else 2)
+    return replace(specification, meshes=LANES) if specification.indenter.of_revolution else specification
 
 
 def _case(solid: Specification, shift: float = 0.0, roughly: bool = False) -> Case:

@@ -230,7 +230,7 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     made = []
     for cell, point in zip(cells, points, strict=True):
         coordinates = point[len(free) : len(free) + dimensions]
-        plain = replace(study.specification(cell, short), meshes=MESHES if mechanism.mesh_dependent else 1)
+        plain = replace(study.specification(cell, short), meshes=mechanism.meshes)
         acting = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
         made.append(
             Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, acting))

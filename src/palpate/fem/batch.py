@@ -19,6 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from palpate.fem.batch_adhesion import Attraction
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import Grip
@@ -30,7 +31,7 @@ from palpate.fem.contact import Profile
 from palpate.fem.contact_size import check_size, contact_range
 from palpate.fem.discretisation import GRADED_START, mesh_radii, step_times
 from palpate.fem.folding import merged, mergings
-from palpate.fem.indent import History, indent_on
+from palpate.fem.indent import History, attraction, indent_on
 from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.regions import resolved
 from palpate.indenters import Indenter
@@ -52,11 +53,6 @@ class Case:
     large: bool = False
     shift: float = 0.0
     merged: int = 0
-
-    @property
-    def suits(self) -> bool:
-        """Whether it can be batched: a body of revolution without adhesion."""
-        return self.indenter.of_revolution and self.specimen.adhesion == 0.0
 
     @property
     def largest(self) -> float:
@@ -96,12 +92,13 @@ class Case:
         """What cases that run together have in common."""
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
-        homogeneous, rubs = self.specimen.substrate is None, self.indenter.friction > 0.0
-        return self.large, self.resolution, shape, len(self.times), len(self.specimen.coefficients), homogeneous, rubs
+        body = self.large, len(self.specimen.coefficients), self.specimen.substrate is None
+        surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
+        return self.resolution, shape, len(self.times), body, surface
 
 
 def indent_batch(cases: Sequence[Case]) -> list[History]:
-    """Simulate several indentations: in SIMD lanes those that suit, by `palpate.fem.indent.indent` all others.
+    """Simulate several indentations by indenters of revolution: in SIMD lanes those of a kind, others alone.
 
     A lane that finds no equilibrium in the smallest parts of a step is simulated again: with its innermost rings merged
     where that may help, alone else.
@@ -114,8 +111,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
     histories: dict[int, History | None] = {}
     kinds: dict[tuple, list[int]] = {}
     for number, case in enumerate(cases):
-        if case.suits:
-            kinds.setdefault(case.kind, []).append(number)
+        kinds.setdefault(case.kind, []).append(number)
     for members in kinds.values():
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
@@ -149,7 +145,9 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
     friction = [case.indenter.friction for case in lanes]
     upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
-    march = March(large, body, bodies, protocols, units, scale, band, upper, iterations, steps)
+    sticking = [attraction(c.specimen, resolution, c.largest, mesh) for c in lanes]
+    pulls = Attraction.of(sticking, units, len(mesh.surface))
+    march = March(large, body, bodies, pulls, protocols, units, scale, band, upper, iterations, steps)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
     heights = np.stack([profile(body.distance)[0] for profile in profiles], axis=1)
     ends = np.stack([case.times for case in lanes])

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.fem.batch_adhesion import Attraction
 from palpate.fem.batch_contact import Touch, begin_step, end_step
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import Grip
@@ -63,6 +64,7 @@ class March:
     large : bool
     body : Body
     bodies : Specimens
+    attraction : Attraction
     protocols
         What load acts when [mN].
     units : ndarray, shape (LANES,)
@@ -78,6 +80,7 @@ class March:
     large: bool
     body: Body
     bodies: Specimens
+    attraction: Attraction
     protocols: Sequence[Protocol]
     units: np.ndarray
     scale: np.ndarray
@@ -118,9 +121,9 @@ class March:
         states.laws, states.weights = resisting, following
         found = lanes.copy()
         advance(
-            self.large, self.body, states.points, states.touch, states.grip, states.laws, states.weights,
-            np.array(loads) / self.units**2, self.scale, states.displacement, states.depth, self.band, self.upper,
-            found, self.iterations,
+            self.large, self.body, states.points, states.touch, states.grip, self.attraction, states.laws,
+            states.weights, np.array(loads) / self.units**2, self.scale, self.attraction.stride(change),
+            states.displacement, states.depth, self.band, self.upper, found, self.iterations,
         )  # fmt: skip
         end_step(self.body, states.touch, states.grip, states.displacement, end - begin)
         self.steps[found] += 1

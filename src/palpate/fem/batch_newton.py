@@ -13,9 +13,18 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve
-from palpate.fem.batch_contact import close_gaps, constrain_forces, constrain_matrix, follow, pulled, release
+from palpate.fem.batch_contact import (
+    attract_forces,
+    attract_matrix,
+    close_gaps,
+    constrain_forces,
+    constrain_matrix,
+    follow,
+    pulled,
+    release,
+)
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
-from palpate.fem.newton import ITERATIONS, TOLERANCE
+from palpate.fem.newton import ADHESIVE_ITERATIONS, ITERATIONS, TOLERANCE
 
 _small_forces, _small_stiffness = batch_element.internal_forces, batch_element.stiffness
 _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.stiffness
@@ -26,7 +35,8 @@ TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 @njit(cache=True)
 def advance(
-    large, body, points, touch, grip, laws, weights, load_now, scale, displacement, depth, band, upper, alive, spent,
+    large, body, points, touch, grip, attraction, laws, weights, load_now, scale, farthest, displacement, depth, band,
+    upper, alive, spent,
 ):  # fmt: skip
     """Bring all lanes into equilibrium under the loads at the end of a step.
 
@@ -34,11 +44,13 @@ def advance(
     ----------
     large : bool
         See `palpate.fem.batch_hencky`.
-    body, points, touch, grip, laws, weights
-        See `palpate.fem.batch_element`, `palpate.fem.batch_law`, `palpate.fem.batch_contact` and
-        `palpate.fem.batch_friction`; `points`, `touch` and `grip` are advanced.
+    body, points, touch, grip, attraction, laws, weights
+        See `palpate.fem.batch_element`, `palpate.fem.batch_law`, `palpate.fem.batch_contact`,
+        `palpate.fem.batch_friction` and `palpate.fem.batch_adhesion`; `points`, `touch` and `grip` are advanced.
     load_now, scale : ndarray, shape (LANES,)
         Load at the end of the step, and the largest one of the history.
+    farthest : ndarray, shape (LANES,)
+        How far one iteration may move a node.
     displacement : ndarray, shape (size + 1, LANES)
         In: a guess; out: the solution.
     depth : ndarray, shape (LANES,)
@@ -60,7 +72,9 @@ def advance(
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
     geometric, done = np.ones(LANES), ~alive
-    for iteration in range(ITERATIONS):
+    sticky = np.any(attraction.hold > 0.0)
+    limit = ADHESIVE_ITERATIONS if sticky else ITERATIONS
+    for iteration in range(limit):
         follow(large, body, touch, grip, displacement, depth, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
         joined = np.any(touch.joined & ~done)
@@ -72,13 +86,15 @@ def advance(
                 continue
             taken[lane] += 1
             tolerance = TOLERANCE * scale[lane]
-            held[lane] = pulled(body, touch, forces, lane, tolerance)
+            held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
             may_go = iteration > 0 and held[lane] and not touch.joined[lane]
-            if may_go and release(body, touch, forces, lane, tolerance):
-                held[lane] = pulled(body, touch, forces, lane, tolerance)
+            if may_go and release(body, touch, attraction, forces, lane, tolerance):
+                held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
                 taken[lane] += 1
                 searching[lane] = False
         constrain_forces(body, touch, grip, forces, reaction)
+        if sticky:
+            attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction)
         excess[:] = -reaction - load_now
         measure(forces, direction, size, norm, work)
         work += toward * excess
@@ -88,7 +104,7 @@ def advance(
                 continue
             imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
-            if taken[lane] > ITERATIONS or (broken and not (large and searching[lane] and fraction[lane] > SHORTEST)):
+            if taken[lane] > limit or (broken and not (large and searching[lane] and fraction[lane] > SHORTEST)):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
@@ -113,17 +129,22 @@ def advance(
         if not joined:
             stiffness(large, body, points, laws, displacement, geometric, band)
         constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
+        if sticky:
+            attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
         step(band, upper, body.width, forces, border, row, corner, excess, solving, direction, toward, start)
         indefinite = solving & ~np.isfinite(start)
-        if large and np.any(indefinite):
+        if (large or sticky) and np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, band)
             constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
+            if sticky:
+                attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
             step(band, upper, body.width, forces, border, row, corner, excess, indefinite, direction, toward, start)
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
+                shorten(direction, toward, start, lane, farthest[lane])
                 move(displacement, depth, direction, toward, lane, 1.0)
     alive &= done
     spent += taken
@@ -162,6 +183,18 @@ def move(displacement, depth, direction, toward, lane, distance):
 
 
 @njit(cache=True)
+def shorten(direction, toward, start, lane, farthest):
+    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that."""
+    if farthest == np.inf:
+        return
+    largest = max(np.abs(direction[:, lane]).max(), abs(toward[lane]))
+    if largest > farthest:
+        direction[:, lane] *= farthest / largest
+        toward[lane] *= farthest / largest
+        start[lane] *= farthest / largest
+
+
+@njit(cache=True)
 def measure(forces, direction, size, norm, work):
     """Write the largest of the `forces` that are numbers, and the work of all along the `direction`."""
     largest, total = splat(0.0), splat(0.0)
@@ -177,7 +210,8 @@ def measure(forces, direction, size, norm, work):
 def step(band, upper, width, forces, border, row, corner, excess, solving, direction, toward, start):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`.
+    The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`. Where the matrix is
+    not positive definite, the work is NaN.
     """
     size = forces.shape[0] - 1
     forward, sideways = forces.copy(), border.copy()
@@ -186,7 +220,8 @@ def step(band, upper, width, forces, border, row, corner, excess, solving, direc
     for i in range(size):
         ahead = ahead + load(row, i) * load(forward, i)
         aside = aside + load(row, i) * load(sideways, i)
-    change = (ahead - load(excess, 0)) / (load(corner, 0) - aside)
+    pivot = load(corner, 0) - aside
+    change = (ahead - load(excess, 0)) / where_less(splat(0.0), pivot, pivot, splat(np.nan))
     chosen = np.where(solving, 1.0, 0.0)
     mask, total = load(chosen, 0), change * load(excess, 0)
     for i in range(size):

@@ -27,5 +27,6 @@ MECHANISM = Mechanism(
     "Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313",
     lambda s: {"work": Range(0.0, 500.0)},
     simulate=simulate,
-    solver_scatter=0.25,
+    solver_scatter=0.03,
+    meshes=4,
 )

@@ -102,10 +102,12 @@ class Mechanism:
         but others on which the curve depends more simply.
     solver_scatter
         Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
-        differs from `fine`, for some materials and amplitudes.
+        differs from `fine`, for some materials and amplitudes, where depths are means over eight meshes each.
     mesh_dependent
         Whether it adds an error of the mesh to that of the base model, which must be learnt before `solver_scatter`
         describes the rest.
+    meshes
+        Over the mean of how many meshes its effect is learnt: it may depend on where nodes lie.
     shortcut
         What it makes of a known depth curve, nearly, with the arguments of `record`; only the rest must be learnt.
     """
@@ -122,6 +124,7 @@ class Mechanism:
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
     mesh_dependent: bool = False
+    meshes: int = 1
     shortcut: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] | None = None
 
     @property

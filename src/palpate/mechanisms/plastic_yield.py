@@ -43,4 +43,5 @@ MECHANISM = Mechanism(
     from_search=from_search,
     solver_scatter=0.01,
     mesh_dependent=True,
+    meshes=2,
 )
