@@ -14,9 +14,9 @@ from palpate.diagnosis.covariance import errors, noise_of, varying
 from palpate.diagnosis.design import longest_rise
 from palpate.diagnosis.fit import solve
 from palpate.diagnosis.law import Law
-from palpate.diagnosis.own_values import recording_values
+from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.result import curves, own_values
+from palpate.diagnosis.result import curves
 from palpate.errors import PalpateError
 from palpate.mechanisms import Scale
 from palpate.protocol import Protocol, trapezoid
@@ -54,6 +54,18 @@ def solved(explanation):
     return observed, solve(problem, explanation, found, [np.full(problem.dimensions(explanation), 0.5)])
 
 
+def varied(**variances):
+    """Return a fit to which the noise's variances are known, and its curve."""
+    _, fit = solved(("thermal_drift", "zero_offset"))
+    none = dict.fromkeys(fit.errors.noise.variances, 0.0)
+    noise = replace(fit.errors.noise, variances=none | variances)
+    return replace(fit, errors=replace(fit.errors, noise=noise)), fit.problem.split(fit.curve)["a"]
+
+
+def recorded(mean):
+    return Observation(CONDITION.protocol.sample_time, np.tile(mean, (4, 1)))
+
+
 def test_every_recording_has_its_own_zero():
     observed, fit = solved(("zero_offset",))
     rows = recording_values(STUDY, observed, fit)["zero_offset.offset"]
@@ -64,13 +76,15 @@ def test_every_recording_has_its_own_zero():
 
 def test_two_effects_that_vary_share_what_they_both_could_explain():
     """A departure of the zero point alone is not counted again as a drift."""
-    _, fit = solved(("thermal_drift", "zero_offset"))
-    noise = replace(
-        fit.errors.noise, variances=fit.errors.noise.variances | {"thermal_drift": 0.1, "zero_offset": 100.0}
-    )
-    fit = replace(fit, errors=replace(fit.errors, noise=noise))
+    fit, curve = varied(thermal_drift=0.1, zero_offset=100.0)
     departure = 5.0 * fit.problem.unit_effect("zero_offset", CONDITION)
-    assert own_values(fit, CONDITION, departure, count=4) == pytest.approx(departure, rel=0.05)
+    assert in_mean(STUDY, fit, CONDITION, curve, recorded(curve + departure)) == pytest.approx(departure, rel=0.05)
+
+
+def test_the_depth_factor_of_a_site_is_not_taken_for_a_drift():
+    """A drift of 0.3 nm/s would add 15 nm at the end, where a site that is softer by 1 % adds 3 to 10 nm."""
+    fit, curve = varied(thermal_drift=0.1, site=1e-4)
+    assert np.abs(in_mean(STUDY, fit, CONDITION, curve, recorded(1.01 * curve))).max() < 0.05 * 0.01 * curve.max()
 
 
 def test_what_belongs_to_the_instrument_has_no_value_of_a_recording():

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.calibration import Observation
 from palpate.calibration.noise import model_covariance
-from palpate.config import Study
+from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import NORMAL_95, Law
@@ -38,7 +38,7 @@ def recording_values(
     keys = varying(fit.explanation)
     if not keys:
         return {}
-    noise, best = fit.errors.noise, fit.problem.amplitudes(fit.explanation, fit.z)
+    best = fit.problem.amplitudes(fit.explanation, fit.z)
     found: dict[str, list[dict[str, Any]]] = {}
     for condition in study.conditions:
         item = observed[condition.name]
@@ -46,8 +46,7 @@ def recording_values(
             curve = curve_under(study, condition, fit)
         except PalpateError:
             continue
-        covariance = noise.typical(components_under(fit.problem, (), condition, curve))
-        covariance += model_covariance({condition.name: curve}, study.calibration["solver_error"])
+        covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)
         for number, depth in enumerate(item.depth, 1):
@@ -60,6 +59,31 @@ def recording_values(
                 row = {"condition": condition.name, "number": number, "estimate": value}
                 found.setdefault(f"{key}.{name}", []).append(row | {"lower": value - half, "upper": value + half})
     return found
+
+
+def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation) -> np.ndarray:
+    """Return what departures from their mean values add to the mean of a condition's recordings (n_points,) [nm].
+
+    All together they are the likeliest, given how much each varies, about a simulated `curve` (n_points,) [nm].
+    """
+    noise, count, columns, spreads = fit.errors.noise, len(item.depth), [], []
+    for key in varying(fit.explanation):
+        spread = noise.variances[key] / count if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
+        if spread > 0:
+            columns.append(fit.problem.unit_effect(key, condition))
+            spreads.append(spread)
+    if not columns:
+        return np.zeros_like(curve)
+    design = np.column_stack(columns)
+    weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
+    departures = np.linalg.solve(design.T @ weighed + np.diag(1.0 / np.array(spreads)), weighed.T @ (item.mean - curve))
+    return design @ departures
+
+
+def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
+    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,)."""
+    noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
+    return noise / count + model_covariance({condition.name: curve}, study.calibration["solver_error"])
 
 
 def _with_laws(

@@ -9,16 +9,15 @@ import numpy as np
 import pandas as pd
 
 from palpate.calibration import Observation
-from palpate.config import Condition, Study
+from palpate.config import Study
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
-from palpate.diagnosis.own_values import recording_values
+from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.refine import curve_under
@@ -75,28 +74,10 @@ def curves(
         columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
         columns |= {"load_mN": condition.protocol.sample_load, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
-            columns[name] = curve + own_values(fit, condition, item.mean - curve, len(item.depth))
+            columns[name] = curve + in_mean(study, fit, condition, curve, item)
         columns["noise_nm"] = np.sqrt(noise_variance(after, item))
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True), failed
-
-
-def own_values(fit: Fit, condition: Condition, residual: np.ndarray, count: int) -> np.ndarray:
-    """Return what the varying mechanisms' departures from their mean value add under one condition (n_points,) [nm].
-
-    All together they are the likeliest, given how much each varies, and the noise.
-    """
-    noise, columns, spreads = fit.errors.noise, [], []
-    for key in varying(fit.explanation):
-        spread = noise.variances[key] / count if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
-        if spread > 0:
-            columns.append(fit.problem.unit_effect(key, condition))
-            spreads.append(spread)
-    if not columns:
-        return np.zeros_like(residual)
-    effects, variance = np.column_stack(columns), float(np.median(noise.sigma)) ** 2
-    precision = effects.T @ effects / variance + np.diag(1.0 / np.array(spreads))
-    return effects @ np.linalg.solve(precision, effects.T @ residual / variance)
 
 
 def noise_variance(fit: Fit, item: Observation) -> np.ndarray:
