@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -64,6 +65,27 @@ def test_batch(benchmark, condition):
     benchmark.extra_info["cpu_seconds_single"] = min(single)
     benchmark.extra_info["cpu_seconds_batched"] = min(batched)
     benchmark.extra_info["times_faster"] = min(single) / min(batched)
+
+
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+@pytest.mark.parametrize("mechanism", [{"friction": {"coefficient": 0.2}}, {"adhesion": {"work": 100.0}}], ids=str)
+def test_surface_in_lanes(benchmark, kinematics, mechanism):
+    """The mean over eight meshes, in lanes against eight times the single solver on one, in CPU time."""
+    once = replace(specification(kinematics), mechanisms=mechanism)
+    eight = replace(once, meshes=8)
+    simulate(once), simulate(eight)
+    single, together = [], []
+
+    def turn():
+        began = process_time()
+        simulate(eight)
+        between = process_time()
+        simulate(once)
+        together.append(between - began)
+        single.append(process_time() - between)
+
+    benchmark.pedantic(turn, rounds=5)
+    benchmark.extra_info["times_faster"] = 8 * min(single) / min(together)
 
 
 def test_memory_of_a_process_that_simulates(benchmark):

@@ -1,4 +1,10 @@
-"""In which order the tests run."""
+"""In which order the tests run, and where."""
+
+
+def pytest_configure(config):
+    """Let each file's tests run in one process, where several processes run; `--dist` alone would stop benchmarks."""
+    if config.option.dist == "load":
+        config.option.dist = "loadfile"
 
 
 def pytest_collection_modifyitems(items):

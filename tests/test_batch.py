@@ -253,6 +253,7 @@ def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
 
 
 PLASTIC = {"model": "burgers_plasticity", "yield_stress": 0.4, "hardening": 0.5}
+SPHERE = {"shape": "sphere", "half_angle": None, "radius": 1e4}
 FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_modulus": 70.0}}}
 
 
@@ -260,24 +261,38 @@ FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_mod
 @pytest.mark.parametrize(
     "changes",
     [
-        {"indenter": {"shape": "sphere", "half_angle": None, "radius": 1e4}},
+        {"indenter": SPHERE},
         {"indenter": {"shape": "sphero_cone", "radius": 300.0}},
         {"indenter": {"modulus": 10.0, "poisson_ratio": 0.2}},
         {"indenter": {"friction": 0.3}},
         {"mechanisms": {"adhesion": {"work": 150.0}}},
+        {"mechanisms": {"adhesion": {"work": 400.0}}, "indenter": SPHERE},
+        {"mechanisms": {"adhesion": {"work": 150.0}}, "indenter": SPHERE | {"friction": 0.3}},
         {"mechanisms": {"size_effect": {"length": 20.0}}},
         FILM,
         {"material": PLASTIC},
         {"material": PLASTIC, "indenter": {"shape": "sphero_cone", "radius": 300.0}} | FILM,
     ],
-    ids=["sphere", "rounded", "elastic tip", "friction", "adhesion", "size", "film", "yield", "all"],
+    ids=[
+        "sphere",
+        "rounded",
+        "elastic tip",
+        "friction",
+        "adhesion",
+        "jump",
+        "rubbing jump",
+        "size",
+        "film",
+        "yield",
+        "all",
+    ],
 )
 def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, monkeypatch):
     """Two meshes for one indentation, half a ring apart.
 
     The single solver may halve steps of the onset, and where it does not its guesses differ there, on which a size
     effect rests, and where friction anchors a node: curves part by some millionths, with friction at large strains by
-    some hundred-thousandths, with a size effect by a thousandth.
+    some hundred-thousandths, beside a jump into contact by half a thousandth, with a size effect by a thousandth.
     """
     indenter = {k: v for k, v in (CONE | changes.get("indenter", {})).items() if v is not None}
     values = {"material": BURGERS | changes.get("material", {}), "indenter": indenter, "protocol": TEST}
@@ -291,26 +306,12 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, 
     alone = [case.alone().depth for case in cases]
     monkeypatch.setattr(batch, "indent_on", None)
     within = 1e-5 if large or "material" in changes else 1e-8
-    if large and spec.indenter.friction:
-        within = 1e-4
+    if large and solid.indenter.friction:
+        within = 5e-4 if solid.specimen.adhesion else 1e-4
     if large and solid.size_length:
         within = 1e-3
     for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
         assert np.abs(history.depth - depth).max() < within * depth.max()
-
-
-@pytest.mark.parametrize("kinematics", ["small", "large"])
-@pytest.mark.parametrize(("work", "friction"), [(50.0, 0.0), (400.0, 0.0), (150.0, 0.3)])
-def test_a_sphere_that_jumps_into_contact_does_so_in_lanes(work, friction, kinematics, monkeypatch):
-    tip = {"shape": "sphere", "half_angle": None, "radius": 1e4, "friction": friction}
-    tip = {key: value for key, value in (CONE | tip).items() if value is not None}
-    values = {"material": BURGERS, "indenter": tip, "protocol": TEST, "mechanisms": {"adhesion": {"work": work}}}
-    spec = replace(specification_from(values | {"kinematics": kinematics}), meshes=2)
-    alone = simulate(spec).depth
-    monkeypatch.setattr(batch, "indent_on", None)
-    together = simulate_batch([spec])[0].depth
-    within = 1e-4 if friction and kinematics == "large" else 1e-6
-    assert np.abs(together - alone).max() < within * alone.max()
 
 
 @pytest.mark.parametrize("model", ["nonlinear_burgers", "burgers_plasticity"])
