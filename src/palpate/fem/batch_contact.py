@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from palpate.fem.batch_adhesion import attract
 from palpate.fem.batch_banded import PANEL
 from palpate.fem.batch_friction import anchor, arrive, reverses, rub, set_out
 from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
@@ -187,63 +186,6 @@ def constrain_forces(body, touch, grip, forces, reaction):
             store(touch.pull, k, load(touch.touching, k) * radial)
             store(forces, r, along * radial + across * vertical)
     store(reaction, 0, total)
-
-
-@njit(cache=True)
-def attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction):
-    """Add the attraction to constrained `forces` and `reaction`; it raises the friction of nodes that touch."""
-    for k in range(body.radial.shape[0]):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            if attraction.hold[k, lane] == 0.0:
-                continue
-            moved, slope = (displacement[r, lane], touch.slope[k, lane]) if r >= 0 else (0.0, 0.0)
-            if touch.touching[k, lane] > 0.0:
-                pull = attract(attraction, k, lane, 0.0)
-                along = grip.ratio[k, lane] * (1.0 + slope**2) * pull
-            else:
-                height = beneath(large, touch, lane, body.distance[k], moved)[0]
-                pull = attract(attraction, k, lane, height - depth[lane] - displacement[z, lane])
-                along = slope * pull
-                forces[z, lane] -= pull
-                reaction[lane] += pull
-            if r >= 0:
-                forces[r, lane] += along
-
-
-@njit(cache=True)
-def attract_matrix(body, touch, grip, attraction, geometric, lower, upper, column, row, corner):
-    """Add the stiffness of the attraction to the constrained matrix.
-
-    What decaying attraction takes away counts where `geometric` (LANES,) is one: without, the matrix stays positive
-    definite.
-    """
-    for k in range(body.radial.shape[0]):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            pull = attraction.pull[k, lane]
-            if pull == 0.0:
-                continue
-            slope, curvature = (touch.slope[k, lane], touch.curvature[k, lane]) if r >= 0 else (0.0, 0.0)
-            if touch.touching[k, lane] > 0.0:
-                own = grip.steepness[k, lane] * (1.0 + slope**2) + 2.0 * grip.ratio[k, lane] * slope * curvature
-                own *= pull
-            else:
-                stiffness = -geometric[lane] * pull / attraction.reach[lane]
-                own = stiffness * slope**2 + curvature * pull
-                lower[entry(z, z, body.width), lane] += stiffness
-                column[z, lane] += stiffness
-                corner[lane] += stiffness
-                if r >= 0:
-                    lower[entry(z, r, body.width), lane] -= stiffness * slope
-                    column[r, lane] -= stiffness * slope
-                if len(upper) > 0:
-                    row[z, lane] += stiffness
-                    if r >= 0:
-                        upper[entry(z, r, body.width), lane] -= stiffness * slope
-                        row[r, lane] -= stiffness * slope
-            if r >= 0:
-                lower[entry(r, r, body.width), lane] += own
 
 
 @njit(cache=True, inline="always")

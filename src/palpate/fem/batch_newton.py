@@ -12,10 +12,9 @@ import numpy as np
 from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
+from palpate.fem.batch_adhesion import attract_forces, attract_matrix
 from palpate.fem.batch_banded import solve
 from palpate.fem.batch_contact import (
-    attract_forces,
-    attract_matrix,
     close_gaps,
     constrain_forces,
     constrain_matrix,
