@@ -1,23 +1,19 @@
-"""Tables by a map of their columns: separators, units, rows and signs, read as written or refused with one line."""
+"""Tables by a map of their columns: separators, numbers, rows and signs, read as written or refused with one line."""
 
 import re
 
 import numpy as np
 import pytest
+from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
 from palpate.cli import main
 from palpate.errors import InputError
-from palpate.readers import ColumnMap, read_each, read_vendor_file
-from palpate.readers.vendor import Unreadable
+from palpate.readers import ColumnMap, read_vendor_file
 from palpate.recording import read_recording
 
-TIME = np.linspace(0, 60, 61)
-FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])
-PATH = 0.25 * np.sqrt(FORCE / 2e3) + 0.001 * TIME
 NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
 MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})
-NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})
 
 
 def rows_of(delimiter, comma):
@@ -99,9 +95,6 @@ def test_a_comment_sign_before_the_header_is_no_column(tmp_path, names):
     assert test.recording.depth == pytest.approx(1e3 * PATH)
 
 
-SHORT = ColumnMap({"time": "t", "load": "P", "depth": "h"}, {"time": "s", "load": "mN", "depth": "nm"})
-
-
 def english(value):
     return f'"{value:,.2f}"' if value >= 1000 else f"{value:g}"
 
@@ -178,37 +171,6 @@ def test_many_bad_rows_are_refused_with_the_first(tmp_path, changes, words):
 
 
 @pytest.mark.parametrize(
-    ("headings", "below"),
-    [
-        (("Time (s)", "Load (µN)", "Depth (µm)"), []),
-        (("t / s", "P / uN", "h / um"), []),
-        (("time_s", "load_uN", "depth_um"), []),
-        (("t", "F_N", "h"), ["s\tµN\t[μm]"]),
-        (("t", "F_N", "h"), ["raw\traw\traw", "s\tµN\t[μm]"]),
-        (("elapsed_time_s", "sample_load_uN", "tip_depth_um_raw"), []),
-        (("Time s", "Load in uN", "Depth, um"), []),
-        (("s", "uN", "um"), []),
-        (("Time (s)", "Load / uN", "Depth_um"), ["sec\tμN\tum"]),
-        (("t<s>", "F.uN", "h{um}"), []),
-        (("t:s", "load-uN", "Depth (raw) / um"), []),
-    ],
-)
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
-def test_units_that_the_table_states_are_used(tmp_path, headings, below, encoding):
-    file = tmp_path / "x.txt"
-    rows = [f"{a:g}\t{b:.6f}\t{c:.6f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
-    file.write_text("\n".join(["\t".join(headings), *below, *rows]), encoding=encoding)
-    names = dict(zip(("time", "load", "depth"), headings, strict=True))
-    for called, given, load_unit, turn in (
-        (names, {}, "uN", 1e-3), (names, {"load": "-N"}, "-N", -1e3), (NUMBERED.names, {}, "uN", 1e-3)
-    ):  # fmt: skip
-        (test,) = read_vendor_file(file, columns=ColumnMap(called, given), contact="none")
-        assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
-        assert test.recording.load == pytest.approx(turn * FORCE, abs=1e-2 * abs(turn))
-        assert f"[{load_unit}]" in test.metadata["columns"]
-
-
-@pytest.mark.parametrize(
     ("text", "words"),
     [
         ("t,P,h\n0,0,0\n1,1,900\n2,2,1,200\n", "line 4: has 4 cells, its header 3; export it with semicolons"),
@@ -221,81 +183,6 @@ def test_columns_that_cannot_be_told_apart_are_refused(tmp_path, text, words):
     file.write_text(text)
     with pytest.raises(InputError, match=words):
         read_vendor_file(file, columns=SHORT)
-
-
-UNKNOWN = [
-    "P (kgf)",
-    "P / kgf",
-    "load_kgf",
-    "Load kN",
-    "Load / kN",
-    "P_mgf",
-    "P nm",
-    "LOAD_UN",
-    "Load grams",
-    "P (1e-3 N)",
-]
-
-
-@pytest.mark.parametrize("heading", UNKNOWN)
-@pytest.mark.parametrize("by_name", [True, False])
-def test_a_stated_unit_that_is_not_known_is_refused(tmp_path, heading, by_name):
-    file = tmp_path / "x.csv"
-    file.write_text(f"t,{heading},h\n0,0,0\n1,1,1\n")
-    names = {"time": "t", "load": heading, "depth": "h"} if by_name else NUMBERED.names
-    column = re.escape(names["load"])
-    with pytest.raises(InputError, match=f"x.csv, column {column}: the load's unit '.+' is not known.*mN, uN"):
-        read_vendor_file(file, columns=ColumnMap(names))
-    (test,) = read_vendor_file(file, columns=ColumnMap(names, {"load": "N"}))
-    assert test.recording.load.max() == 1000
-
-
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        (["t,F_N,h"], "column F_N: 'N' may be the load's unit or part of the name"),
-        (["t,F_N,h", "s,gf,nm"], "the load's unit 'gf' is not known"),
-        (["s,gf,nm", "t,F_N,h"], "the load's unit 'gf' is not known"),
-        (["t,F_N,h", "s,mN,nm", "s,uN,nm"], "the load's unit is stated as mN and uN"),
-    ],
-)
-def test_a_unit_that_cannot_be_told_is_refused(tmp_path, rows, words):
-    file = tmp_path / "x.csv"
-    file.write_text("\n".join([*rows, "0,0,0", "1,1,1"]))
-    for names in ({"time": "t", "load": "F_N", "depth": "h"}, NUMBERED.names):
-        with pytest.raises(InputError, match=words.replace("F_N:", f"{names['load']}:")):
-            read_vendor_file(file, columns=ColumnMap(names))
-
-
-@pytest.mark.parametrize("above", [["Time\tLoad\tDepth", "s\tN\tum"], ["s\tN\tum", "Time\tLoad\tDepth"], ["s\tN\tum"]])
-def test_a_row_of_units_is_found_wherever_it_stands(tmp_path, above):
-    file = tmp_path / "x.txt"
-    file.write_text("\n".join(["Sample (glass)\tA/B", *above, "0\t0\t0", "1\t2\t3"]))
-    for names in ({"time": "Time", "load": "Load", "depth": "Depth"}, NUMBERED.names):
-        if names is NUMBERED.names or len(above) > 1:
-            (test,) = read_vendor_file(file, columns=ColumnMap(names))
-            assert (test.recording.load.max(), test.recording.depth.max()) == (2000, 3000)
-
-
-@pytest.mark.parametrize(
-    ("time", "load", "depth"),
-    [
-        ("Time", "Load", "Depth"),
-        ("t", "P", "h"),
-        ("Time on sample", "Load On Sample", "Displacement Into Surface"),
-        ("Zeit", "Normal force Fn", "Penetration depth Pd"),
-        ("time_raw", "Raw Load", "Depth corrected"),
-        ("Elapsed Time", "Force 1", "hc (nm)"),
-        ("TIME", "P_max_300mN", "h_s"),
-        ("A", "B", "C"),
-    ],
-)
-def test_headings_without_a_unit_leave_the_usual_ones(tmp_path, time, load, depth):
-    file = tmp_path / "x.csv"
-    file.write_text(f"{time},{load},{depth}\nnan,nan,nan\n0,0,0\n1,2,3\n")
-    for names in ({"time": time, "load": load, "depth": depth}, NUMBERED.names):
-        (test,) = read_vendor_file(file, columns=ColumnMap(names))
-        assert (test.recording.time[-1], test.recording.load.max(), test.recording.depth.max()) == (1, 2, 3)
 
 
 @pytest.mark.parametrize("contact", ["file", "auto"])
@@ -363,24 +250,6 @@ def test_invalid_values_are_dropped_and_many_are_refused(tmp_path):
         read_vendor_file(file, columns=columns)
 
 
-def test_units_that_nobody_states_are_told(tmp_path):
-    file = tmp_path / "x.csv"
-    file.write_text("Time (s),Load,Depth\n0,0,0\n1,1,1\n")
-    (test,) = read_vendor_file(file, columns=NUMBERED)
-    assert test.warnings == ("no unit is stated: load taken as mN, depth taken as nm (--units)",)
-    (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, {"load": "uN", "depth": "um"}))
-    assert test.warnings == ()
-    assert test.recording.load[-1] == pytest.approx(1e-3)
-
-
-@pytest.mark.parametrize("name", ["Displacement [um]", "Displacement [µm]", "Displacement [μm]"])
-def test_columns_are_found_by_whatever_micro_sign(tmp_path, name):
-    file = tmp_path / "x.csv"
-    file.write_text("Time [s],Load [mN],Displacement [µm]\n0,0,0\n1,1,2\n", encoding="utf-8")
-    (test,) = read_vendor_file(file, columns=ColumnMap({"time": "Time [s]", "load": "Load [mN]", "depth": name}))
-    assert test.recording.depth == pytest.approx([0, 2000])
-
-
 @pytest.mark.parametrize("heading", ["Time", "Time (hh:mm:ss)", "Time/h:m:s"])
 def test_clocks_are_read(tmp_path, heading):
     file = tmp_path / "x.csv"
@@ -424,64 +293,6 @@ def test_a_test_that_does_not_begin_at_zero_depth_is_told(tmp_path, depth, load,
     assert [warning.split(" (")[0] for warning in test.warnings] == ([told] if told else [])
     (whole,) = read_vendor_file(file, contact="none", columns=NUMBERED)
     assert whole.warnings == ()
-
-
-def below_one_another(*tests, heading="t,P,h"):
-    """A text of several tests, each under the same row of names and a title."""
-    blocks = [
-        [f"Test {k}", heading, *(f"{a:g},{b:g},{c:g}" for a, b, c in zip(*test, strict=True))]
-        for k, test in enumerate(tests)
-    ]
-    return "\n".join(line for block in blocks for line in ["", *block]) + "\n"
-
-
-ONE = (TIME, FORCE / 1e3, 1e3 * PATH)
-OTHER = (TIME[:40], FORCE[:40] / 2e3, 900 * PATH[:40])
-
-
-@pytest.mark.parametrize("workbook", [False, True])
-def test_tests_below_one_another_under_the_same_header_are_read_each(tmp_path, workbook):
-    file = tmp_path / "x.csv"
-    lines = below_one_another(ONE, OTHER, ONE).splitlines()
-    if workbook:
-        cells = [[cell if not cell[:1].isdigit() else float(cell) for cell in line.split(",")] for line in lines]
-        write_workbook(file, {"x": cells})
-    else:
-        file.write_text("\n".join(lines))
-    tests = read_vendor_file(file, columns=SHORT)
-    assert [test.name for test in tests] == ["x_1", "x_2", "x_3"]
-    for test, (time, load, depth) in zip(tests, (ONE, OTHER, ONE), strict=True):
-        assert test.warnings == ()
-        assert test.recording.name == test.name
-        assert test.recording.time == pytest.approx(time)
-        assert test.recording.load == pytest.approx(load, abs=1e-5)
-        assert test.recording.depth == pytest.approx(depth, abs=1e-2)
-
-
-def test_one_spoilt_test_of_those_below_one_another_costs_only_itself(tmp_path):
-    file = tmp_path / "x.csv"
-    lines = below_one_another(OTHER, ONE).splitlines()
-    lines[30:33] = ["x,1,2"] * 3
-    file.write_text("\n".join(lines))
-    first, second = read_each(file, columns=SHORT)
-    assert isinstance(first, Unreadable)
-    assert "x.csv, line 31: 'x, 1, 2' is not three numbers; 3 of 40 rows" in str(first.error)
-    assert second.recording.time == pytest.approx(TIME)
-
-
-def test_a_header_repeated_within_a_test_parts_nothing(tmp_path):
-    file = tmp_path / "x.csv"
-    first, second = (tuple(channel[half] for channel in ONE) for half in (slice(30), slice(30, None)))
-    file.write_text(below_one_another(first, second))
-    (test,) = read_vendor_file(file, columns=SHORT)
-    assert test.recording.time == pytest.approx(TIME)
-
-
-def test_tests_below_one_another_under_other_headers_are_refused(tmp_path):
-    file = tmp_path / "x.csv"
-    file.write_text(below_one_another(ONE) + below_one_another(OTHER, heading="t,P,H"))
-    with pytest.raises(InputError, match="write each of several tests to a file of its own"):
-        read_vendor_file(file, columns=SHORT)
 
 
 @pytest.mark.parametrize(
