@@ -33,7 +33,7 @@ class Touch(NamedTuple):
         One where a surface node touches, else zero.
     gap : ndarray, shape (k, LANES)
         Gap that the next change of displacements closes.
-    push, pull : ndarray, shape (k, LANES)
+    upward, outward : ndarray, shape (k, LANES)
         Vertical and radial force on each node that touches.
     joined : ndarray of bool, shape (LANES,)
         Whether some gap is to be closed.
@@ -46,17 +46,18 @@ class Touch(NamedTuple):
     curvature: np.ndarray
     touching: np.ndarray
     gap: np.ndarray
-    push: np.ndarray
-    pull: np.ndarray
+    upward: np.ndarray
+    outward: np.ndarray
     joined: np.ndarray
 
     @classmethod
     def at_apex(cls, profiles: Sequence[Profile], count: int) -> Touch:
         """Return indenters whose apex alone touches the first of `count` nodes; lengths are in units of the lanes."""
-        slope, curvature, touching, gap, push, pull = np.zeros((6, count, LANES))
+        slope, curvature, touching, gap, upward, outward = np.zeros((6, count, LANES))
         touching[0] = 1.0
         radius, edge, flank = np.array([(p.radius, p.edge, p.flank) for p in profiles]).T.copy()
-        return cls(radius, edge, flank, slope, curvature, touching, gap, push, pull, np.zeros(LANES, dtype=np.bool_))
+        joined = np.zeros(LANES, dtype=np.bool_)
+        return cls(radius, edge, flank, slope, curvature, touching, gap, upward, outward, joined)
 
 
 @njit(cache=True)
@@ -178,12 +179,12 @@ def constrain_forces(body, touch, grip, forces, reaction):
         vertical = load(forces, z)
         force = load(touch.touching, k) * vertical
         total = total + force
-        store(touch.push, k, force)
+        store(touch.upward, k, force)
         store(forces, z, vertical - force)
         if r >= 0:
             radial = load(forces, r)
             along, across = balance(touch, grip, k)
-            store(touch.pull, k, load(touch.touching, k) * radial)
+            store(touch.outward, k, load(touch.touching, k) * radial)
             store(forces, r, along * radial + across * vertical)
     store(reaction, 0, total)
 
@@ -221,9 +222,9 @@ def constrain_matrix(body, touch, grip, geometric, lower, upper, column, row, co
             shared = load(lower, entry(z, r, body.width))
             own = load(lower, entry(r, r, body.width))
             own = along * (own + slope * shared) + across * (shared + slope * diagonal)
-            push, pull = load(touch.push, k), load(touch.pull, k)
-            own = own + load(touch.curvature, k) * load(geometric, 0) * (push + load(grip.ratio, k) * pull)
-            own = own + load(grip.steepness, k) * (load(touch.slope, k) * pull - push)
+            upward, outward = load(touch.upward, k), load(touch.outward, k)
+            own = own + load(touch.curvature, k) * load(geometric, 0) * (upward + load(grip.ratio, k) * outward)
+            own = own + load(grip.steepness, k) * (load(touch.slope, k) * outward - upward)
             store(lower, entry(r, r, body.width), own)
             store(column, r, along * (load(column, r) - held * shared) + across * (side - held * diagonal))
             store(lower, entry(z, r, body.width), shared - held * shared)
