@@ -19,7 +19,7 @@ from palpate.model import simulate_batch
 from palpate.recording import Recording
 
 REPLICATES = 3
-MESHES = 2  # no real recording ripples as contact passes from node to node
+MESHES = 4  # no real recording ripples as contact passes from node to node
 
 
 def body_depths(
