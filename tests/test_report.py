@@ -1,6 +1,10 @@
 """What the report says in words."""
 
-from palpate.report import misfit_sentence
+import re
+
+import pandas as pd
+
+from palpate.report import misfit_sentence, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -10,3 +14,9 @@ def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
     assert "explains the recordings" not in said
     assert "1.17); a small effect may hide in it" in said
     assert "does not explain the recordings" in misfit_sentence(calibration | {"misfit_ratio": 3.0})
+
+
+def test_headings_are_words_with_units():
+    shown = table(pd.DataFrame({"rmse_nm": [1.23456], "condition_set": ["all"], "identified": [True]}))
+    assert re.findall("<th>(.*?)</th>", shown) == ["rmse [nm]", "condition set", "identified"]
+    assert re.findall("<td>(.*?)</td>", shown) == ["1.235", "all", "yes"]

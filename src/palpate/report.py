@@ -39,8 +39,14 @@ def paragraph(text: str) -> str:
 
 def table(frame: pd.DataFrame) -> str:
     """Return a table; numbers to four digits, yes or no, and nothing where nothing is known."""
-    shown = frame.astype(object).map(cell)
+    shown = frame.astype(object).map(cell).rename(columns=heading)
     return shown.to_html(index=False, border=0)
+
+
+def heading(name: str) -> str:
+    """Return what a table shows of a column's name: words, and the unit in brackets."""
+    bare = name.removesuffix("_nm")
+    return bare.replace("_", " ") + (" [nm]" if bare != name else "")
 
 
 def cell(value: object) -> object:

@@ -198,12 +198,14 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
         found = folder / recordings
         if recordings in study.laboratory:
             notes.append(
-                f"Recordings `{recordings}` are synthetic: a virtual laboratory wrote them, nobody measured them."
+                f"Recordings “{recordings}” are synthetic: a virtual laboratory wrote them, nobody measured them."
             )
         pieces = [
             f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
             report.table(pd.read_csv(found / "errors.csv")),
-            report.table(with_units(pd.read_csv(found / "parameters.csv"), study)),
+            report.table(
+                with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})
+            ),
             report.image(found / "figures/parameters.png", "calibrated parameters"),
             *(report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
             report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),
