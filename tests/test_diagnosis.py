@@ -16,7 +16,7 @@ from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors, noise_of, varying
 from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import Search, may_be_named
+from palpate.diagnosis.diagnose import Candidate, Search, _resumed, _without_idle, may_be_named
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import solve, starting_points
 from palpate.diagnosis.locate import location
@@ -301,6 +301,28 @@ def test_single_recordings_measure_all_explanations_by_the_quietest_noise():
     assert np.median(own[0]) > 1.2 * np.median(own[1])
     assert base.errors.noise.sigma == pytest.approx(own[1], rel=0.01)
     assert framed.errors.noise is base.errors.noise
+
+
+def test_a_set_whose_search_stopped_early_goes_on_where_a_larger_one_ended(monkeypatch):
+    """The larger one holds a frame that does nothing, and so makes way for the drift alone."""
+    rng = np.random.default_rng(8)
+    task = problem(recordings(rng, lambda c, r: 0.5 * c.protocol.sample_time))
+    study = SimpleNamespace(diagnosis={"bootstrap": 200}, calibration={"site_scatter": 0.01, "solver_error": 0.003})
+    search = Search(study, task, RECORD_ONLY, rng)
+    drift = search.extended(search.base(), "thermal_drift")
+    stopped = Candidate(replace(drift, z=drift.z + 0.02), p_value=0.001, confirmed=True)
+    larger = search.extended(drift, "frame_compliance")
+    start = search.without(larger, "frame_compliance")
+    assert start.explanation == ("thermal_drift",)
+    idle = task.effect("frame_compliance", larger.z[:2], larger.z[3:])[0]
+    np.testing.assert_allclose(start.curve, larger.curve - idle)
+    monkeypatch.setattr(Search, "refined", lambda self, fit: Candidate(fit, p_value=1.0, confirmed=True))
+    standing = [Candidate(larger, p_value=1.0, confirmed=True)]
+    (resumed,) = _resumed(search, standing, [*standing, stopped], lambda line: None)
+    assert resumed.fit.log_likelihood > stopped.fit.log_likelihood
+    assert _without_idle(standing, [resumed]) == []
+    found_well = Candidate(drift, p_value=1.0, confirmed=True)
+    assert _resumed(search, standing, [*standing, found_well], lambda line: None) == []
 
 
 def test_one_kind_of_test_names_no_effect_but_the_instruments():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.config import Study
+from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import Errors, errors, noise_of, varying
 from palpate.diagnosis.detect import examine, excess, gains
 from palpate.diagnosis.fit import Fit, solve, starting_points
@@ -136,6 +137,17 @@ class Search:
         weighed = self._errors(wider, best.residual, best.z)
         return solve(self._problem, wider, weighed, [best.z], correction, laws=self._laws)
 
+    def without(self, fit: Fit, key: str) -> Fit:
+        """Return the explanation with one mechanism less, where a fit ended, on its curves less the effect there."""
+        u, own = self._problem.parts(fit.explanation, fit.z)
+        smaller: Explanation = tuple(other for other in fit.explanation if other != key)
+        z = np.concatenate([u, *(own[other] for other in smaller)])
+        curve = fit.curve - self._problem.effect(key, u, own[key])[0]
+        missed = curve - self._problem.curves(smaller, z[None])[0]
+        correction = replace(Correction.none(len(curve), len(z)), at=z, value=missed)
+        errors_there = self._errors(smaller, self._problem.mean - curve, z).exact
+        return Fit(self._problem, smaller, z, errors_there, correction, tuple(self._laws))
+
     def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
         """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
         try:
@@ -214,6 +226,9 @@ def diagnose(
         wider = [search.extended(fit, key) for fit, key in _larger_sets(found, keys)]
         found = _refine_best(search, wider, MOST_REFINED_SETS, level, report)
         tried, standing = _sharpened(search, found, found + tried, level)
+        if resumed := _resumed(search, standing, tried, report):
+            tried, again = _sharpened(search, resumed, resumed + tried, level)
+            standing = _standing([*again, *_without_idle(standing, again)], tried, level)
     verdict, probabilities = _judge(standing)
     if verdict == "identified" and not may_be_named(problem, standing[0].fit.explanation):
         verdict = "ambiguous"
@@ -248,6 +263,35 @@ def _refine_best(
             report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}")
         done.append(candidate)
     return _best_first(done)
+
+
+def _resumed(
+    search: Search, standing: list[Candidate], tried: list[Candidate], report: Callable[[str], None]
+) -> list[Candidate]:
+    """Return sets, each on the forward model again from where a larger one that stands ended without its mechanism.
+
+    Those that fit better there than where their own search had stopped: in a valley of the surrogates, out of which
+    the coordinate of an effect that does nothing led.
+    """
+    stopped = {frozenset(each.fit.explanation): each.fit for each in reversed(tried) if each.confirmed}
+    resumed = []
+    for candidate in standing:
+        for key in candidate.fit.explanation:
+            start = search.without(candidate.fit, key)
+            fit = stopped.get(frozenset(start.explanation))
+            if fit and start.log_likelihood > fit.log_likelihood:
+                resumed.append(search.refined(start))
+                report(
+                    f"{'+'.join(start.explanation)} again: on the forward model "
+                    f"{resumed[-1].fit.log_evidence:.1f}, p = {resumed[-1].p_value:.3g}"
+                )
+    return resumed
+
+
+def _without_idle(standing: list[Candidate], smaller: list[Candidate]) -> list[Candidate]:
+    """Return the sets that stand, but for those around a smaller one that stands, too: they hold what does nothing."""
+    within = [set(candidate.fit.explanation) for candidate in smaller]
+    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in within)]
 
 
 def _sharpened(
