@@ -16,7 +16,12 @@ class Correction(Plane):
     @classmethod
     def none(cls, points: int, dimensions: int) -> Correction:
         """Return the correction that trusts the surrogates."""
-        return cls(np.zeros(dimensions), np.zeros(points), np.zeros((points, dimensions)))
+        return cls.constant(np.zeros(dimensions), np.zeros(points))
+
+    @classmethod
+    def constant(cls, at: np.ndarray, value: np.ndarray) -> Correction:
+        """Return the correction that is known at some coordinates (k,) alone, and the same everywhere."""
+        return cls(at, value, np.zeros((len(value), len(at))))
 
     def widened(self, dimensions: int) -> Correction:
         """Return the correction for an explanation with more coordinates, on which it does not depend."""

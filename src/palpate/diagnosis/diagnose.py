@@ -49,6 +49,11 @@ class Candidate:
     confirmed: bool = False
     contradicts: tuple[Law, ...] = ()
 
+    @property
+    def seen(self) -> str:
+        """What the forward model has shown of it, in words."""
+        return f"on the forward model {self.fit.log_evidence:.1f}, p = {self.p_value:.3g}"
+
     def adequate(self, significance: float) -> bool:
         """Return whether nothing but noise is left and no exact law is contradicted."""
         return self.p_value is not None and self.p_value >= significance and not self.contradicts
@@ -143,8 +148,7 @@ class Search:
         smaller: Explanation = tuple(other for other in fit.explanation if other != key)
         z = np.concatenate([u, *(own[other] for other in smaller)])
         curve = fit.curve - self._problem.effect(key, u, own[key])[0]
-        missed = curve - self._problem.curves(smaller, z[None])[0]
-        correction = replace(Correction.none(len(curve), len(z)), at=z, value=missed)
+        correction = Correction.constant(z, curve - self._problem.curves(smaller, z[None])[0])
         errors_there = self._errors(smaller, self._problem.mean - curve, z).exact
         return Fit(self._problem, smaller, z, errors_there, correction, tuple(self._laws))
 
@@ -254,10 +258,7 @@ def _refine_best(
             if candidate.adequate(level):
                 near = max(near, fit.promise - RIVALS)
                 least = max(least, candidate.fit.log_evidence - OUTDONE)
-            report(
-                f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, on the forward model "
-                f"{candidate.fit.log_evidence:.1f}, p = {candidate.p_value:.3g}"
-            )
+            report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, {candidate.seen}")
         else:
             candidate = Candidate(fit)
             report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}")
@@ -281,10 +282,7 @@ def _resumed(
             fit = stopped.get(frozenset(start.explanation))
             if fit and start.log_likelihood > fit.log_likelihood:
                 resumed.append(search.refined(start))
-                report(
-                    f"{'+'.join(start.explanation)} again: on the forward model "
-                    f"{resumed[-1].fit.log_evidence:.1f}, p = {resumed[-1].p_value:.3g}"
-                )
+                report(f"{'+'.join(start.explanation)} again: {resumed[-1].seen}")
     return resumed
 
 

@@ -106,7 +106,7 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
         When the forward model fails at the fit's coordinates.
     """
     z = np.clip(fit.z, MARGIN, 1.0 - MARGIN)
-    start = replace(Correction.none(len(fit.residual), len(z)), at=z, value=missed_by_surrogates(study, fit, z))
+    start = Correction.constant(z, missed_by_surrogates(study, fit, z))
     best = replace(fit, z=z, correction=start, errors=fit.errors.exact)
     if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
         return best

@@ -43,14 +43,10 @@ class Attraction(NamedTuple):
                 reach[lane], hold[:, lane] = adhesion.reach / units[lane], adhesion.hold
         return cls(reach, hold, np.zeros_like(hold))
 
-    @property
-    def acts(self) -> bool:
-        """Whether any lane has adhesion."""
-        return bool(self.hold.any())
-
     def stride(self, change: np.ndarray) -> np.ndarray:
         """Return the farthest (LANES,) that one iteration may move a node of a step with a guess of its `change`."""
-        return np.maximum(STRIDE * self.reach, np.abs(change).max(axis=0)) if self.acts else np.full(LANES, np.inf)
+        farthest = np.maximum(STRIDE * self.reach, np.abs(change).max(axis=0))
+        return np.where(self.hold.any(axis=0), farthest, np.inf)
 
 
 @njit(cache=True)

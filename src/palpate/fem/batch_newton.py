@@ -92,8 +92,7 @@ def advance(
                 taken[lane] += 1
                 searching[lane] = False
         constrain_forces(body, touch, grip, forces, reaction)
-        if sticky:
-            attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction)
+        attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction)
         excess[:] = -reaction - load_now
         measure(forces, direction, size, norm, work)
         work += toward * excess
@@ -128,16 +127,14 @@ def advance(
         if not joined:
             stiffness(large, body, points, laws, displacement, geometric, band)
         constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
-        if sticky:
-            attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
+        attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
         step(band, upper, body.width, forces, border, row, corner, excess, solving, direction, toward, start)
         indefinite = solving & ~np.isfinite(start)
         if (large or sticky) and np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, band)
             constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
-            if sticky:
-                attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
+            attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
             step(band, upper, body.width, forces, border, row, corner, excess, indefinite, direction, toward, start)
             geometric[:] = 1.0
         for lane in range(LANES):
