@@ -8,7 +8,7 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
 from palpate.calibration.space import Space
 from palpate.diagnosis.covariance import components, noise_of
-from palpate.diagnosis.detect import examine
+from palpate.diagnosis.detect import examine, loudest
 from palpate.diagnosis.noise import SINGLE_MEMORY
 
 
@@ -33,6 +33,21 @@ def test_a_parameter_held_by_its_bound(null, bounds):
     """The modulus is 1: bounds that leave it out keep the model from the recordings, and that must show."""
     narrow = replace(null, space=Space({"modulus": bounds, "fluidity": (0.0099, 0.0101)}))
     assert p_of(fitted(narrow)) < 0.01
+
+
+def test_what_a_named_drift_leaves():
+    """Drifts scatter as the background does: with both fitted, neither would be known, and misfit pass for noise."""
+    rng = np.random.default_rng(6)
+    rates = iter(0.3 + 0.03 * rng.standard_normal(12))
+
+    def both(condition, replicate):
+        protocol = condition.protocol
+        return next(rates) * protocol.sample_time + 8.0 * protocol.sample_load
+
+    fit = fitted(problem(recordings(rng, both)), ("thermal_drift",))
+    assert p_of(fit) < 0.01
+    _, under_noise = loudest(fit, RECORD_ONLY, rng, 400)
+    assert np.quantile(under_noise, 0.01) > -20.0
 
 
 def test_noise_of_single_recordings_never_grows_slow():

@@ -102,17 +102,17 @@ def components(problem: Problem, keys: Iterable[str], depth: np.ndarray) -> list
 def components_under(
     problem: Problem, keys: Iterable[str], condition: Condition, curve: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm]."""
+    """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm].
+
+    Where a steady drift is among the mechanisms `keys`, the background is part of how its value scatters: two
+    components alike would leave the variance of each unknown.
+    """
     time = condition.protocol.sample_time
-    parts = {
-        "site": np.outer(curve, curve),
-        "wander": np.minimum.outer(time, time),
-        "background": np.outer(time, time),
-    }
-    for key in keys:
-        column = problem.unit_effect(key, condition)
-        parts[key] = np.outer(column, column)
-    return parts
+    columns = {key: problem.unit_effect(key, condition) for key in keys}
+    parts = {"site": np.outer(curve, curve), "wander": np.minimum.outer(time, time)}
+    if not any(np.array_equal(column, time) for column in columns.values()):
+        parts["background"] = np.outer(time, time)
+    return parts | {key: np.outer(column, column) for key, column in columns.items()}
 
 
 def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float) -> dict[str, float]:

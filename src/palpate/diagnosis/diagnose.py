@@ -310,17 +310,18 @@ def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str
     """Return the sets with one mechanism more that promise the greatest evidence.
 
     What a set promises is the evidence of the smaller one, plus what filters and laws see of the mechanism that joins.
+    Of several ways to a set the one counts that begins on the forward model, if any does: what that corrected stays so.
     """
-    promised: dict[frozenset[str], tuple[float, Fit, str]] = {}
+    promised: dict[frozenset[str], tuple[bool, float, Fit, str]] = {}
     for candidate in tried:
         fit, gain = candidate.fit, gains(candidate.fit, keys)
         for key in [key for key in keys if key not in fit.explanation]:
             asked = sum(off**2 for law, off in zip(fit.laws, fit.from_laws(fit.z), strict=True) if law.key == key)
             score = fit.promise + 0.5 * (gain[key] + asked)
             wider = frozenset((*fit.explanation, key))
-            if wider not in promised or score > promised[wider][0]:
-                promised[wider] = score, fit, key
-    return [(fit, key) for _, fit, key in sorted(promised.values(), key=lambda entry: -entry[0])[:MOST_SETS]]
+            if wider not in promised or (candidate.confirmed, score) > promised[wider][:2]:
+                promised[wider] = candidate.confirmed, score, fit, key
+    return [(fit, key) for _, _, fit, key in sorted(promised.values(), key=lambda entry: -entry[1])[:MOST_SETS]]
 
 
 def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:

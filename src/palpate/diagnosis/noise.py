@@ -64,8 +64,9 @@ class NoiseModel:
         return found | {2 * count + j: components[name] for j, name in enumerate(self.variances)}
 
     def typical(self, components: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return K (n, n) of a condition of which only the `components` are known: median point noise [nm^2]."""
-        return matrix_of(float(np.median(self.sigma)), float(np.median(self.memory)), self.variances, components)
+        """Return K (n, n) of a condition of which only `components` are known, where the model has them [nm^2]."""
+        known = {name: component for name, component in components.items() if name in self.variances}
+        return matrix_of(float(np.median(self.sigma)), float(np.median(self.memory)), self.variances, known)
 
     @classmethod
     def joined(cls, models: Sequence[NoiseModel]) -> NoiseModel:

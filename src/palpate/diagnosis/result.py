@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 
 from palpate.calibration import Observation
-from palpate.config import Study
+from palpate.config import Condition, Study
 from palpate.diagnosis.between_tests import p_between_tests
+from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Fit
@@ -75,17 +76,15 @@ def curves(
         columns |= {"load_mN": condition.protocol.sample_load, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
             columns[name] = curve + in_mean(study, fit, condition, curve, item)
-        columns["noise_nm"] = np.sqrt(noise_variance(after, item))
+        columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True), failed
 
 
-def noise_variance(fit: Fit, item: Observation) -> np.ndarray:
+def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:
     """Return the variance (n_points,) [nm^2] of a condition's mean curve."""
-    noise = fit.errors.noise
-    variance = float(np.median(noise.sigma)) ** 2 + noise.variances["site"] * item.mean**2
-    variance = variance + noise.variances["wander"] * item.time + noise.variances["background"] * item.time**2
-    return variance / len(item.depth)
+    parts = components_under(fit.problem, (), condition, item.mean)
+    return np.diag(fit.errors.noise.typical(parts)) / len(item.depth)
 
 
 def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:
