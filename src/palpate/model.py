@@ -231,8 +231,9 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(replace(specification, meshes=1)) for specification in specifications]
     cases = [
-        _case(acting(specification), part / specification.meshes, roughly)
+        replace(case, shift=part / specification.meshes)
         for specification in specifications
+        for case in [_case(acting(specification), roughly)]
         for part in range(specification.meshes)
     ]
     histories = iter(indent_distinct(cases))
@@ -248,6 +249,6 @@ def smooth(specification: Specification) -> Specification:
     return replace(specification, meshes=LANES) if specification.indenter.of_revolution else specification
 
 
-def _case(solid: Specification, shift: float = 0.0, roughly: bool = False) -> Case:
+def _case(solid: Specification, roughly: bool) -> Case:
     resolution = ROUGH if roughly else RESOLUTIONS[solid.accuracy]
-    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, solid.kinematics == "large", shift)
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, solid.kinematics == "large")

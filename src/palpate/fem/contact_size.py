@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from palpate.errors import InputError
@@ -37,12 +39,13 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
     return float(min(p, 2.8 * flow))
 
 
+@lru_cache(maxsize=64)
 def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
     """Estimate the smallest contact radius that counts and the largest one [um].
 
     The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
     the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (JKR, see
-    `palpate.analytic.jkr`).
+    `palpate.analytic.jkr`). All meshes of one indentation ask for the same.
     """
     smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
     if specimen.substrate is None:
