@@ -114,11 +114,12 @@ def _indent(
     directions: Directions | None = None,
     observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
+    large = solid.kinematics == "large"
     if not solid.indenter.of_revolution:
         if directions or observe:
             raise axisymmetric_only("derivatives of the depth" if directions else "a field", "indenter.shape")
-        return indent_3d(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS_3D[solid.accuracy], radii)
-    resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
+        return indent_3d(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS_3D[solid.accuracy], large, radii)
+    resolution = RESOLUTIONS[solid.accuracy]
     return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
 
 

@@ -79,8 +79,8 @@ class Specification:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
         object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
         object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
-        if not self.indenter.of_revolution:
-            _check_pyramid(self)
+        if self.adhesion > 0.0 and not self.indenter.of_revolution:
+            raise axisymmetric_only("adhesion", "mechanisms.adhesion")
 
     @property
     def specimen(self) -> Specimen:
@@ -92,20 +92,10 @@ class Specification:
         return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)
 
 
-def _check_pyramid(specification: Specification) -> None:
-    """Refuse what the solver in three dimensions does not know."""
-    if specification.kinematics == "large":
-        raise axisymmetric_only("large strains", "kinematics", remedy="say kinematics: small")
-    if math.isfinite(specification.film_thickness):
-        raise axisymmetric_only("a film on a substrate", "mechanisms.film_on_substrate")
-    if specification.adhesion > 0.0:
-        raise axisymmetric_only("adhesion", "mechanisms.adhesion")
-
-
-def axisymmetric_only(lacking: str, place: str, remedy: str = "leave it out") -> InputError:
+def axisymmetric_only(lacking: str, place: str) -> InputError:
     """Return the error that tells what is known for axisymmetric indenters only."""
     return InputError(
         f"a berkovich pyramid does not go with {lacking}",
-        remedy=f"{remedy}, or use the equivalent cone of half-angle 70.3",
+        remedy="leave it out, or use the equivalent cone of half-angle 70.3",
         place=place,
     )

@@ -88,6 +88,14 @@ class Mesh:
         """Number of equations."""
         return int(self.equations.max()) + 1
 
+    def share_above(self, height: float, points: int = 6) -> np.ndarray:
+        """Return the share (m,) of each element's volume above z = `height` [um], by `points`^2 samples."""
+        ticks = (np.arange(points) + 0.5) / points
+        a, b = (grid.ravel() for grid in np.meshgrid(ticks, ticks))
+        shape = np.stack([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
+        r, z = np.moveaxis(self.nodes[self.elements], 2, 0) @ shape
+        return (r * (z > height)).sum(axis=1) / r.sum(axis=1)
+
 
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
     """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip."""
@@ -130,15 +138,6 @@ def polar_mesh(radii: np.ndarray, sectors: int) -> Mesh:
         weights=weights,
         bandwidth=2 * (count + 1) + 1,
     )
-
-
-def volume_above(mesh: Mesh, height: float, points: int = 6) -> np.ndarray:
-    """Return the share (m,) of each element's volume that lies above z = `height` [um], by `points`^2 samples."""
-    ticks = (np.arange(points) + 0.5) / points
-    a, b = (grid.ravel() for grid in np.meshgrid(ticks, ticks))
-    shape = np.stack([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
-    r, z = np.moveaxis(mesh.nodes[mesh.elements], 2, 0) @ shape
-    return (r * (z > height)).sum(axis=1) / r.sum(axis=1)
 
 
 def _integration(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from palpate.fem.contact import Profile
-from palpate.fem.mesh import Mesh, volume_above
 from palpate.indenters import Indenter
 from palpate.specimen import Specimen, series
+
+
+class Divided(Protocol):
+    """A mesh, in the plane or in space."""
+
+    @property
+    def elements(self) -> np.ndarray:
+        """Nodes of each element."""
+
+    def share_above(self, height: float) -> np.ndarray:
+        """Return the share (m,) of each element's volume above z = `height`."""
 
 
 def laws_of(specimen: Specimen) -> np.ndarray:
@@ -19,11 +30,11 @@ def laws_of(specimen: Specimen) -> np.ndarray:
     return np.stack([series(specimen.coefficients, specimen.substrate, k / 8) for k in range(9)])
 
 
-def regions(specimen: Specimen, mesh: Mesh, unit: float = 1.0) -> np.ndarray:
+def regions(specimen: Specimen, mesh: Divided, unit: float = 1.0) -> np.ndarray:
     """Return the law of each element (m,), by the share of its volume above the interface; the mesh is in `unit` um."""
     if specimen.substrate is None:
         return np.zeros(len(mesh.elements), dtype=np.int64)
-    return np.rint(8 * volume_above(mesh, -1e-3 * specimen.film_thickness / unit)).astype(np.int64)
+    return np.rint(8 * mesh.share_above(-1e-3 * specimen.film_thickness / unit)).astype(np.int64)
 
 
 def resolved(specimen: Specimen, indenter: Indenter, first: float) -> Specimen:

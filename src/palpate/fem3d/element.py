@@ -1,13 +1,5 @@
 """Assembly of residual and tangent of the hexahedra, with the depth of the indenter as one bordered unknown.
 
-The volumetric strain of an element is the mean of tr E over it, against locking (B-bar; Hughes, Int. J. Numer. Meth.
-Eng. 15 (1980) 1413-1418). With the gradients g_a of the shape functions and v_a = R g_a, the deviatoric stiffness of
-the displacements i of node a and j of node b is a sum over the Gauss points,
-
-    K_ai,bj = sum w (q/rho) (delta_ij g_a.g_b/2 + g_aj g_bi/2 - g_ai g_bj/3) + w (dq/drho - q/rho)/(2 rho^2) v_ai v_bj,
-
-so all that must be summed is g_ai g_bj and v_ai v_bj with their weights.
-
 Where a surface node is in contact, u_z = f(x + u_x, y + u_y) - depth is eliminated element by element: what is left of
 its forces is balance along the indenter, F_i + f_i F_z = 0 without friction. The system stays symmetric. Friction needs
 to know besides how its P = f_i F_i - F_z changes with the displacements, see `palpate.fem3d.coupled`.
@@ -18,17 +10,18 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.materials.radial import BULK, commit, history, length, solve_radial
+from palpate.fem3d import hencky, linear
+from palpate.fem3d.linear import COMPONENTS, DISPLACEMENTS
+from palpate.materials.radial import commit, history, length
 
-COMPONENTS = 6
-DEPTH = 24  # the twenty-fifth unknown of an element that touches the indenter
+DEPTH = DISPLACEMENTS  # the place of the depth, the twenty-fifth unknown of an element that touches the indenter
 SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
 
 
 @njit(cache=True)
 def assemble(
-    displacement, elements, equations, turn, gradients, volumes, coefficients, weights, past, alpha, guesses, local,
-    contact, rule, slot, band, residual, border, force, pressing,
+    displacement, elements, equations, turn, gradients, volumes, region, coefficients, weights, past, alpha, guesses,
+    local, large, geometric, contact, rule, slot, band, residual, border, force, pressing,
 ):  # fmt: skip
     """Assemble the constrained system, still without friction, at the given displacements.
 
@@ -38,12 +31,19 @@ def assemble(
         Along the axes of each node.
     elements, equations, turn, gradients, volumes
         See `palpate.fem3d.mesh.Mesh`.
-    coefficients, weights : ndarray
-        The law and what the time step makes of it, see `palpate.materials.radial`.
+    region : ndarray of int, shape (m,)
+        The law of each element.
+    coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
+        The laws and what the time step makes of them, see `palpate.materials.radial`.
     past, local : ndarray, shape (m, 8, 6)
         Strain fixed by the history at each Gauss point; out: the tensor R of the radial equation.
     alpha, guesses : ndarray, shape (m, 8)
         Accumulated plastic strain at the start of the step; last q, updated here.
+    large : bool
+        Logarithmic instead of linear strains.
+    geometric : bool
+        Whether the tangent contains the stiffness that stress gives by changing directions. Newton's method needs it;
+        far from equilibrium it may make the system indefinite.
     contact : ndarray of bool, shape (n,)
         Nodes in contact.
     rule : ndarray, shape (n, 6)
@@ -65,7 +65,7 @@ def assemble(
     Returns
     -------
     float
-        Diagonal entry of the depth.
+        Diagonal entry of the depth; NaN when an element is inside out.
     """
     band[:] = 0.0
     residual[:] = 0.0
@@ -86,7 +86,11 @@ def assemble(
             u[a, 1] = sin * displacement[node, 0] + cos * displacement[node, 1]
             u[a, 2] = displacement[node, 2]
             equation[3 * a : 3 * a + 3] = equations[node]
-        element(gradients[e], volumes[e], u, past[e], alpha[e], guesses[e], weights, coefficients, local[e], ke, fe)
+        points = past[e], alpha[e], guesses[e], weights[region[e]], coefficients[region[e]], local[e]
+        if not large:
+            linear.element(gradients[e], volumes[e], u, *points, ke, fe)
+        elif not hencky.element(gradients[e], volumes[e], u, *points, ke, fe, geometric):
+            return np.nan
         touching = False
         for a in range(8):
             node = elements[e, a]
@@ -123,71 +127,6 @@ def assemble(
                 if 0 <= j <= i:
                     band[j, i - j] += ke[a, c]
     return corner
-
-
-@njit(cache=True)
-def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
-    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q."""
-    volume = volumes.sum()
-    mean = np.zeros(DEPTH)
-    v = np.empty(DEPTH)
-    sums = np.zeros((DEPTH, DEPTH))
-    rank_one = np.zeros((DEPTH, DEPTH))
-    force = np.zeros(DEPTH)
-    for g in range(8):
-        flat = gradients[g].reshape(DEPTH)
-        for i in range(DEPTH):
-            mean[i] += volumes[g] / volume * flat[i]
-        local[g] = -past[g]
-        for a in range(8):
-            gx, gy, gz = gradients[g, a]
-            ux, uy, uz = u[a]
-            local[g, 0] += gx * ux
-            local[g, 1] += gy * uy
-            local[g, 2] += gz * uz
-            local[g, 3] += 0.5 * (gx * uy + gy * ux)
-            local[g, 4] += 0.5 * (gy * uz + gz * uy)
-            local[g, 5] += 0.5 * (gz * ux + gx * uz)
-        third = (local[g, 0] + local[g, 1] + local[g, 2]) / 3.0
-        for i in range(3):
-            local[g, i] -= third
-        xx, yy, zz, xy, yz, zx = local[g]
-        rho = length(local[g], COMPONENTS)
-        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
-        guesses[g] = q
-        ratio = q / rho if rho > 0.0 else slope
-        for a in range(8):
-            gx, gy, gz = gradients[g, a]
-            v[3 * a] = xx * gx + xy * gy + zx * gz
-            v[3 * a + 1] = xy * gx + yy * gy + yz * gz
-            v[3 * a + 2] = zx * gx + yz * gy + zz * gz
-        radial = volumes[g] * ratio
-        extra = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
-        for i in range(DEPTH):
-            force[i] += radial * v[i]
-            s, t = radial * flat[i], extra * v[i]
-            for j in range(DEPTH):
-                sums[i, j] += s * flat[j]
-                rank_one[i, j] += t * v[j]
-    theta = 0.0
-    for a in range(8):
-        for i in range(3):
-            theta += mean[3 * a + i] * u[a, i]
-    stiffness = row[BULK] * volume
-    for i in range(DEPTH):
-        fe[i] = force[i] + stiffness * theta * mean[i]
-    for a in range(8):
-        for b in range(8):
-            trace = 0.0
-            for i in range(3):
-                trace += sums[3 * a + i, 3 * b + i]
-            for i in range(3):
-                for j in range(3):
-                    p, r = 3 * a + i, 3 * b + j
-                    value = 0.5 * sums[3 * a + j, 3 * b + i] - sums[p, r] / 3.0
-                    if i == j:
-                        value += 0.5 * trace
-                    ke[p, r] = value + rank_one[p, r] + stiffness * mean[p] * mean[r]
 
 
 @njit(cache=True)
@@ -256,18 +195,18 @@ def _follow_indenter(ke, fe, x, rule):
 
 
 @njit(cache=True)
-def begin_step(state, coefficients, weights, past, alpha):
+def begin_step(state, region, coefficients, weights, past, alpha):
     """Write what the history fixes at every Gauss point into `past` (m, 8, 6) and `alpha` (m, 8)."""
     for e in range(state.shape[0]):
         for g in range(8):
-            history(state[e, g], weights, coefficients, past[e, g])
+            history(state[e, g], weights[region[e]], coefficients[region[e]], past[e, g])
             alpha[e, g] = state[e, g, 2 * COMPONENTS]
 
 
 @njit(cache=True)
-def end_step(local, solution, coefficients, weights, state):
+def end_step(local, solution, region, coefficients, weights, state):
     """Advance `state` (m, 8, k) in place with the tensors R and invariants q of the converged step."""
     for e in range(state.shape[0]):
         for g in range(8):
             rho = length(local[e, g], COMPONENTS)
-            commit(state[e, g], local[e, g], solution[e, g], rho, weights, coefficients)
+            commit(state[e, g], local[e, g], solution[e, g], rho, weights[region[e]], coefficients[region[e]])

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError
+from palpate.fem.contact_size import check_size, contact_range
 from palpate.fem.discretisation import mesh_radii, step_times
 from palpate.fem.indent import History
 from palpate.fem.march import march_by
@@ -34,15 +35,18 @@ def indent_3d(
     indenter: Indenter,
     protocol: Protocol,
     resolution: Resolution,
+    large: bool = False,
     radii: np.ndarray | None = None,
     observe: Callable[[Problem, State], None] | None = None,
 ) -> History:
-    """Simulate an indentation at small strains by any indenter with three mirror planes.
+    """Simulate an indentation by any indenter with three mirror planes.
 
     Parameters
     ----------
     specimen, indenter, protocol, resolution
         What is pressed, by what, how, and how finely it is resolved.
+    large
+        Whether strains and rotations are large.
     radii : ndarray, optional
         Of the shells of the mesh [um], in place of `palpate.fem.discretisation.mesh_radii`.
     observe
@@ -52,12 +56,18 @@ def indent_3d(
     -------
     History
         A failure of the solver is reported in it, never raised.
+
+    Raises
+    ------
+    InputError
+        When the mesh cannot hold the specimen or the tip, see `palpate.fem.contact_size.check_size`.
     """
     began = clock.perf_counter()
+    check_size(specimen, indenter, resolution, contact_range(specimen, indenter, protocol)[1])
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = wedge_mesh(radii, shell(resolution.sectors))
     specimen = resolved(specimen, indenter, radii[0])
-    problem = Problem(mesh, tip_of(indenter), specimen, indenter.friction)
+    problem = Problem.of(mesh, tip_of(indenter), specimen, indenter.friction, large)
     work = Workspace.of(problem)
     step = partial(advance, problem, work, protocol.max_load)
     state, before = State.initial(problem), None

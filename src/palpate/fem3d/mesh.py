@@ -55,6 +55,18 @@ class Mesh:
         """Number of equations."""
         return int(self.equations.max()) + 1
 
+    def share_above(self, height: float, points: int = 6) -> np.ndarray:
+        """Return the share (m,) of each element's volume above z = `height` [um], by `points`^3 samples."""
+        ticks, corners = 2.0 * (np.arange(points) + 0.5) / points - 1.0, self.nodes[self.elements]
+        places = np.stack(np.meshgrid(ticks, ticks, ticks), axis=-1).reshape(-1, 3)
+        above, whole = np.zeros((2, len(corners)))
+        for place in places:
+            volume = np.linalg.det(np.einsum("ai,eaj->eij", _slopes(place), corners))
+            shape = 0.125 * np.prod(1.0 + CORNERS * place, axis=1)
+            above += volume * (corners[:, :, 2] @ shape > height)
+            whole += volume
+        return above / whole
+
 
 def wedge_mesh(radii: np.ndarray, shell: Shell) -> Mesh:
     """Mesh the wedge with copies of `shell` at `radii` [um] about the tip; the outermost nodes are held.
@@ -96,15 +108,14 @@ def integration(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     gradients = np.empty((len(corners), 8, 8, 3))
     weights = np.empty((len(corners), 8))
     for point, place in enumerate(CORNERS / np.sqrt(3.0)):
-        factors = 1.0 + CORNERS * place
-        local = (
-            0.125
-            * CORNERS
-            * np.stack(
-                [factors[:, 1] * factors[:, 2], factors[:, 0] * factors[:, 2], factors[:, 0] * factors[:, 1]], axis=1
-            )
-        )
+        local = _slopes(place)
         jacobian = np.einsum("ai,eaj->eij", local, corners)
         weights[:, point] = np.linalg.det(jacobian)
         gradients[:, point] = np.einsum("eij,aj->eai", np.linalg.inv(jacobian), local)
     return gradients, weights
+
+
+def _slopes(place: np.ndarray) -> np.ndarray:
+    """Return the derivatives (8, 3) of the shape functions at a `place` (3,) in the cube from -1 to 1."""
+    x, y, z = (1.0 + CORNERS * place).T
+    return 0.125 * CORNERS * np.stack([y * z, x * z, x * y], axis=1)

@@ -9,9 +9,11 @@ import numpy as np
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
 from palpate.fem.newton import TOLERANCE, Search, newton_direction
+from palpate.fem.regions import laws_of, regions
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.coupled import Coupling, coupled_direction
-from palpate.fem3d.element import COMPONENTS, CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
+from palpate.fem3d.element import CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
+from palpate.fem3d.linear import COMPONENTS
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
 from palpate.materials.radial import state_size, step_weights
@@ -23,12 +25,35 @@ SIXTH = 6.0  # of the load acts on the wedge
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What does not change during a simulation: mesh, indenter, specimen, and the friction between them."""
+    """What does not change during a simulation.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    tip : Tip
+    specimen : Specimen
+    coefficients : ndarray, shape (regions, c)
+        Law of each region at large depth, see `palpate.materials.radial`.
+    region : ndarray of int, shape (m,)
+        Region of each element.
+    friction : float
+        Coulomb coefficient between indenter and body.
+    large : bool
+        Logarithmic instead of linear strains.
+    """
 
     mesh: Mesh
     tip: Tip
     specimen: Specimen
+    coefficients: np.ndarray
+    region: np.ndarray
     friction: float = 0.0
+    large: bool = False
+
+    @classmethod
+    def of(cls, mesh: Mesh, tip: Tip, specimen: Specimen, friction: float = 0.0, large: bool = False) -> Problem:
+        """Divide the specimen into its regions."""
+        return cls(mesh, tip, specimen, laws_of(specimen), regions(specimen, mesh), friction, large)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +95,7 @@ class State:
     def initial(cls, problem: Problem) -> State:
         """Return the unloaded body that the apex just touches."""
         n, m = len(problem.mesh.nodes), len(problem.mesh.elements)
-        material = np.zeros((m, 8, state_size(problem.specimen.coefficients, COMPONENTS)))
+        material = np.zeros((m, 8, state_size(problem.coefficients[0], COMPONENTS)))
         anchor = np.full((len(problem.mesh.surface), 2), np.nan)
         guesses, still = np.zeros((m, 8)), np.zeros((n, 3))
         return cls(0.0, 0.0, still, material, np.arange(n) == 0, guesses, np.zeros((n, 3)), anchor)
@@ -122,29 +147,37 @@ def advance(
     Raises
     ------
     ConvergenceError
-        When the iteration limit is reached or the stiffness is not positive definite.
+        When the iteration limit is reached, an element turns inside out or the stiffness is not positive definite.
     """
     mesh, share, part = problem.mesh, load / SIXTH, scale / SIXTH
     midway = halfway(state.depth, state.load, load)
-    coefficients = resisted(problem.specimen.coefficients, problem.specimen.resistance(1e3 * midway))
-    weights = step_weights(coefficients, time - state.time)
-    begin_step(state.material, coefficients, weights, work.past, work.alpha)
+    coefficients = resisted(problem.coefficients, problem.specimen.resistance(1e3 * midway))
+    weights = np.stack([step_weights(row, time - state.time) for row in coefficients])
+    begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
     contact = Contact.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
-    free, search, curved, coupling = mesh.equations >= 0, None, True, None
+    free, search, geometric, coupling = mesh.equations >= 0, None, True, None
     for iteration in range(ITERATIONS):
         same = contact.follow(displacement, depth)
-        contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= curved
+        contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= geometric
         corner = assemble(
-            displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, coefficients, weights,
-            work.past, work.alpha, guesses, work.local, contact.touching, contact.rule, work.slot, work.band,
-            work.residual, work.border[:, 0], force, work.pressing,
+            displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, problem.region,
+            coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
+            contact.touching, contact.rule, work.slot, work.band, work.residual, work.border[:, 0], force,
+            work.pressing,
         )  # fmt: skip
+        work.iterations += 1
+        if not np.isfinite(corner):
+            if search is None or search.fraction < 0.01:
+                raise ConvergenceError("an element turned inside out", time=state.time)
+            shorter = search.halve()
+            displacement[free] += shorter * search.direction[:-1]
+            depth += shorter * search.direction[-1]
+            continue
         work.border[:, 1] = work.border[:, 0]
         if problem.friction > 0.0:
             coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
-        work.iterations += 1
         pulled = contact.pulled(force, TOLERANCE * part)
         if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
             contact.release(pulled)
@@ -154,7 +187,7 @@ def advance(
         norm = np.abs(forces).max() / part
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
-            end_step(work.local, guesses, coefficients, weights, material)
+            end_step(work.local, guesses, problem.region, coefficients, weights, material)
             anchor = contact.anchors(displacement)
             return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
         if search is not None and same and (shorter := search.shorten(forces)) != 0.0:
@@ -166,11 +199,11 @@ def advance(
         else:
             direction = coupled_direction(work, coupling, forces, corner)
         if direction is None:
-            if not curved:
+            if not geometric:
                 raise ConvergenceError("the stiffness lost its positive definiteness", time=state.time)
-            curved, search = False, None
+            geometric, search = False, None
             continue
-        curved = True
+        geometric = True
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]

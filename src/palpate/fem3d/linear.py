@@ -1,0 +1,84 @@
+"""One hexahedron at small strains.
+
+The volumetric strain of an element is the mean of tr E over it, against locking (B-bar; Hughes, Int. J. Numer. Meth.
+Eng. 15 (1980) 1413-1418). With the gradients g_a of the shape functions and v_a = R g_a, the deviatoric stiffness of
+the displacements i of node a and j of node b is a sum over the Gauss points,
+
+    K_ai,bj = sum w (q/rho) (delta_ij g_a.g_b/2 + g_aj g_bi/2 - g_ai g_bj/3) + w (dq/drho - q/rho)/(2 rho^2) v_ai v_bj,
+
+so all that must be summed is g_ai g_bj and v_ai v_bj with their weights.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from palpate.materials.radial import BULK, length, solve_radial
+
+COMPONENTS, DISPLACEMENTS = 6, 24
+
+
+@njit(cache=True)
+def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
+    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q."""
+    volume = volumes.sum()
+    mean = np.zeros(DISPLACEMENTS)
+    v = np.empty(DISPLACEMENTS)
+    sums = np.zeros((DISPLACEMENTS, DISPLACEMENTS))
+    rank_one = np.zeros((DISPLACEMENTS, DISPLACEMENTS))
+    force = np.zeros(DISPLACEMENTS)
+    for g in range(8):
+        flat = gradients[g].reshape(DISPLACEMENTS)
+        for i in range(DISPLACEMENTS):
+            mean[i] += volumes[g] / volume * flat[i]
+        local[g] = -past[g]
+        for a in range(8):
+            gx, gy, gz = gradients[g, a]
+            ux, uy, uz = u[a]
+            local[g, 0] += gx * ux
+            local[g, 1] += gy * uy
+            local[g, 2] += gz * uz
+            local[g, 3] += 0.5 * (gx * uy + gy * ux)
+            local[g, 4] += 0.5 * (gy * uz + gz * uy)
+            local[g, 5] += 0.5 * (gz * ux + gx * uz)
+        third = (local[g, 0] + local[g, 1] + local[g, 2]) / 3.0
+        for i in range(3):
+            local[g, i] -= third
+        xx, yy, zz, xy, yz, zx = local[g]
+        rho = length(local[g], COMPONENTS)
+        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
+        guesses[g] = q
+        ratio = q / rho if rho > 0.0 else slope
+        for a in range(8):
+            gx, gy, gz = gradients[g, a]
+            v[3 * a] = xx * gx + xy * gy + zx * gz
+            v[3 * a + 1] = xy * gx + yy * gy + yz * gz
+            v[3 * a + 2] = zx * gx + yz * gy + zz * gz
+        radial = volumes[g] * ratio
+        extra = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
+        for i in range(DISPLACEMENTS):
+            force[i] += radial * v[i]
+            s, t = radial * flat[i], extra * v[i]
+            for j in range(DISPLACEMENTS):
+                sums[i, j] += s * flat[j]
+                rank_one[i, j] += t * v[j]
+    theta = 0.0
+    for a in range(8):
+        for i in range(3):
+            theta += mean[3 * a + i] * u[a, i]
+    stiffness = row[BULK] * volume
+    for i in range(DISPLACEMENTS):
+        fe[i] = force[i] + stiffness * theta * mean[i]
+    for a in range(8):
+        for b in range(8):
+            trace = 0.0
+            for i in range(3):
+                trace += sums[3 * a + i, 3 * b + i]
+            for i in range(3):
+                for j in range(3):
+                    p, r = 3 * a + i, 3 * b + j
+                    value = 0.5 * sums[3 * a + j, 3 * b + i] - sums[p, r] / 3.0
+                    if i == j:
+                        value += 0.5 * trace
+                    ke[p, r] = value + rank_one[p, r] + stiffness * mean[p] * mean[r]
