@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ GROWING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), MANY)
 CREEP = trapezoid(1.0, 30.0, 0.0, 30.0)
 PUNCH = 1.034  # King, Int. J. Solids Struct. 23 (1987) 1657-1664: a flat triangular punch
 WITHIN = {"standard": 0.007, "fine": 0.004}
-SIMILAR_WITHIN, PUBLISHED_WITHIN, CONVERGED_WITHIN = 0.003, 0.02, 0.01
+SIMILAR_WITHIN, PUBLISHED_WITHIN, CONVERGED_WITHIN, LARGE_WITHIN = 0.003, 0.02, 0.01, 0.004
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +100,7 @@ def run(settings: Settings) -> Outcome:
     if settings.quick:
         return Outcome(rows, notes=notes)
     rows += [*_refined(RESOLUTIONS["standard"]), _beta(RESOLUTIONS["standard"])]
+    rows += _large_strains("standard")
     creep_rows, plot = _creep("medium")
     return Outcome(rows + creep_rows, [plot], notes)
 
@@ -127,6 +128,25 @@ def _beta(resolution: Resolution) -> Row:
     cone, pyramid = (Elastic.of(indenter, resolution, GROWING).stiffness for indenter in (CONE, PYRAMID))
     note = "not a check: expected is King's flat triangular punch; the elastic contact has hollow sides"
     return Row("beta: stiffness at equal contact area, pyramid over cone, standard", PUNCH, pyramid / cone, None, note)
+
+
+def _large_strains(accuracy: str) -> list[Row]:
+    """Compare what large strains change at peak, under the cone and under the pyramid, with the axisymmetric solver."""
+    body, peak = Specimen(LAWS["nonlinear_burgers"].coefficients(BURGERS)), int(np.argmax(CREEP.sample_load))
+
+    def in_space(tip: Indenter) -> float:
+        histories = (indent_3d(body, tip, CREEP, RESOLUTIONS[accuracy], large) for large in (False, True))
+        small, large = (history.depth[peak] for history in histories)
+        return float(large / small)
+
+    flat = Specification("nonlinear_burgers", BURGERS, CONE, CREEP, accuracy="fine")
+    expected = float(depth(replace(flat, kinematics="large"))[peak] / depth(flat)[peak])
+    quantity = f"epoxy: depth at peak, large over small strains, {accuracy}"
+    note = "not a check: expected is the cone's"
+    return [
+        Row(f"{quantity}, cone", expected, in_space(CONE), LARGE_WITHIN, "expected: the axisymmetric solver, fine"),
+        Row(f"{quantity}, pyramid", expected, in_space(PYRAMID), None, note),
+    ]
 
 
 def _creep(accuracy: str) -> tuple[list[Row], Plot]:
