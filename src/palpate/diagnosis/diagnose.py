@@ -295,11 +295,17 @@ def _without_idle(standing: list[Candidate], smaller: list[Candidate]) -> list[C
 def _sharpened(
     search: Search, found: list[Candidate], tried: list[Candidate], level: float
 ) -> tuple[list[Candidate], list[Candidate]]:
-    """Return all that were tried, best first, and what stands of `found`, once that has been sharpened."""
-    stood = _standing(found, tried, level)
-    sharpened = [search.sharpened(candidate) for candidate in stood]
-    tried = _best_first([*sharpened, *(candidate for candidate in tried if candidate not in stood)])
-    return tried, _standing(sharpened, tried, level)
+    """Return all that were tried and what stands of `found`, sharpened, both best first.
+
+    Where one turns out less likely than it had seemed, or to leave more than noise, others may stand beside it, or
+    instead of it; they are sharpened in turn.
+    """
+    done: list[Candidate] = []
+    while rough := [candidate for candidate in _standing(found, tried, level) if candidate not in done]:
+        better = {candidate: search.sharpened(candidate) for candidate in rough}
+        found, tried = ([better.get(candidate, candidate) for candidate in each] for each in (found, tried))
+        done += better.values()
+    return _best_first(tried), _standing(found, tried, level)
 
 
 def _best_first(candidates: list[Candidate]) -> list[Candidate]:
@@ -325,16 +331,15 @@ def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str
 
 
 def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
-    """Return what passes of `found`, within the likelihood ratio of the best of all that were tried.
+    """Return what passes of `found`, best first, within the likelihood ratio of the best of all that were tried.
 
     The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
     that pass.
     """
     tested = [candidate for candidate in tried if candidate.p_value is not None and not candidate.contradicts]
     best = max((candidate.fit.log_evidence for candidate in tested), default=-np.inf)
-    return [
-        candidate for candidate in found if candidate.adequate(level) and candidate.fit.log_evidence >= best - CLOSE
-    ]
+    passed = [candidate for candidate in found if candidate.adequate(level)]
+    return _best_first([candidate for candidate in passed if candidate.fit.log_evidence >= best - CLOSE])
 
 
 def may_be_named(problem: Problem, explanation: Explanation) -> bool:
