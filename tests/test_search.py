@@ -7,39 +7,60 @@ from palpate.diagnosis.diagnose import Candidate, _sharpened
 LEVEL = 0.01
 
 
-def candidate(name, evidence, p_value=0.5):
-    fit = SimpleNamespace(explanation=(name,), log_evidence=evidence)
-    return Candidate(fit, p_value, confirmed=True)
+def candidate(key, evidence, p_value=0.5, lacks=0.0):
+    return Candidate(SimpleNamespace(explanation=(key,), log_evidence=evidence, lacks=lacks), p_value, confirmed=True)
 
 
-def names(candidates):
-    return ["+".join(candidate.fit.explanation) for candidate in candidates]
+def stand(found, *turned_out):
+    """Return which keys stand of `found`, best first, where those that `turned_out` otherwise did so by sharpening."""
+    asked, better = [], {candidate.fit.explanation: candidate for candidate in turned_out}
 
+    def sharpened(candidate):
+        asked.append(candidate)
+        return better.get(candidate.fit.explanation, candidate)
 
-def stand(found, sharpened):
-    """Return the names of what stands of `found`, where some turn out otherwise once `sharpened`; by name."""
-    better = {"+".join(candidate.fit.explanation): candidate for candidate in sharpened}
-    search = SimpleNamespace(sharpened=lambda each: better.get("+".join(each.fit.explanation), each))
-    tried, standing = _sharpened(search, found, found, LEVEL)
-    assert len(tried) == len(found)
+    tried, standing = _sharpened(
+        SimpleNamespace(sharpened=sharpened, lacking=lambda fit: fit.lacks), found, found, LEVEL
+    )
     evidence = [each.fit.log_evidence for each in tried]
+    assert len(tried) == len(found)
     assert evidence == sorted(evidence, reverse=True)
-    return names(standing)
+    assert len(asked) == len(set(asked)), "once is enough"
+    stand.asked = {key for each in asked for key in each.fit.explanation}
+    return [key for each in standing for key in each.fit.explanation]
 
 
 def test_what_stands_is_listed_best_first():
-    """Sharpened, the second is the likelier; answer and curves rest on the first of the list."""
-    found = [candidate("film", 10.0), candidate("frame", 9.0)]
-    assert stand(found, [candidate("film", 8.0)]) == ["frame", "film"]
+    """Answer and curves rest on the first of the list."""
+    found = [candidate("friction", 10.0), candidate("tip_angle", 9.0)]
+    assert stand(found, candidate("friction", 8.0)) == ["tip_angle", "friction"]
 
 
 def test_one_that_turns_out_less_likely_does_not_stand_alone():
-    """The second was beyond the likelihood ratio of a hundred of what the first had seemed."""
-    found = [candidate("film", 10.0), candidate("frame", 4.0), candidate("drift", 2.0)]
-    assert stand(found, [candidate("film", 3.0), candidate("frame", 4.5)]) == ["frame", "film", "drift"]
+    """The second was beyond the likelihood ratio of a hundred of what the first had seemed; so was the third."""
+    found = [candidate("friction", 15.0), candidate("tip_angle", 9.0), candidate("adhesion", 4.0)]
+    better = candidate("friction", 5.0), candidate("tip_angle", 6.0)
+    assert stand(found, *better) == ["tip_angle", "friction", "adhesion"]
 
 
 def test_another_may_stand_in_place_of_one_that_turns_out_to_leave_more_than_noise():
-    found = [candidate("film", 10.0), candidate("frame", 4.0)]
-    assert stand(found, [candidate("film", 6.0, p_value=0.001)]) == ["frame"]
-    assert stand(found, [candidate("film", 9.0, p_value=0.001)]) == []
+    found = [candidate("friction", 10.0), candidate("tip_angle", 4.0)]
+    assert stand(found, candidate("friction", 6.0, p_value=0.001)) == ["tip_angle"]
+    assert stand(found, candidate("friction", 9.0, p_value=0.001)) == []
+
+
+def test_one_that_fails_by_little_is_judged_by_its_own_slopes():
+    found = [candidate("tip_rounding", 83.0, 0.008, lacks=2.0), candidate("zero_offset", 80.5)]
+    better = candidate("tip_rounding", 88.4, 0.9)
+    assert stand(found, better, candidate("zero_offset", 83.5)) == ["tip_rounding"]
+    assert stand(found[:1], better) == ["tip_rounding"]
+    assert stand([candidate("tip_rounding", 83.0, 0.001, lacks=100.0)], better) == []
+    assert stand.asked == set(), "no slopes make up for that much"
+
+
+def test_the_instruments_effects_are_compared_with_the_bodys_by_the_same_slopes():
+    found = [candidate("tip_rounding", 80.5), candidate("zero_offset", 76.3)]
+    better = candidate("tip_rounding", 81.0), candidate("zero_offset", 77.5)
+    assert stand(found, *better) == ["tip_rounding", "zero_offset"]
+    assert stand([candidate("thermal_drift", 80.5), candidate("zero_offset", 76.3)]) == ["thermal_drift", "zero_offset"]
+    assert stand.asked == set(), "among themselves, the base model's slopes do"

@@ -22,7 +22,7 @@ from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)
 SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
-OUTDONE = 10.0  # logarithm of the evidence behind one that passes, from which no further round brings another back
+OUTDONE = 10.0  # logarithm of the evidence behind another, from which neither rounds nor sharpening bring one back
 LEAST_REFINED, MOST_REFINED, MOST_REFINED_SETS = 3, 8, 5
 MOST_SETS = 12
 QUIETER = 2.0  # logarithm of the likelihood of what is left, by which one more mechanism must raise it
@@ -72,7 +72,7 @@ class Diagnosis:
     standing
         The explanations that stand, best first.
     probabilities
-        Theirs, among all explanations tried.
+        Theirs, were there no others.
     tried
         Every explanation tried, best first.
     """
@@ -155,17 +155,15 @@ class Search:
     def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
         """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
         try:
-            return replace(self.examined(refine(self._study, fit, self._lacking, least)), confirmed=True)
+            return replace(self.examined(refine(self._study, fit, self.lacking, least)), confirmed=True)
         except PalpateError:
             return self.examined(fit)
 
     def sharpened(self, candidate: Candidate) -> Candidate:
-        """Put the forward model's own slopes in place of the surrogates' around an explanation that stands.
+        """Put the forward model's own slopes in place of the surrogates' around an explanation.
 
         Its intervals rest on them, and what was learnt of an effect on the body, among few materials, is rough.
         """
-        if not (candidate.confirmed and any(MECHANISMS[key].needs_learning for key in candidate.fit.explanation)):
-            return candidate
         fit = candidate.fit
         weighed = self._errors(fit.explanation, fit.residual, fit.z).exact
         fit = replace(fit, errors=replace(weighed, between=fit.errors.between))
@@ -179,7 +177,8 @@ class Search:
         left = examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
         return Candidate(fit, left, contradicts=tuple(contradicted(fit, self._laws)))
 
-    def _lacking(self, fit: Fit) -> float:
+    def lacking(self, fit: Fit) -> float:
+        """Return by how much the chi-square of a fit must fall before what it leaves passes for noise."""
         draws, level = self._settings["bootstrap"], self._settings["significance"]
         return excess(fit, self._keys, self._rng, draws, level)
 
@@ -202,10 +201,11 @@ def diagnose(
     """Diagnose one set of recordings.
 
     The base model is tested first. If it fails, every mechanism is fitted together with the material; those whose
-    evidence is near the best go to the forward model and are tested in turn. One stands that leaves only noise, within
-    a likelihood ratio of 100 of the best tried, so that a name given alone should be wrong in less than one case of a
-    hundred. While none stands, sets with one mechanism more are tried in the same way, up to the study's
-    ``diagnosis.largest_set``. One that contradicts an exact law never passes.
+    evidence is near the best go to the forward model and are tested in turn, once more with the forward model's own
+    slopes where that may decide. One stands that leaves only noise, within a likelihood ratio of 100 of the best tried,
+    so that a name given alone should be wrong in less than one case of a hundred. While none stands, sets with one
+    mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. One that contradicts an exact
+    law never passes.
     A name is given alone only where the recordings bear it, see `may_be_named`.
 
     Parameters
@@ -301,11 +301,28 @@ def _sharpened(
     instead of it; they are sharpened in turn.
     """
     done: list[Candidate] = []
-    while rough := [candidate for candidate in _standing(found, tried, level) if candidate not in done]:
+    while rough := _in_question(search, [each for each in found if each not in done], tried, level):
         better = {candidate: search.sharpened(candidate) for candidate in rough}
         found, tried = ([better.get(candidate, candidate) for candidate in each] for each in (found, tried))
         done += better.values()
     return _best_first(tried), _standing(found, tried, level)
+
+
+def _in_question(search: Search, found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
+    """Return those of `found` that may stand once they are sharpened.
+
+    With the surrogates' slopes a search may stop beside its optimum. That costs evidence, of one explanation more than
+    of another, and may leave more than noise. So all that stand, or fail by little, are compared by the same slopes.
+    Where none acts on the body, those are the base model's, which are well known.
+    """
+    best = max((each.fit.log_evidence for each in _tested(tried)), default=-np.inf)
+    near = [each for each in _tested(found) if each.confirmed and each.fit.log_evidence >= best - OUTDONE]
+    near = [each for each in near if each.adequate(level) or search.lacking(each.fit) < 2.0 * OUTDONE]
+    return near if any(not of_instrument(each.fit.explanation) for each in near) else []
+
+
+def _tested(candidates: list[Candidate]) -> list[Candidate]:
+    return [candidate for candidate in candidates if candidate.p_value is not None and not candidate.contradicts]
 
 
 def _best_first(candidates: list[Candidate]) -> list[Candidate]:
@@ -336,8 +353,7 @@ def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> l
     The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
     that pass.
     """
-    tested = [candidate for candidate in tried if candidate.p_value is not None and not candidate.contradicts]
-    best = max((candidate.fit.log_evidence for candidate in tested), default=-np.inf)
+    best = max((candidate.fit.log_evidence for candidate in _tested(tried)), default=-np.inf)
     passed = [candidate for candidate in found if candidate.adequate(level)]
     return _best_first([candidate for candidate in passed if candidate.fit.log_evidence >= best - CLOSE])
 
@@ -348,8 +364,12 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
     Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
     law: what an effect on the body does to one curve, a law that is in no library may do, too.
     """
-    of_instrument = not any(MECHANISMS[key].needs_learning for key in explanation)
-    return problem.replicated and (of_instrument or len(problem.conditions) > 1)
+    return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
+
+
+def of_instrument(explanation: Explanation) -> bool:
+    """Return whether no mechanism of an explanation acts on the body."""
+    return not any(MECHANISMS[key].needs_learning for key in explanation)
 
 
 def _judge(standing: list[Candidate]) -> tuple[str, list[float]]:
