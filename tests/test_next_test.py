@@ -1,8 +1,10 @@
 """The tests that are proposed next: their load histories, and what stays behind when the tip is exchanged."""
 
+import numpy as np
 import pytest
+from test_diagnosis import fitted, problem, recordings
 
-from palpate.diagnosis.next_test import _of_test, feasible
+from palpate.diagnosis.next_test import _of_test, feasible, noise_of_means
 from palpate.indenters import Indenter
 from palpate.model import simulate, specification_from
 
@@ -11,6 +13,8 @@ SPEC = {
     "indenter": {"shape": "cone", "half_angle": 70.3, "friction": 0.1},
     "protocol": {"max_load": 1.0, "loading_time": 10.0, "unloading_time": 10.0, "points": 8},
 }
+
+DRIFT = ("thermal_drift",)
 
 
 def proposed(indenter):
@@ -38,3 +42,14 @@ def test_a_sphere_is_exchanged_for_a_sharp_tip():
     (other,) = [test for test in proposed(Indenter("sphere", radius=1e4)) if test.indenter]
     assert other.words.endswith("with a Berkovich tip")
     assert other.settings["half_angle"] == 70.3
+
+
+def test_a_drift_has_another_rate_in_the_next_test():
+    """Rates scatter by 0.3 nm/s, so the mean of three recordings of two minutes is open by 20 nm, and not by 2."""
+    rates = np.random.default_rng(3).normal(0.3, 0.2, size=4 * 3)
+    drifting = recordings(
+        np.random.default_rng(1), lambda c, r: rates["abcd".index(c.name) * 3 + r] * c.protocol.sample_time
+    )
+    (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.words.startswith("a hold of 100 s at 1 mN")]
+    noise = noise_of_means(fitted(problem(drifting), DRIFT), hold.condition, 500.0 * np.sqrt(hold.protocol.sample_load))
+    assert np.sqrt(noise[-1, -1]) == pytest.approx(0.3 * hold.protocol.sample_time[-1] / np.sqrt(3), rel=0.1)

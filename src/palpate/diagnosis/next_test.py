@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 
 from palpate.config import Condition, Study
-from palpate.diagnosis.covariance import components_under
+from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import InputError
@@ -98,9 +98,9 @@ def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> Feas
 def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
     """Return the test that separates the two best explanations most surely, with its expected power.
 
-    The distance of the two predicted curves is measured against noise, site scatter and slow drift of three recordings
-    and against the uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is
-    that of a 1 % test.
+    The distance of the two predicted curves is measured against noise, site scatter, slow drift and own values of three
+    recordings, the mean of what either explanation makes of them, and against the uncertainty of both explanations'
+    parameters (some of their posterior `draws` (m, k)); the power is that of a 1 % test.
     """
     first, second = standing[:2]
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
@@ -112,8 +112,8 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
         if None in both:
             continue
         (a, spread_a), (b, spread_b) = both
-        parts = components_under(first.problem, (), test.condition, a)
-        spread = first.errors.noise.typical(parts) / REPLICATES + spread_a + spread_b
+        noise = 0.5 * (noise_of_means(first, test.condition, a) + noise_of_means(second, test.condition, b))
+        spread = noise + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.words, **test.settings, "expected_power": power, "distance": distance}
@@ -121,6 +121,16 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
         if best is None or distance > best["distance"]:
             best = entry
     return best
+
+
+def noise_of_means(fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test that took no part.
+
+    A mechanism that varies will have values in the new recordings that nobody knows yet.
+    """
+    parts = components_under(fit.problem, varying(fit.explanation), condition, curve)
+    between = sum(variance * parts[key] for key, variance in fit.errors.between.items())
+    return fit.errors.noise.typical(parts) / REPLICATES + between
 
 
 def _predicted(
