@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from test_diagnosis import fitted, problem, recordings
+from test_diagnosis import CHALLENGE, fitted, problem, recordings
 
-from palpate.diagnosis.next_test import _of_test, feasible, noise_of_means
+from palpate.calibration.noise import model_covariance
+from palpate.config import load_study
+from palpate.diagnosis.next_test import _of_test, error_of_means, feasible
 from palpate.indenters import Indenter
 from palpate.model import simulate, specification_from
 
@@ -44,12 +46,31 @@ def test_a_sphere_is_exchanged_for_a_sharp_tip():
     assert other.settings["half_angle"] == 70.3
 
 
+def next_hold():
+    """Return the test with a long hold, as a condition, and a curve under it."""
+    (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.words.startswith("a hold of 100 s at 1 mN")]
+    return hold.condition, 500.0 * np.sqrt(hold.protocol.sample_load)
+
+
 def test_a_drift_has_another_rate_in_the_next_test():
     """Rates scatter by 0.3 nm/s, so the mean of three recordings of two minutes is open by 20 nm, and not by 2."""
     rates = np.random.default_rng(3).normal(0.3, 0.2, size=4 * 3)
     drifting = recordings(
         np.random.default_rng(1), lambda c, r: rates["abcd".index(c.name) * 3 + r] * c.protocol.sample_time
     )
-    (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.words.startswith("a hold of 100 s at 1 mN")]
-    noise = noise_of_means(fitted(problem(drifting), DRIFT), hold.condition, 500.0 * np.sqrt(hold.protocol.sample_load))
-    assert np.sqrt(noise[-1, -1]) == pytest.approx(0.3 * hold.protocol.sample_time[-1] / np.sqrt(3), rel=0.1)
+    condition, curve = next_hold()
+    covariance = error_of_means(load_study(CHALLENGE), fitted(problem(drifting), DRIFT), condition, curve)
+    end = condition.protocol.sample_time[-1]
+    assert np.sqrt(covariance[-1, -1]) == pytest.approx(0.3 * end / np.sqrt(3), rel=0.1)
+
+
+def test_ripples_of_the_simulation_do_not_tell_explanations_apart():
+    """A ripple of a two-thousandth stands far above quiet recordings, and within the error of the simulation."""
+    study, (condition, curve) = load_study(CHALLENGE), next_hold()
+    quiet = fitted(problem(recordings(np.random.default_rng(1), sigma=0.1)))
+    covariance = error_of_means(study, quiet, condition, curve)
+    noise = covariance - model_covariance({"next": curve}, study.calibration["solver_error"])
+    ripple = 0.0005 * curve * np.sin(np.linspace(0.0, 4.0 * np.pi, len(curve)))
+    distance, without = (ripple @ np.linalg.solve(of, ripple) for of in (covariance, noise))
+    assert without > 10.0
+    assert distance < 2.0

@@ -12,6 +12,7 @@ from scipy.stats import chi2, ncx2
 from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.own_values import about
 from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import InputError
 from palpate.indenters import Indenter
@@ -99,8 +100,9 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     """Return the test that separates the two best explanations most surely, with its expected power.
 
     The distance of the two predicted curves is measured against noise, site scatter, slow drift and own values of three
-    recordings, the mean of what either explanation makes of them, and against the uncertainty of both explanations'
-    parameters (some of their posterior `draws` (m, k)); the power is that of a 1 % test.
+    recordings and the simulation's error (the mean of what either explanation makes of them), and against the
+    uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is that of a 1 %
+    test.
     """
     first, second = standing[:2]
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
@@ -112,8 +114,8 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
         if None in both:
             continue
         (a, spread_a), (b, spread_b) = both
-        noise = 0.5 * (noise_of_means(first, test.condition, a) + noise_of_means(second, test.condition, b))
-        spread = noise + spread_a + spread_b
+        errors = [error_of_means(study, fit, test.condition, x) for fit, x in ((first, a), (second, b))]
+        spread = 0.5 * (errors[0] + errors[1]) + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.words, **test.settings, "expected_power": power, "distance": distance}
@@ -123,14 +125,16 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     return best
 
 
-def noise_of_means(fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
-    """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test that took no part.
+def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test about its simulated `curve` (n,).
 
-    A mechanism that varies will have values in the new recordings that nobody knows yet.
+    A mechanism that varies will have values in the new recordings that nobody knows yet. The simulation's error counts
+    as it does in a diagnosis: ripples of the mesh, which differ between the explanations, tell nothing apart.
     """
-    parts = components_under(fit.problem, varying(fit.explanation), condition, curve)
-    between = sum(variance * parts[key] for key, variance in fit.errors.between.items())
-    return fit.errors.noise.typical(parts) / REPLICATES + between
+    keys, errors = varying(fit.explanation), fit.errors
+    parts = components_under(fit.problem, keys, condition, curve)
+    own = [(errors.noise.variances[key] / REPLICATES + errors.between.get(key, 0.0)) * parts[key] for key in keys]
+    return about(study, fit, condition, curve, REPLICATES) + sum(own)
 
 
 def _predicted(
