@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, weighed
 
 from palpate.calibration.space import Space
 from palpate.diagnosis.covariance import components, noise_of
 from palpate.diagnosis.detect import examine, loudest
+from palpate.diagnosis.fit import solve
 from palpate.diagnosis.noise import SINGLE_MEMORY
 
 
@@ -63,6 +64,17 @@ def test_noise_of_single_recordings_never_grows_slow():
     )
     drawn = np.array(quiet.simulated(still, 400, rng))
     assert np.percentile(np.abs(drawn), 99.9) < 6.0 * noise.sigma.max()
+
+
+def test_noise_of_single_recordings_never_drowns_everything():
+    """A short curve tells strength and memory badly, their product well: drawn apart, noise would be tens of sigma."""
+    rng, loud = np.random.default_rng(300), []
+    for _ in range(12):
+        task = problem(recordings(rng, replicates=1))
+        rough = fitted(task)
+        fit = solve(task, (), weighed(task, (), rough.residual), [rough.z])
+        loud.append(float(np.quantile(loudest(fit, RECORD_ONLY, rng, 300)[1], 0.01)))
+    assert min(loud) > -40.0
 
 
 def test_simulated_noise_has_the_covariance_of_its_model(null):

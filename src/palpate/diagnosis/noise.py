@@ -105,16 +105,19 @@ class NoiseModel:
     ) -> list[np.ndarray]:
         """Return noise (n, count) of one recording of each condition, each column from a model drawn anew [nm].
 
-        The model is drawn from its uncertainty: `covariance`, within the bounds. Rounding may leave it an eigenvalue
-        just below zero, of which the magnitude counts.
+        The model is drawn from its uncertainty, `covariance`. Strength and memory err together: what recordings tell
+        apart is the fresh part of the point noise, sigma^2 (1 - rho^2), and its memory, and those two are drawn. The
+        logarithm of the one and logit rho of the other move by `FURTHEST` at most. Rounding may leave the covariance an
+        eigenvalue just below zero, of which the magnitude counts.
         """
         conditions = len(self.sigma)
-        mean = np.concatenate([np.log(self.sigma), logit(self.memory), list(self.variances.values())])
+        mean = np.concatenate([np.zeros(2 * conditions), list(self.variances.values())])
         draws = rng.multivariate_normal(mean, self.covariance, size=count, method="svd", check_valid="ignore")
-        points = slice(0, 2 * conditions)
-        draws[:, points] = np.clip(draws[:, points], mean[points] - FURTHEST, mean[points] + FURTHEST)
-        sigma = np.exp(draws[:, :conditions])
-        memory = np.minimum(expit(draws[:, conditions : 2 * conditions]), largest_memory(self.replicated))
+        louder, longer = draws[:, :conditions], draws[:, conditions : 2 * conditions]
+        fresher = 2.0 * louder - 2.0 * self.memory**2 / (1.0 + self.memory) * longer
+        fresher, longer = (np.clip(moved, -FURTHEST, FURTHEST) for moved in (fresher, longer))
+        memory = np.minimum(expit(logit(self.memory) + longer), largest_memory(self.replicated))
+        sigma = self.sigma * np.sqrt((1.0 - self.memory**2) / (1.0 - memory**2) * np.exp(fresher))
         deviations = np.sqrt(np.maximum(draws[:, 2 * conditions :], 0.0))
         noise = []
         for k, parts in enumerate(components):
