@@ -35,6 +35,15 @@ def test_scatter_between_sites_may_be_small_or_large(site):
     assert np.sqrt(np.mean(found)) == pytest.approx(site, rel=0.5)
 
 
+def test_two_recordings_alone_do_not_scatter_by_their_whole_depth():
+    """One difference between two sites: with what is assumed, 0.01, it keeps the scatter near."""
+    for seed in range(6):
+        whole = problem(recordings(np.random.default_rng(seed), replicates=2))
+        alone = replace(whole, conditions=CONDITIONS[:1])
+        site = noise_between_replicates(alone, (), 0.01).variances["site"]
+        assert 0.006 < np.sqrt(site) < 0.04
+
+
 @pytest.mark.parametrize("sigma", [1e-6, 50.0])
 def test_recordings_may_be_free_of_noise_or_full_of_it(sigma):
     """The floor of the noise is 1e-5 of the depth."""

@@ -3,7 +3,9 @@
 Orthonormal contrasts of the replicates have the covariance of the noise (`noise`) and do not know the curve, so they
 fix the noise whatever the model lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Few replicates often put a
 variance at zero that is not; a prior proportional to the deviation keeps site scatter and wander off the boundary, by a
-standard error at most (Chung et al., Psychometrika 78 (2013) 685-709).
+standard error at most (Chung et al., Psychometrika 78 (2013) 685-709). A single contrast, of two recordings in all,
+tells one number of the sites: that prior would then raise their scatter without end, and what is assumed of it counts
+as one more contrast instead.
 
 Without replicates, what remains of the residual after a cubic in each segment takes their place, and the variances of
 the components are assumed. The point noise is then taken to forget within ten points: slower misfit is no noise, or a
@@ -144,8 +146,17 @@ def fit_noise(
             if replicated:
                 for j, name in enumerate(names):
                     slope[2 * count + j] += variances[name] * np.vdot(weight, r.parts[name])
-        for j in never_zero:
-            value, slope[j] = value - 0.5 * x[j], slope[j] - 0.5
+        beforehand, pull = prior(x)
+        return value + beforehand, slope + pull
+
+    def prior(x: np.ndarray) -> tuple[float, np.ndarray]:
+        """Return the logarithm of the prior, less its constant and with its sign changed, and its slope."""
+        slope = np.zeros(len(x))
+        slope[never_zero] = -0.5
+        value = float(slope @ x)
+        for j in told_once:
+            share = 0.5 * assumed["site"] * np.exp(-x[j])
+            value, slope[j] = value + 0.5 * x[j] + share, 0.5 - share
         return value, slope
 
     def start(memory: float) -> np.ndarray:
@@ -159,6 +170,9 @@ def fit_noise(
         return np.concatenate([np.log(model.sigma), logit(model.memory), known])
 
     never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
+    single = sum(len(r.contrasts) for r in replicates) == 1
+    told_once = [j for j in never_zero if single and names[j - 2 * count] == "site"]
+    never_zero = [j for j in never_zero if j not in told_once]
     starts = [start(MEMORIES[0]), *(start_within(model) for model in within)]
     starts += [] if within else [start(memory) for memory in MEMORIES[1:]]
     within_bounds = list(zip(lowest, highest, strict=True))
@@ -169,7 +183,7 @@ def fit_noise(
     found = min(searches, key=lambda search: search.fun)
     sigma, memory, variances = unpack(found.x)
     covariance = _fisher(replicates, sigma, memory, variances, replicated)
-    log_likelihood = -float(found.fun) - 0.5 * float(found.x[never_zero].sum())
+    log_likelihood = prior(found.x)[0] - float(found.fun)
     return NoiseModel(sigma, memory, variances, log_likelihood, covariance, replicated)
 
 
