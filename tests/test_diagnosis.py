@@ -378,6 +378,19 @@ def test_ranges_up_to_the_limits_are_taken():
     candidates(ranged({"film_on_substrate": {"substrate_modulus": [0.7, 2000.0]}}))
 
 
+@pytest.mark.parametrize(("level", "draws", "least"), [(0.01, 299, 300), (0.001, 1000, 3000)])
+def test_draws_that_cannot_show_a_misfit_are_refused(level, draws, least):
+    """Of three kinds of tests together, draws give p-values of 3 / (draws + 1) at least."""
+    study = load_study(CHALLENGE)
+    few, enough = (
+        replace(study, diagnosis=study.diagnosis | {"significance": level, "bootstrap": count})
+        for count in (draws, least)
+    )
+    with pytest.raises(InputError, match=f"draw {least} or more"):
+        candidates(few)
+    candidates(enough)
+
+
 def test_what_lies_at_the_edge_of_the_search_is_said():
     """The modulus is 1, beyond a grid that ends at 0.9; a frame that gives 1.5 depth / load is beyond 0.3."""
     inside = problem(recordings(np.random.default_rng(3)))

@@ -38,7 +38,7 @@ def study(tmp_path, monkeypatch):
         "indenter": INDENTER,
         "conditions": [{"name": "A", "load_history": "recorded"}],
         "recordings": {"vendor": "results/small/recordings/vendor"},
-        "diagnosis": {"mechanisms": ["frame_compliance"], "snapshots": 8, "bootstrap": 200},
+        "diagnosis": {"mechanisms": ["frame_compliance"], "snapshots": 8, "bootstrap": 300},
     }
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(settings))
     return load_study("study.yaml")

@@ -32,6 +32,7 @@ QUARTERS = (0.25, 0.75)
 MESHES = 2
 PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
 MOST_COORDINATES = 3
+KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
 
 
@@ -95,7 +96,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names what is not known or cannot act, or ranges of what is not searched.
+        When the study names what is not known or cannot act, ranges of what is not searched, or too few draws.
     """
     try:
         return _candidates(study)
@@ -106,6 +107,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
     specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
+    _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
     _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
     for key in scale.stated:
         _check_ends(study, scale, MECHANISMS[key])
@@ -128,6 +130,17 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
             continue
         found[key] = mechanism
     return found
+
+
+def _check_draws(draws: int, level: float) -> None:
+    """Refuse so few draws of the noise that no p-value falls below the significance: everything would pass."""
+    least = int(KINDS_OF_TESTS / level + 1e-9)
+    if draws < least:
+        raise InputError(
+            f"{draws} draws cannot show a misfit at a significance of {level:g}",
+            remedy=f"draw {least} or more",
+            place="diagnosis.bootstrap",
+        )
 
 
 def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
