@@ -159,7 +159,7 @@ def planned(folder, *targets, study):
         ({"surrogate": {"kernel": "cubic"}}, {"surrogate", "calibration", "report"}, {"laboratory_virtual"}),
         ({"calibration": {"generations": 12}}, {"calibration"}, {"surrogate", "laboratory_virtual"}),
         ({"conditions": TINY["conditions"][:2]}, {"calibration", "laboratory_virtual"}, {"surrogate"}),
-        ({"title": "another"}, {"tables", "report"}, {"calibration"}),
+        ({"title": "another"}, {"tables", "report", "calibration", "diagnosis"}, {"surrogate", "effects"}),
     ],
 )
 def test_a_change_reruns_what_rests_on_it_and_nothing_else(finished, change, again, kept):
@@ -167,6 +167,14 @@ def test_a_change_reruns_what_rests_on_it_and_nothing_else(finished, change, aga
     assert again <= rules
     assert not kept & rules
     assert not [rule for rule in rules if rule.startswith("snapshots_")]
+
+
+@pytest.mark.parametrize("file", ["calibration", "diagnosis", "tables"])
+def test_what_is_drawn_under_the_title_is_drawn_again_under_a_new_one(file):
+    assert "study.title" in (ROOT / f"scripts/{file}.py").read_text()
+    rules = "".join(path.read_text() for path in sorted((ROOT / "workflow/rules").glob("*.smk"))).split("\nrule ")
+    drawing = next(rule for rule in rules if f"scripts/{file}.py" in rule)
+    assert "title=STUDY.title" in drawing
 
 
 def test_an_edited_recording_is_calibrated_again(finished):

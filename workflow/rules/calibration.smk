@@ -21,6 +21,7 @@ rule calibration:
     params:
         study=STUDY_FILE,
         data=DATA,
+        title=STUDY.title,
         settings=STUDY.calibration,
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),

@@ -68,6 +68,7 @@ rule diagnosis:
     params:
         study=STUDY_FILE,
         data=DATA,
+        title=STUDY.title,
         conditions=CALIBRATED,
         settings=[STUDY.diagnosis, STUDY.calibration],
         seed=STUDY.seed,
