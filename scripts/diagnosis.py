@@ -23,7 +23,7 @@ def main(snakemake):
     with tracking.nested_run(
         study.name, f"diagnosis {recordings}", "diagnosis", study.file, {"recordings": recordings}
     ):
-        tracking.log_diagnosis(content)
+        tracking.log_diagnosis(content, {**study.diagnosis, "seed": study.seed})
         tracking.log_files(snakemake.output)
 
 

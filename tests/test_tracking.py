@@ -38,6 +38,37 @@ def test_a_series_opens_no_run_of_its_own(tmp_path, monkeypatch):
     assert mlflow.active_run() is None
 
 
+def test_runs_hold_what_fits_are_compared_by(monkeypatch):
+    from palpate import tracking
+
+    params, metrics = {}, {}
+    monkeypatch.setattr(mlflow, "log_params", params.update)
+    monkeypatch.setattr(mlflow, "log_metrics", metrics.update)
+    monkeypatch.setattr(mlflow, "set_tags", lambda tags: None)
+    monkeypatch.setattr(tracking, "log_series", lambda *series: None)
+    modulus = {"estimate": 3.2, "lower": 3.0, "upper": 3.4, "identified": True}
+    errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4, "role": "calibrate"}
+    calibration = {"parameters": {"youngs_modulus": modulus}, "conditions": {"T030": errors}, "history": []}
+    tracking.log_calibration(calibration | {"seed": 862, "misfit_ratio": 1.1}, {"population": 200})
+    assert params == {"population": 200, "seed": 862}
+    assert (metrics["misfit_ratio"], metrics["T030.mean_abs_error_nm"]) == (1.1, 1.5)
+    drift = {"thermal_drift.rate": {"estimate": 0.11, "lower": 0.09, "upper": 0.13}}
+    named = {"mechanisms": ["thermal_drift"], "probability": 1.0, "parameters": drift}
+    roles = {role: {"before_rmse_nm": 9.0, "after_rmse_nm": None} for role in ("calibrate", "validate")}
+    found = {"verdict": "identified", "mechanisms": ["thermal_drift"], "sentence": "", "p_value": 0.002}
+    tracking.log_diagnosis(found | {"candidates": [named], "fit": roles | {"noise_nm": 2.0}}, {"snapshots": 40})
+    assert params["snapshots"] == 40
+    assert (metrics["thermal_drift.rate.estimate"], metrics["thermal_drift.rate.upper"]) == (0.11, 0.13)
+
+
+def test_the_commit_is_that_of_the_code_wherever_a_study_is_run(tmp_path, monkeypatch):
+    from palpate import tracking
+
+    here = tracking.git_commit()
+    monkeypatch.chdir(tmp_path)
+    assert tracking.git_commit() == here
+
+
 def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)

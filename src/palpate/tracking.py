@@ -25,6 +25,7 @@ from palpate.errors import PalpateError
 STORE = "sqlite:///results/mlflow.db"
 EXECUTION = "PALPATE_EXECUTION"
 LOCK = Path("results/.mlflow.lock")
+ERRORS = ("rmse_nm", "r2", "mean_abs_error_nm", "percent_error")
 
 
 def connect(study: str) -> None:
@@ -60,9 +61,10 @@ def parent_run(study: str) -> str:
 
 
 def git_commit() -> str:
-    """Return the commit of the working tree, or ``unknown`` outside a repository."""
+    """Return the commit of palpate's own working tree, wherever a study is run; ``unknown`` outside a repository."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
     try:
-        answer = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
+        answer = subprocess.run(command, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return answer.stdout.strip()
@@ -115,13 +117,13 @@ def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metric
 
 
 def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
-    """Log a calibration: settings, estimates with intervals, errors of each condition, convergence."""
-    mlflow.log_params(dict(settings))
-    metrics: dict[str, float] = {}
+    """Log a calibration: settings and seed, estimates with intervals, misfit, errors of each condition, convergence."""
+    mlflow.log_params({**settings, "seed": result["seed"]})
+    metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
-        metrics |= {f"{name}.{key}": float(entry[key]) for key in ("rmse_nm", "r2", "percent_error")}
+        metrics |= {f"{name}.{key}": float(entry[key]) for key in ERRORS}
     for role in ("calibrate", "validate"):
         errors = [entry["rmse_nm"] for entry in result["conditions"].values() if entry["role"] == role]
         if errors:
@@ -140,8 +142,9 @@ def log_fit(settings: Mapping[str, Any], metrics: Mapping[str, float], series: M
         log_series(key, values, range(len(values)))
 
 
-def log_diagnosis(content: Mapping[str, Any]) -> None:
-    """Log a diagnosis: verdict and names as tags, probabilities, gain, p-value."""
+def log_diagnosis(content: Mapping[str, Any], settings: Mapping[str, Any]) -> None:
+    """Log a diagnosis: settings, verdict and names as tags, probabilities, gain, p-value, and the best's amplitudes."""
+    mlflow.log_params(dict(settings))
     names = "+".join(content["mechanisms"]) or "none"
     mlflow.set_tags({"verdict": content["verdict"], "mechanisms": names, "mlflow.note.content": content["sentence"]})
     metrics = {"p_value": content["p_value"], "noise_nm": content["fit"]["noise_nm"]}
@@ -149,6 +152,8 @@ def log_diagnosis(content: Mapping[str, Any]) -> None:
         metrics |= {f"{role}.{k}": v for k, v in content["fit"][role].items() if v is not None}
     for candidate in content["candidates"]:
         metrics["probability." + "-".join(candidate["mechanisms"])] = candidate["probability"]
+    for name, found in next(iter(content["candidates"]), {"parameters": {}})["parameters"].items():
+        metrics |= {f"{name}.{key}": found[key] for key in ("estimate", "lower", "upper")}
     mlflow.log_metrics(metrics)
 
 
