@@ -1,8 +1,12 @@
 """Figures name what they show, with its unit."""
 
+import matplotlib
+import numpy as np
 import pandas as pd
+import pytest
+from matplotlib.colors import to_rgb
 
-from palpate.figures import parameters
+from palpate.figures import convergence, parameters
 from palpate.materials import LAWS
 
 RANGES = {"youngs_modulus": [3.0, 4.0], "steady_coefficient": [0.1, 0.2], "transient_exponent_2": [0.3, 0.5]}
@@ -28,3 +32,22 @@ def test_parameters_are_drawn_with_symbol_and_unit(monkeypatch):
     assert figure.axes[0].get_title() == "Young's modulus"
     assert "truth" not in figure.get_suptitle()
     assert "dashed: truth" in drawn(monkeypatch, truth=3.45).get_suptitle()
+
+
+@pytest.mark.parametrize(("objective", "unit"), [("mean_square", "nm$^2$"), ("relative", "-")])
+def test_convergence_is_drawn_with_its_unit(monkeypatch, objective, unit):
+    figures = []
+    monkeypatch.setattr(convergence, "save", lambda figure, path: figures.append(figure))
+    history = [{"generation": k, "best_sum": 9.0 - k} for k in range(3)]
+    convergence.draw({"all": {"settings": {"objective": objective}, "history": history}}, "", "search", False)
+    assert figures[0].axes[0].get_ylabel().endswith(f"[{unit}]")
+
+
+def test_series_are_told_apart_by_who_confuses_red_and_green():
+    """As a deuteranope sees them: G. M. Machado et al., IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1."""
+    seen = np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]])
+    series = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    light = np.array([to_rgb(colour) for colour in series]) ** 2.2
+    colours = (light @ seen.T).clip(0.0, 1.0) ** (1 / 2.2)
+    apart = np.linalg.norm(colours[:, None] - colours, axis=2)
+    assert apart[np.triu_indices(len(series), 1)].min() > 0.15

@@ -10,6 +10,8 @@ from matplotlib.ticker import ScalarFormatter
 
 from palpate.figures.style import mark_synthetic, plt, save
 
+UNITS = {"mean_square": "nm$^2$", "relative": "-"}
+
 
 def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title: str, synthetic: bool) -> None:
     """Draw the smallest sum of objectives in each generation, for every condition set.
@@ -23,7 +25,8 @@ def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title:
     axis.yaxis.set_major_formatter(ScalarFormatter())
     axis.yaxis.set_minor_formatter(ScalarFormatter())
     axis.set_xlabel("generation")
-    axis.set_ylabel("sum of the conditions' objectives")
+    objective = next(iter(calibrations.values()))["settings"]["objective"]
+    axis.set_ylabel(f"sum of the conditions' objectives [{UNITS[objective]}]")
     figure.suptitle(title, x=0.02, ha="left", fontsize=8)
     axis.set_title("smallest in each generation's front, which may rise", fontsize=7, loc="left")
     axis.legend(title="calibrated on", loc="center left", bbox_to_anchor=(1.0, 0.5))

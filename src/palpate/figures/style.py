@@ -1,4 +1,7 @@
-"""One look for all figures: sizes for a journal's columns, colours that print in grey, byte-identical files."""
+"""One look for all figures: sizes for a journal's columns, colours that print in grey, byte-identical files.
+
+Series of lines have the colours of M. Okabe and K. Ito (2008), which people who confuse red and green tell apart.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,19 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
+from cycler import cycler
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 RECORDED, SIMULATED, SURROGATE, TRUTH = "0.15", "#c1432e", "#2f6fa7", "#3f8f4f"
+SERIES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#000000", "#56b4e9", "#d55e00")
 DOUBLE_COLUMN = 7.2
 
 plt.rcParams.update(
     {
         "font.size": 8,
         "axes.titlesize": 8,
+        "axes.prop_cycle": cycler(color=SERIES),
         "axes.spines.top": False,
         "axes.spines.right": False,
         "legend.frameon": False,
