@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from palpate.report import misfit_sentence, table
+from palpate.report import misfit_sentence, surrogate_sentence, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -20,3 +20,12 @@ def test_headings_are_words_with_units():
     shown = table(pd.DataFrame({"rmse_nm": [1.23456], "condition_set": ["all"], "identified": [True]}))
     assert re.findall("<th>(.*?)</th>", shown) == ["rmse [nm]", "condition set", "identified"]
     assert re.findall("<td>(.*?)</td>", shown) == ["1.235", "all", "yes"]
+
+
+def test_the_surrogates_error_is_that_at_the_estimate():
+    runs = [
+        {"chi_square": 9.0, "surrogate_error_nm": {"T030": 7.0}},
+        {"chi_square": 4.0, "surrogate_error_nm": {"T030": 1.8, "T240": 2.3}},
+    ]
+    assert "up to 2.3 nm from the finite elements" in surrogate_sentence({"confirmations": runs})
+    assert surrogate_sentence({"confirmations": []}) == ""

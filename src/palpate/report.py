@@ -94,3 +94,19 @@ def misfit_sentence(calibration: Mapping) -> str:
         f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
         f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."
     )
+
+
+def surrogate_sentence(calibration: Mapping) -> str:
+    """Say how far the surrogates are off at the estimate, which leave-one-out errors of a grid do not tell.
+
+    What it misses between the levels of a grid may vanish on them, where alone snapshots are left out and foretold.
+    """
+    runs = calibration["confirmations"]
+    if not runs:
+        return ""
+    best = min(runs, key=lambda run: run["chi_square"])
+    return (
+        f"At the estimate the surrogates are up to {max(best['surrogate_error_nm'].values()):.2g} nm from the finite "
+        "elements on the fine mesh, on which the estimate rests; errors by leave-one-out are those at the snapshots, "
+        "and between the levels of a grid they may be several times as large."
+    )

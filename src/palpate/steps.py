@@ -202,6 +202,7 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
             )
         pieces = [
             f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
+            report.paragraph(report.surrogate_sentence(read_json(found / "calibration.json"))),
             report.table(pd.read_csv(found / "errors.csv")),
             report.table(
                 with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})
