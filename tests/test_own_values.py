@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from test_diagnosis import CONDITIONS, fitted, recordings, weighed
+from test_diagnosis import problem as task
 
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
@@ -85,6 +87,26 @@ def test_the_depth_factor_of_a_site_is_not_taken_for_a_drift():
     """A drift of 0.3 nm/s would add 15 nm at the end, where a site that is softer by 1 % adds 3 to 10 nm."""
     fit, curve = varied(thermal_drift=0.1, site=1e-4)
     assert np.abs(in_mean(STUDY, fit, CONDITION, curve, recorded(1.01 * curve))).max() < 0.05 * 0.01 * curve.max()
+
+
+def test_the_rates_of_single_recordings_lie_within_their_intervals():
+    """Whatever the fit leaves open of the material: 95 % are expected, 60 % did where the material counted as known."""
+    held = []
+    for seed in range(10):
+        rng, rates = np.random.default_rng(700 + seed), {}
+
+        def drifting(condition, _, rng=rng, rates=rates):
+            rates[condition.name] = 0.2 * (1.0 + 0.2 * rng.standard_normal())
+            return rates[condition.name] * condition.protocol.sample_time
+
+        observed = recordings(rng, drifting, replicates=1)
+        problem, drift = task(observed), ("thermal_drift",)
+        rough = fitted(problem, drift)
+        fit = solve(problem, drift, weighed(problem, drift, rough.residual), [rough.z])
+        study = SimpleNamespace(conditions=CONDITIONS, calibration={"solver_error": 0.003})
+        rows = recording_values(study, observed, fit)["thermal_drift.rate"]
+        held += [row["lower"] < rates[row["condition"]] < row["upper"] for row in rows]
+    assert np.mean(held) > 0.85
 
 
 def test_what_belongs_to_the_instrument_has_no_value_of_a_recording():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import NORMAL_95, Law
+from palpate.diagnosis.posterior import away
 from palpate.diagnosis.refine import curve_under
 from palpate.errors import PalpateError
 
@@ -26,9 +28,10 @@ def recording_values(
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
     By generalised least squares of what a recording departs from the forward model's curve, given the common material
-    and the common mean; its point noise, site scatter, slow drift and the model's error are weighed. Where several
-    mechanisms vary they are found together. What exact laws say about a recording by itself, such as the drift in its
-    own hold, joins as data. Held-out conditions under which the forward model fails have none.
+    and the common mean; its point noise, site scatter, slow drift and the model's error are weighed. The intervals
+    allow for what the fit leaves open of the material, too, but for held-out conditions, where its slopes are not
+    known. Where several mechanisms vary they are found together. What exact laws say about a recording by itself, such
+    as the drift in its own hold, joins as data. Held-out conditions under which the forward model fails have none.
 
     Parameters
     ----------
@@ -40,6 +43,8 @@ def recording_values(
         return {}
     best = fit.problem.amplitudes(fit.explanation, fit.z)
     found: dict[str, list[dict[str, Any]]] = {}
+    body = slice(fit.problem.space.dimensions)
+    slopes, left_open = fit.problem.split(fit.tangent[:, body]), replace(fit, errors=away(fit)).posterior[body, body]
     for condition in study.conditions:
         item = observed[condition.name]
         try:
@@ -52,6 +57,9 @@ def recording_values(
         for number, depth in enumerate(item.depth, 1):
             laws = own_laws[condition.name][number - 1] if own_laws else ()
             departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), keys, best, laws)
+            if condition.name in slopes:
+                moved = spread @ weighed.T @ slopes[condition.name]
+                spread = spread + moved @ left_open @ moved.T
             for key, departure, variance in zip(keys, departures, np.diag(spread), strict=True):
                 ((name, mean),) = best[key].items()
                 half = NORMAL_95 * float(np.sqrt(variance))

@@ -24,8 +24,8 @@ LEAPS = 0.1  # share of moves by a whole difference, which lead from one optimum
 def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
     """Return draws (m, k) of the coordinates of an explanation.
 
-    Away from the best point the surrogates err again, also where the forward model has corrected them there; unless it
-    took their place.
+    Away from the best point the surrogates err again, also where the forward model has corrected them there; and so
+    does the plane that took their place.
     """
     fit = replace(fit, errors=away(fit))
     walkers = WALKERS_PER_DIMENSION * len(fit.z)
@@ -47,10 +47,8 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 
 def away(fit: Fit) -> Errors:
     """Return the errors of a fit away from where the forward model has corrected it."""
-    if fit.local:
-        return fit.errors
-    model = fit.errors.model - fit.errors.surrogate + surrogate_error(fit.problem, fit.explanation)
-    return replace(fit.errors, model=model)
+    missed = fit.local.scatter if fit.local else surrogate_error(fit.problem, fit.explanation)
+    return replace(fit.errors, model=fit.errors.model - fit.errors.surrogate + missed)
 
 
 def sampled(

@@ -141,8 +141,7 @@ def sharpen(study: Study, fit: Fit) -> Fit:
         region = fit.posterior
         if beyond < REACH:
             break
-    rough = replace(fit.errors, model=fit.errors.model + plane.scatter)
-    return spread_own_values(minimised(replace(fit, errors=rough), RADIUS), RADIUS)
+    return spread_own_values(minimised(fit, RADIUS), RADIUS)
 
 
 def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
