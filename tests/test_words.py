@@ -43,6 +43,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
         },
         "discriminating_test": None,
         "may_hide": {},
+        "tried": [{"mechanisms": [], "p_value": 0.001, "parameters": {}}],
     }
 
 
@@ -51,6 +52,19 @@ def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_
     assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
     assert "held-out error falls from 14.1 to 1.9 nm, where noise and scatter alone make 1.7 nm" in said
     assert "youngs modulus came out 6% too low" in said
+
+
+def test_what_comes_nearest_is_said_where_nothing_explains():
+    tried = {"mechanisms": ["film_on_substrate", "friction"], "p_value": 0.004, "parameters": {}}
+    for name, value in {"film_on_substrate.thickness": 511.4, "film_on_substrate.substrate_modulus": 70.0}.items():
+        tried["parameters"][name] = value
+    tried["parameters"]["friction.coefficient"] = 0.123
+    unexplained = content("unexplained")
+    said = sentence(unexplained | {"tried": [tried]})
+    film = "film on a substrate (thickness 511 nm, substrate modulus 70 GPa) with friction (coefficient 0.123)"
+    assert f"Nearest comes {film}, but more than noise is left (p = 0.004)." in said
+    assert "Nearest" not in sentence(unexplained)
+    assert "Nearest" not in sentence(unexplained | {"tried": [tried | {"p_value": 0.3}]}), "a law speaks against it"
 
 
 def test_what_all_explanations_share_is_said():

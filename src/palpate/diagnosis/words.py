@@ -11,17 +11,19 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 
 RISEN = 1.05  # ratio of errors from which one says that they rise
+CLEARLY = 0.01  # p-value below which what is left is called more than noise
 
 
 def sentence(content: Mapping[str, Any]) -> str:
     """Say what a diagnosis found, from the content of `diagnosis.json`."""
     verdict, p = content["verdict"], content["p_value"]
-    probability = f"p < {0.002:g}" if p < 0.0021 else f"p = {p:.2g}"
+    probability = _probability(p)
     if verdict == "adequate":
         return f"The base model explains the recordings to their noise ({probability}); nothing is claimed."
     start = f"The base model does not explain the recordings ({probability}){_where(content)}."
     if verdict == "unexplained":
-        return f"{start} No set of known mechanisms that was tried explains it: something else is missing."
+        none = "No set of known mechanisms that was tried explains it: something else is missing."
+        return f"{start} {none}{_nearest(content)}"
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
@@ -57,6 +59,24 @@ def _claim(candidate: Mapping[str, Any]) -> str:
             values.append(f"{named} {rounded(entry['estimate'])}{unit} {interval}")
         claims.append(title + "".join(values))
     return " with ".join(claims)
+
+
+def _nearest(content: Mapping[str, Any]) -> str:
+    """Say which explanation came nearest, where that is one and clearly leaves more than noise."""
+    best = content["tried"][0]
+    if not best["mechanisms"] or best["p_value"] is None or best["p_value"] >= CLEARLY:
+        return ""
+    claims = []
+    for key in best["mechanisms"]:
+        mechanism = MECHANISMS[key]
+        found = ((p, best["parameters"][f"{key}.{p.name}"]) for p in mechanism.parameters)
+        values = (f"{p.name.replace('_', ' ')} {rounded(value)} {p.unit.strip('-')}".strip() for p, value in found)
+        claims.append(f"{mechanism.title} ({', '.join(values)})")
+    return f" Nearest comes {' with '.join(claims)}, but more than noise is left ({_probability(best['p_value'])})."
+
+
+def _probability(p: float) -> str:
+    return f"p < {0.002:g}" if p < 0.0021 else f"p = {p:.2g}"
 
 
 def _in_all(content: Mapping[str, Any]) -> str:
