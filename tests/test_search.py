@@ -7,8 +7,9 @@ from palpate.diagnosis.diagnose import Candidate, _sharpened
 LEVEL = 0.01
 
 
-def candidate(key, evidence, p_value=0.5, lacks=0.0):
-    return Candidate(SimpleNamespace(explanation=(key,), log_evidence=evidence, lacks=lacks), p_value, confirmed=True)
+def candidate(key, evidence, p_value=0.5, lacks=0.0, occam=0.0):
+    fit = SimpleNamespace(explanation=(key,), log_evidence=evidence, log_likelihood=evidence + occam, lacks=lacks)
+    return Candidate(fit, p_value, confirmed=True)
 
 
 def stand(found, *turned_out):
@@ -64,3 +65,11 @@ def test_the_instruments_effects_are_compared_with_the_bodys_by_the_same_slopes(
     assert stand(found, *better) == ["tip_rounding", "zero_offset"]
     assert stand([candidate("thermal_drift", 80.5), candidate("zero_offset", 76.3)]) == ["thermal_drift", "zero_offset"]
     assert stand.asked == set(), "among themselves, the base model's slopes do"
+
+
+def test_what_fits_as_well_stands_though_it_could_have_explained_much_else():
+    """A thick film on a soft body gives way in proportion to the load, as a frame does."""
+    frame = candidate("frame_compliance", 80.0, occam=4.0)
+    assert stand([frame, candidate("film_on_substrate", 72.0, occam=11.0)]) == ["frame_compliance", "film_on_substrate"]
+    assert stand([frame, candidate("film_on_substrate", 72.0, occam=6.0)]) == ["frame_compliance"]
+    assert stand([frame, candidate("film_on_substrate", 72.0, p_value=0.002, occam=11.0)]) == ["frame_compliance"]

@@ -202,10 +202,10 @@ def diagnose(
 
     The base model is tested first. If it fails, every mechanism is fitted together with the material; those whose
     evidence is near the best go to the forward model and are tested in turn, once more with the forward model's own
-    slopes where that may decide. One stands that leaves only noise, within a likelihood ratio of 100 of the best tried,
-    so that a name given alone should be wrong in less than one case of a hundred. While none stands, sets with one
-    mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. One that contradicts an exact
-    law never passes.
+    slopes where that may decide. One stands that leaves only noise, within a ratio of 100 of the best tried, so that a
+    name given alone should be wrong in less than one case of a hundred. While none stands, sets with one mechanism more
+    are tried in the same way, up to the study's ``diagnosis.largest_set``. One that contradicts an exact law never
+    passes.
     A name is given alone only where the recordings bear it, see `may_be_named`.
 
     Parameters
@@ -318,6 +318,7 @@ def _in_question(search: Search, found: list[Candidate], tried: list[Candidate],
     best = max((each.fit.log_evidence for each in _tested(tried)), default=-np.inf)
     near = [each for each in _tested(found) if each.confirmed and each.fit.log_evidence >= best - OUTDONE]
     near = [each for each in near if each.adequate(level) or search.lacking(each.fit) < 2.0 * OUTDONE]
+    near += [each for each in _standing(found, tried, level) if each.confirmed and each not in near]
     return near if any(not of_instrument(each.fit.explanation) for each in near) else []
 
 
@@ -348,14 +349,19 @@ def _larger_sets(tried: list[Candidate], keys: list[str]) -> list[tuple[Fit, str
 
 
 def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
-    """Return what passes of `found`, best first, within the likelihood ratio of the best of all that were tried.
+    """Return what passes of `found`, best first, within a ratio of 100 of the best of all that were tried.
 
     The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
-    that pass.
+    that pass. What passes and fits as well as one that stands, but for a ratio of the likelihood, stands beside it,
+    though the evidence counts against it that it could have explained much else: recordings do not tell them apart.
     """
     best = max((candidate.fit.log_evidence for candidate in _tested(tried)), default=-np.inf)
-    passed = [candidate for candidate in found if candidate.adequate(level)]
-    return _best_first([candidate for candidate in passed if candidate.fit.log_evidence >= best - CLOSE])
+    passed = _best_first([candidate for candidate in found if candidate.adequate(level)])
+    likely = [candidate.fit.log_likelihood for candidate in passed if candidate.fit.log_evidence >= best - CLOSE]
+    if not likely:
+        return []
+    fits = max(likely)
+    return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
 
 
 def may_be_named(problem: Problem, explanation: Explanation) -> bool:

@@ -27,7 +27,7 @@ def sentence(content: Mapping[str, Any]) -> str:
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
-    names = "; ".join(f"{_claim(c)} ({c['probability']:.0%})" for c in content["candidates"])
+    names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
         best = f"What explains it best: {names}"
         return f"{start} {best}. From these recordings alone it stays a suspicion; {_gain(content)}."
@@ -39,6 +39,12 @@ def sentence(content: Mapping[str, Any]) -> str:
         else ""
     )
     return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
+
+
+def _percent(probability: float) -> str:
+    if 0.0 < probability < 0.005 or 0.995 < probability < 1.0:
+        return "< 1%" if probability < 0.5 else "> 99%"
+    return f"{probability:.0%}"
 
 
 def rounded(value: float, digits: int = 3) -> str:
