@@ -177,15 +177,17 @@ def errors(
 def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) -> np.ndarray:
     """Return the covariance of what mesh and time steps add to the effects at z (k,).
 
-    One half of it is correlated over a tenth of each curve, as the contact passes from node to node; the other half is
-    the same part of the effect everywhere.
+    One part of it is the same part of the effect everywhere; the other is correlated over a tenth of each curve, as the
+    contact passes from node to node.
     """
     u, own = problem.parts(explanation, z)
     scatter = np.zeros((len(problem.mean), len(problem.mean)))
     for key, x in own.items():
-        if MECHANISMS[key].solver_scatter:
-            effect = MECHANISMS[key].solver_scatter * problem.effect(key, u, x)[0]
-            scatter += np.outer(effect, effect) * 0.5 * (1.0 + mesh_ripple(problem.split(problem.mean)))
+        if whole := MECHANISMS[key].solver_scatter:
+            effect, ripple = problem.effect(key, u, x)[0], MECHANISMS[key].solver_ripple
+            rippling = 0.5 * whole**2 if ripple is None else ripple**2
+            parts = (whole**2 - rippling) + rippling * mesh_ripple(problem.split(problem.mean))
+            scatter += np.outer(effect, effect) * parts
     return scatter
 
 

@@ -29,4 +29,5 @@ MECHANISM = Mechanism(
     },
     simulate=simulate,
     solver_scatter=0.02,
+    solver_ripple=0.003,
 )
