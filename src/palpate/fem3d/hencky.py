@@ -6,8 +6,9 @@ stretches l_a, images n_a = F N_a of the axes, and the divided differences f_ab 
 
     dE_ab = f_ab dC_ab,   dC_ab = n_a . dF N_b + n_b . dF N_a,   d2E_ab = 2 f_acb dC_ac dC_cb + f_ab d2C_ab
 
-(Ogden, Non-linear Elastic Deformations, 1984, section 6.1). tr E = ln J, averaged over the element. The smallest
-stretch follows from the others and the change of volume, so that a squeezed element keeps its digits.
+(Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425). tr E = ln J, averaged over the
+element. The smallest stretch follows from the others and the change of volume, so that a squeezed element keeps its
+digits.
 """
 
 from __future__ import annotations
