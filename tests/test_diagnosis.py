@@ -1,6 +1,5 @@
 """Diagnosis on recordings whose noise and effects are known exactly; base model and effects are closed forms."""
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,10 +10,10 @@ from scipy.linalg import toeplitz
 
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
-from palpate.config import Condition, load_study
+from palpate.config import Condition
 from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors, noise_of, solver_scatter, varying
-from palpate.diagnosis.design import amplitudes, candidates, scale_of, thinned
+from palpate.diagnosis.design import thinned
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import Candidate, Search, _resumed, _without_idle, may_be_named
 from palpate.diagnosis.edges import at_edges
@@ -24,7 +23,6 @@ from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.segments import segments
 from palpate.diagnosis.similarity import similarity
-from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.protocol import trapezoid
 
@@ -346,62 +344,6 @@ def test_one_kind_of_test_names_no_effect_but_the_instruments():
     assert named(1, True, "thermal_drift", "frame_compliance")
     assert not named(1, True, "size_effect", "thermal_drift")
     assert not named(2, False, "thermal_drift")
-
-
-def ranged(ranges):
-    study = load_study(CHALLENGE)
-    return replace(study, diagnosis=study.diagnosis | {"ranges": ranges})
-
-
-def test_a_study_states_where_an_effect_is_searched():
-    """A frame that was never corrected, with the load cell's deflection in the depth, may be most of it."""
-    frame = {"compliance": [0.0, 40.0]}
-    usual, stated = scale_of(ranged({})), scale_of(ranged({"frame_compliance": frame}))
-    mechanism = MECHANISMS["frame_compliance"]
-    assert amplitudes(mechanism, usual, np.ones(1))["compliance"] < 0.4 * usual.depth / usual.load
-    assert [amplitudes(mechanism, stated, np.full(1, x))["compliance"] for x in (0.0, 1.0)] == [0.0, 40.0]
-    yielding = MECHANISMS["plastic_yield"]
-    assert amplitudes(yielding, usual, np.ones(2)) == amplitudes(yielding, stated, np.ones(2))
-    candidates(ranged({"frame_compliance": frame}))
-
-
-@pytest.mark.parametrize(
-    ("ranges", "words"),
-    [
-        ({"magic": {"amount": [0, 1]}}, "'magic' is not considered"),
-        ({"plastic_yield": {"yield_stress": [0.1, 0.2]}}, "yield_stress is not searched; use one of: flow_stress"),
-        ({"frame_compliance": {"compliance": [1.0, 1.0]}}, "is no range"),
-        ({"plastic_yield": {"flow_stress": [0.0, 0.2]}}, "both positive"),
-        ({"plastic_yield": {"flow_stress": [0.1, 1e5]}}, "yield_stress = 100000 GPa is outside its range"),
-        ({"friction": {"coefficient": [0.0, 3.0]}}, "ranges.friction: coefficient = 3 is outside its range 0 to 0.5"),
-        ({"film_on_substrate": {"thickness": [1, 10]}}, "film_on_substrate: thickness = 1 nm is less than an element"),
-        ({"tip_rounding": {"radius": [1, 1e8]}}, "ranges.tip_rounding: radius = 1e+08 nm is larger than the body"),
-        ({"controller_lag": {"lag": [0, 500]}}, "lag = 500 s is not shorter than the test"),
-    ],
-)
-def test_ranges_that_mean_nothing_are_refused(ranges, words):
-    with pytest.raises(InputError, match=re.escape(words)):
-        candidates(ranged(ranges))
-
-
-def test_ranges_up_to_the_limits_are_taken():
-    """Also where what is plausible of the quantity that is not stated, 50 moduli of the film, is beyond its limit."""
-    stiff = ranged({"film_on_substrate": {"thickness": [7e3, 1e9]}})
-    assert "film_on_substrate" in candidates(replace(stiff, levels=stiff.levels | {"youngs_modulus": (60.0, 70.0)}))
-    candidates(ranged({"film_on_substrate": {"substrate_modulus": [0.7, 2000.0]}}))
-
-
-@pytest.mark.parametrize(("level", "draws", "least"), [(0.01, 299, 300), (0.001, 1000, 3000)])
-def test_draws_that_cannot_show_a_misfit_are_refused(level, draws, least):
-    """Of three kinds of tests together, draws give p-values of 3 / (draws + 1) at least."""
-    study = load_study(CHALLENGE)
-    few, enough = (
-        replace(study, diagnosis=study.diagnosis | {"significance": level, "bootstrap": count})
-        for count in (draws, least)
-    )
-    with pytest.raises(InputError, match=f"draw {least} or more"):
-        candidates(few)
-    candidates(enough)
 
 
 def test_what_lies_at_the_edge_of_the_search_is_said():

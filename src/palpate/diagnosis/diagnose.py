@@ -315,7 +315,7 @@ def _in_question(search: Search, found: list[Candidate], tried: list[Candidate],
     of another, and may leave more than noise. So all that stand, or fail by little, are compared by the same slopes.
     Where none acts on the body, those are the base model's, which are well known.
     """
-    best = max((each.fit.log_evidence for each in _tested(tried)), default=-np.inf)
+    best = _best_evidence(tried)
     near = [each for each in _tested(found) if each.confirmed and each.fit.log_evidence >= best - OUTDONE]
     near = [each for each in near if each.adequate(level) or search.lacking(each.fit) < 2.0 * OUTDONE]
     near += [each for each in _standing(found, tried, level) if each.confirmed and each not in near]
@@ -324,6 +324,10 @@ def _in_question(search: Search, found: list[Candidate], tried: list[Candidate],
 
 def _tested(candidates: list[Candidate]) -> list[Candidate]:
     return [candidate for candidate in candidates if candidate.p_value is not None and not candidate.contradicts]
+
+
+def _best_evidence(tried: list[Candidate]) -> float:
+    return max((each.fit.log_evidence for each in _tested(tried)), default=-np.inf)
 
 
 def _best_first(candidates: list[Candidate]) -> list[Candidate]:
@@ -355,7 +359,7 @@ def _standing(found: list[Candidate], tried: list[Candidate], level: float) -> l
     that pass. What passes and fits as well as one that stands, but for a ratio of the likelihood, stands beside it,
     though the evidence counts against it that it could have explained much else: recordings do not tell them apart.
     """
-    best = max((candidate.fit.log_evidence for candidate in _tested(tried)), default=-np.inf)
+    best = _best_evidence(tried)
     passed = _best_first([candidate for candidate in found if candidate.adequate(level)])
     likely = [candidate.fit.log_likelihood for candidate in passed if candidate.fit.log_evidence >= best - CLOSE]
     if not likely:

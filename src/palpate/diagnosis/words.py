@@ -9,6 +9,7 @@ from scipy.stats import norm
 
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
+from palpate.parameters import Parameter
 
 RISEN = 1.05  # ratio of errors from which one says that they rise
 CLEARLY = 0.01  # p-value below which what is left is called more than noise
@@ -52,6 +53,11 @@ def rounded(value: float, digits: int = 3) -> str:
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
+def _amount(value: float, parameter: Parameter, digits: int = 3) -> str:
+    unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+    return f"{rounded(value, digits)}{unit}"
+
+
 def _claim(candidate: Mapping[str, Any]) -> str:
     """Name an explanation with its amplitudes."""
     claims = []
@@ -59,10 +65,9 @@ def _claim(candidate: Mapping[str, Any]) -> str:
         title, values = MECHANISMS[key].title, []
         for parameter in MECHANISMS[key].parameters:
             name, entry = parameter.name.replace("_", " "), candidate["parameters"][f"{key}.{parameter.name}"]
-            unit = "" if parameter.unit == "-" else f" {parameter.unit}"
             interval = f"({rounded(entry['lower'])} to {rounded(entry['upper'])})"
             named = " of" if title.endswith(name) else f", {name}"
-            values.append(f"{named} {rounded(entry['estimate'])}{unit} {interval}")
+            values.append(f"{named} {_amount(entry['estimate'], parameter)} {interval}")
         claims.append(title + "".join(values))
     return " with ".join(claims)
 
@@ -76,7 +81,7 @@ def _nearest(content: Mapping[str, Any]) -> str:
     for key in best["mechanisms"]:
         mechanism = MECHANISMS[key]
         found = ((p, best["parameters"][f"{key}.{p.name}"]) for p in mechanism.parameters)
-        values = (f"{p.name.replace('_', ' ')} {rounded(value)} {p.unit.strip('-')}".strip() for p, value in found)
+        values = (f"{p.name.replace('_', ' ')} {_amount(value, p)}" for p, value in found)
         claims.append(f"{mechanism.title} ({', '.join(values)})")
     return f" Nearest comes {' with '.join(claims)}, but more than noise is left ({_probability(best['p_value'])})."
 
@@ -103,7 +108,7 @@ def _suspected(content: Mapping[str, Any]) -> str:
         mechanism = MECHANISMS[name.split(".")[0]]
         if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
             interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
-            said.append(f"{mechanism.title}, {rounded(entry['estimate'], 2)} {mechanism.parameters[0].unit} {interval}")
+            said.append(f"{mechanism.title}, {_amount(entry['estimate'], mechanism.parameters[0], 2)} {interval}")
     return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
 
 

@@ -220,11 +220,9 @@ def advance(
             corner += problem.adhesion.add(contact, mesh, displacement, depth, work, diagonal, force, geometric)
         work.iterations += 1
         if not np.isfinite(corner):
-            if search is None or search.fraction < 0.01:
-                raise ConvergenceError("an element turned inside out", time=state.time)
-            shorter = search.halve()
-            displacement[free] += shorter * search.direction[:-1]
-            depth += shorter * search.direction[-1]
+            back = retreat(search, state.time)
+            displacement[free] += back[:-1]
+            depth += back[-1]
             continue
         forces[:-1], forces[-1] = work.residual, -force[:, 1].sum() - load
         norm = np.abs(forces).max() / scale
@@ -324,6 +322,19 @@ class Search:
         fraction = self.fraction * max(0.1, self.start / (self.start - work))
         move, self.fraction = fraction - self.fraction, fraction
         return move
+
+
+def retreat(search: Search | None, time: float) -> np.ndarray:
+    """Return the change (size + 1,) of displacements and depth that leads back from where an element is inside out.
+
+    Raises
+    ------
+    ConvergenceError
+        When there is no way back.
+    """
+    if search is None or search.fraction < 0.01:
+        raise ConvergenceError("an element turned inside out", time=time)
+    return search.halve() * search.direction
 
 
 def extrapolate(state: Any, before: Any, time: float) -> Any:

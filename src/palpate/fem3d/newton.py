@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
-from palpate.fem.newton import TOLERANCE, Search, newton_direction
+from palpate.fem.newton import TOLERANCE, Search, newton_direction, retreat
 from palpate.fem.regions import laws_of, regions
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.coupled import Coupling, coupled_direction
@@ -169,11 +169,9 @@ def advance(
         )  # fmt: skip
         work.iterations += 1
         if not np.isfinite(corner):
-            if search is None or search.fraction < 0.01:
-                raise ConvergenceError("an element turned inside out", time=state.time)
-            shorter = search.halve()
-            displacement[free] += shorter * search.direction[:-1]
-            depth += shorter * search.direction[-1]
+            back = retreat(search, state.time)
+            displacement[free] += back[:-1]
+            depth += back[-1]
             continue
         work.border[:, 1] = work.border[:, 0]
         if problem.friction > 0.0:
