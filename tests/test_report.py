@@ -29,3 +29,8 @@ def test_the_surrogates_error_is_that_at_the_estimate():
     ]
     assert "up to 2.3 nm from the finite elements" in surrogate_sentence({"confirmations": runs})
     assert surrogate_sentence({"confirmations": []}) == ""
+
+
+def test_a_share_close_to_one_is_not_rounded_to_one():
+    assert "<td>0.99997</td>" in table(pd.DataFrame({"r2": [0.99997]}))
+    assert "<td>1</td>" in table(pd.DataFrame({"r2": [1.0]}))

@@ -140,6 +140,12 @@ def test_no_varying_parameter_is_refused():
         PODRBF().fit(np.ones((3, 2)), np.ones((3, 5)))
 
 
+def test_points_outside_the_snapshots_are_told():
+    model = PODRBF("cubic").fit(X, Y)
+    with pytest.warns(UserWarning, match="1 of 2 points lie outside"):
+        model.predict([model.upper_, 1.1 * model.upper_])
+
+
 def test_clones_refits_and_pickles():
     model = PODRBF("cubic", n_modes=4).fit(X, Y)
     assert clone(model).get_params() == model.get_params()

@@ -38,7 +38,7 @@ def paragraph(text: str) -> str:
 
 
 def table(frame: pd.DataFrame) -> str:
-    """Return a table; numbers to four digits, yes or no, and nothing where nothing is known."""
+    """Return a table; numbers to four digits (a share close to one to six), yes or no, nothing where it is unknown."""
     shown = frame.astype(object).map(cell).rename(columns=heading)
     return shown.to_html(index=False, border=0)
 
@@ -54,7 +54,7 @@ def cell(value: object) -> object:
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.4g}"
+        return "" if np.isnan(value) else f"{value:.{6 if 0.999 < value < 1.0 else 4}g}"
     return "" if value is None else value
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from numbers import Real
 from typing import Any
 
@@ -113,9 +114,18 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return self
 
     def predict(self, X: Any) -> np.ndarray:
-        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once."""
+        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once; warns outside the training range."""
         check_is_fitted(self)
-        curves = self.evaluate(validate_data(self, X, reset=False, dtype=float))
+        X = validate_data(self, X, reset=False, dtype=float)
+        slack = 1e-6 * (self.upper_ - self.lower_)
+        outside = ((self.lower_ - slack > X) | (self.upper_ + slack < X)) & self.varies_
+        if outside.any():
+            warnings.warn(
+                f"{outside.any(axis=1).sum()} of {len(X)} points lie outside the range of the snapshots, where a "
+                "surrogate knows nothing",
+                stacklevel=2,
+            )
+        curves = self.evaluate(X)
         return curves[:, 0] if self.single_output_ else curves
 
     def evaluate(self, X: np.ndarray) -> np.ndarray:
