@@ -1,4 +1,8 @@
-"""In which order the tests run, and where."""
+"""In which order the tests run and where, and what several files ask of the solver."""
+
+import pytest
+
+from palpate.fem import similar
 
 
 def pytest_configure(config):
@@ -10,3 +14,16 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(items):
     """Begin the longest file first, so that one process does it while the others do the rest."""
     items.sort(key=lambda item: item.path.name != "test_workflow.py")
+
+
+@pytest.fixture
+def simulated(monkeypatch):
+    """Return how many cases each run of the solver was given."""
+    counts, batch = [], similar.indent_batch
+
+    def counting(cases):
+        counts.append(len(cases))
+        return batch(cases)
+
+    monkeypatch.setattr(similar, "indent_batch", counting)
+    return counts

@@ -27,7 +27,7 @@ ORDER = [
     {"readers"},
     {"design"},
     {"config"},
-    {"snapshots", "laboratory"},
+    {"snapshots", "laboratory", "solved"},
     {"surrogate"},
     {"classical"},
     {"calibration"},

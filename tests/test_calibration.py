@@ -121,7 +121,7 @@ def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
         return run
 
     settings = CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=8)
-    options = {"confirm": forward(0.0), "approximate": forward(cheaper)}
+    options = {"confirm": forward(0.0), "approximate": lambda points: list(map(forward(cheaper), points))}
     surrogate_only, confirmed = (
         calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, **given)
         for given in ({}, options)

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.fem import similar
 from palpate.indenters import Indenter
 from palpate.model import simulate, simulate_batch
 from palpate.protocol import trapezoid
@@ -26,19 +25,6 @@ CONE = Indenter("cone", half_angle=70.3)
 def under(load, hold=5.0, **changes):
     specification = Specification("nonlinear_burgers", EPOXY, CONE, trapezoid(load, 10, hold, 10, points=20))
     return replace(specification, **changes)
-
-
-@pytest.fixture
-def simulated(monkeypatch):
-    """Return how many cases each run of the solver was given."""
-    counts, batch = [], similar.indent_batch
-
-    def counting(cases):
-        counts.append(len(cases))
-        return batch(cases)
-
-    monkeypatch.setattr(similar, "indent_batch", counting)
-    return counts
 
 
 @pytest.mark.parametrize("kinematics", ["small", "large"])

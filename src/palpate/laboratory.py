@@ -17,7 +17,7 @@ import numpy as np
 from palpate.config import Study
 from palpate.errors import PalpateError
 from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
-from palpate.model import Simulation, simulate
+from palpate.model import Simulation, simulate, simulate_batch
 from palpate.protocol import Protocol
 from palpate.recording import Recording
 from palpate.specification import Specification
@@ -62,12 +62,7 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     """
     rng = np.random.default_rng(settings["seed"])
     recordings = {}
-    for condition in study.conditions:
-        exact = replace(condition, protocol=denser(condition.protocol, DENSER))
-        specification = study.specification(settings["parameters"], exact, accuracy="fine")
-        simulation = exact_curve(
-            replace(specification, mechanisms=settings.get("mechanisms", {})), f"virtual laboratory, {condition.name}"
-        )
+    for condition, simulation in zip(study.conditions, exact_curves(study, settings), strict=True):
         for replicate in range(1, settings["replicates"] + 1):
             factor = 1 + settings["site_scatter"] * rng.standard_normal()
             noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
@@ -80,6 +75,27 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
                 notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
             )
     return recordings
+
+
+def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
+    """Return the curves of all conditions as the laboratory knows them; those that differ in size are solved once.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation fails on every mesh.
+    """
+    specifications = []
+    for condition in study.conditions:
+        exact = replace(condition, protocol=denser(condition.protocol, DENSER))
+        specification = study.specification(settings["parameters"], exact, accuracy="fine")
+        specifications.append(replace(specification, mechanisms=settings.get("mechanisms", {})))
+    return [
+        simulation if simulation.status == "ok" else exact_curve(specification, f"virtual laboratory, {condition.name}")
+        for condition, specification, simulation in zip(
+            study.conditions, specifications, simulate_batch(specifications), strict=True
+        )
+    ]
 
 
 def exact_curve(specification: Specification, name: str) -> Simulation:

@@ -15,7 +15,7 @@ from palpate.fem.directions import Directions
 from palpate.fem.discretisation import RESOLUTIONS, ROUGH
 from palpate.fem.indent import History, indent
 from palpate.fem.newton import Problem, State
-from palpate.fem.similar import indent_distinct
+from palpate.fem.similar import indent_distinct, length_ratio
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
@@ -239,6 +239,15 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
     ]
     histories = iter(indent_distinct(cases))
     return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
+
+
+def alike(specification: Specification, other: Specification) -> bool:
+    """Return whether two indentations differ in size at most, so that `simulate_batch` solves them once."""
+    if specification is other:
+        return True
+    if not (specification.indenter.of_revolution and other.indenter.of_revolution):
+        return False
+    return length_ratio(_case(acting(specification), False), _case(acting(other), False)) is not None
 
 
 def smooth(specification: Specification) -> Specification:

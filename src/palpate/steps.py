@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +15,8 @@ import pandas as pd
 from palpate import report, snapshots
 from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.config import Study
-from palpate.errors import PalpateError
-from palpate.model import simulate
 from palpate.observations import observations
+from palpate.solved import SolvedCurves, solved
 from palpate.surrogate import PODRBF
 
 
@@ -73,29 +72,6 @@ def settings_of(study: Study) -> CalibrationSettings:
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
-class SolvedCurves(Mapping):
-    """The solver's curves at given parameters by condition, each solved when first asked for."""
-
-    def __init__(self, study: Study, values: Mapping[str, float], accuracy: str):
-        self._study, self._values, self._accuracy = study, dict(values), accuracy
-        self._depths: dict[str, np.ndarray] = {}
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._depths:
-            condition = self._study.condition(name)
-            simulation = simulate(self._study.specification(self._values, condition, accuracy=self._accuracy))
-            if simulation.status != "ok":
-                raise PalpateError(f"{name} at {self._values}: {simulation.reason}")
-            self._depths[name] = simulation.depth
-        return self._depths[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return (condition.name for condition in self._study.conditions)
-
-    def __len__(self) -> int:
-        return len(self._study.conditions)
-
-
 def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mapping[str, Observation]) -> Calibration:
     """Calibrate a study's parameters within its grid; the forward model confirms on the fine mesh."""
     return calibrate(
@@ -106,7 +82,7 @@ def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mappin
         settings=settings_of(study),
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
         confirm=lambda values: SolvedCurves(study, values, "fine"),
-        approximate=lambda values: SolvedCurves(study, values, "standard"),
+        approximate=lambda points: solved(study, points, list(models), "standard"),
     )
 
 

@@ -63,6 +63,7 @@ CALIBRATION_CODE = fingerprint(
     "calibration",
     "observations.py",
     "recording.py",
+    "solved.py",
     "steps.py",
 )
 FINDERS = (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.confirm import Confirm, confirm_and_correct
+from palpate.calibration.confirm import Confirm, ConfirmAll, confirm_and_correct
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import OBJECTIVES, check_indents, check_measurable
@@ -69,7 +69,7 @@ def calibrate(
     settings: CalibrationSettings | None = None,
     surrogate_error: Mapping[str, np.ndarray] | None = None,
     confirm: Confirm | None = None,
-    approximate: Confirm | None = None,
+    approximate: ConfirmAll | None = None,
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
@@ -94,7 +94,8 @@ def calibrate(
         The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
         validation conditions included. A mapping that solves a condition when it is asked for saves runs.
     approximate
-        A cheaper forward model, such as `accuracy: standard`, for the Jacobian; `confirm` when not given.
+        A cheaper forward model, such as `accuracy: standard`, for the Jacobian, from a list of parameters by name to
+        one mapping of curves each; `confirm` when not given.
 
     Raises
     ------

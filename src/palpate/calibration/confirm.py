@@ -11,7 +11,7 @@ of least chi^2 counts, so a confirmation never makes an estimate worse.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 from palpate.calibration.polish import WeightedFit
 
 Confirm = Callable[[dict[str, float]], Mapping[str, np.ndarray]]
+ConfirmAll = Callable[[Sequence[dict[str, float]]], Sequence[Mapping[str, np.ndarray]]]
 STEP = 0.02
 STILL = 0.1
 
@@ -75,7 +76,7 @@ class Confirmation:
 
 
 def confirm_and_correct(
-    fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int, approximate: Confirm | None = None
+    fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int, approximate: ConfirmAll | None = None
 ) -> Confirmation:
     """Run the forward model at u (k,) and improve u by it until it moves by less than a tenth of its uncertainty.
 
@@ -86,7 +87,8 @@ def confirm_and_correct(
     corrections
         Largest number of steps; each costs one run.
     approximate
-        A cheaper forward model for the differences, which cost one run and one more for each free parameter.
+        A cheaper forward model for the differences, asked for all points at once: one and one more for each free
+        parameter. `confirm` when not given.
     """
 
     def run(at: np.ndarray) -> tuple[Mapping[str, np.ndarray], float]:
@@ -99,7 +101,7 @@ def confirm_and_correct(
 
     runs: list[dict[str, Any]] = []
     curves, misfit = run(u)
-    slopes = differences(fit, u, approximate or confirm)
+    slopes = differences(fit, u, approximate or (lambda points: [confirm(point) for point in points]))
     for _ in range(corrections):
         following = tangent_fit(fit, u, curves, slopes).solve([u])
         step = following - u
@@ -116,17 +118,14 @@ def confirm_and_correct(
     return Confirmation(tangent_fit(fit, u, curves, slopes), u, curves, runs)
 
 
-def differences(fit: WeightedFit, u: np.ndarray, confirm: Confirm) -> dict[str, np.ndarray]:
+def differences(fit: WeightedFit, u: np.ndarray, confirm_all: ConfirmAll) -> dict[str, np.ndarray]:
     """Slopes (n_points, k) in scaled coordinates by one-sided differences over 2 % of the ranges, into the bounds."""
-    curves = confirm(fit.space.named(u))
-    columns: dict[str, list[np.ndarray]] = {name: [] for name in fit.measured}
-    for i in range(len(u)):
-        step = np.zeros(len(u))
-        step[i] = STEP if u[i] < 0.5 else -STEP
-        moved = confirm(fit.space.named(u + step))
-        for name, column in columns.items():
-            column.append((moved[name] - curves[name]) / step[i])
-    return {name: np.column_stack(column) for name, column in columns.items()}
+    steps = np.where(u < 0.5, STEP, -STEP)
+    curves, *moved = confirm_all([fit.space.named(u), *(fit.space.named(u + step) for step in np.diag(steps))])
+    return {
+        name: np.column_stack([(there[name] - curves[name]) / step for there, step in zip(moved, steps, strict=True)])
+        for name in fit.measured
+    }
 
 
 def tangent_fit(

@@ -114,7 +114,7 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return self
 
     def predict(self, X: Any) -> np.ndarray:
-        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once; warns outside the training range."""
+        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once; warns where nothing was learnt."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=float)
         slack = 1e-6 * (self.upper_ - self.lower_)
