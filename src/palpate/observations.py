@@ -14,6 +14,7 @@ from palpate.calibration.observation import WHOLE
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
+from palpate.protocol import Protocol
 from palpate.readers import read_source
 from palpate.readers.units import CHANNELS, to_turn
 from palpate.recording import Recording, condition_of, read_recording, recording_files
@@ -144,32 +145,12 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
     that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
-    peak, expected = recording.load.max(), condition.protocol.max_load
-    if abs(peak / expected - 1) > LOAD_TOLERANCE:
-        hint = "; are loads in uN?" if peak > 100 * expected else "; are loads in N?" if peak < expected / 100 else ""
-        raise InputError(
-            f"the largest load is {peak:.4g} mN, the condition's is {expected:.4g} mN{hint}",
-            remedy="correct the unit or max_load",
-            place="load_mN",
-        )
-    duration, times = recording.time[-1], condition.protocol.sample_time
-    if duration < WHOLE * times[-1]:
-        raise InputError(
-            f"ends after {duration:.4g} s, the condition lasts {times[-1]:.4g} s",
-            remedy="export the whole test or correct the times",
-            place="time_s",
-        )
-    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, recording.load))
-    departure -= condition.protocol.sample_load
-    if np.sqrt(np.mean(departure**2)) > LOAD_TOLERANCE * expected:
-        worst = int(np.argmax(np.abs(departure)))
-        hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
-        raise InputError(
-            f"the load departs from the condition's, by {departure[worst]:.3g} mN at {times[worst]:.4g} s{hint}",
-            remedy="correct the times of the condition, or give it `load_history: recorded`",
-            place="load_mN",
-        )
-    elastic = [depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, expected, modulus)]
+    check_load(condition.protocol, recording)
+    elastic = [
+        depth
+        for modulus in _moduli(study)
+        for depth in elastic_depths(study.indenter, condition.protocol.max_load, modulus)
+    ]
     depth = recording.depth.max()
     for wrong, words in (
         (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
@@ -182,6 +163,41 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
                 remedy="write depths in nm and loads in mN, or correct the moduli",
                 place="depth_nm",
             )
+
+
+def check_load(protocol: Protocol, recording: Recording) -> None:
+    """Check that a recording's load is that of a protocol, to a twentieth of the largest.
+
+    Raises
+    ------
+    InputError
+        When the largest load, the duration, or the load at some time is another.
+    """
+    peak, expected = recording.load.max(), protocol.max_load
+    if abs(peak / expected - 1) > LOAD_TOLERANCE:
+        hint = "; are loads in uN?" if peak > 100 * expected else "; are loads in N?" if peak < expected / 100 else ""
+        raise InputError(
+            f"the largest load is {peak:.4g} mN, the condition's is {expected:.4g} mN{hint}",
+            remedy="correct the unit or max_load",
+            place="load_mN",
+        )
+    duration, times = recording.time[-1], protocol.sample_time
+    if duration < WHOLE * times[-1]:
+        raise InputError(
+            f"ends after {duration:.4g} s, the condition lasts {times[-1]:.4g} s",
+            remedy="export the whole test or correct the times",
+            place="time_s",
+        )
+    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, recording.load))
+    departure -= protocol.sample_load
+    if np.sqrt(np.mean(departure**2)) > LOAD_TOLERANCE * expected:
+        worst = int(np.argmax(np.abs(departure)))
+        hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
+        raise InputError(
+            f"the load departs from the condition's, by {departure[worst]:.3g} mN at {times[worst]:.4g} s{hint}",
+            remedy="correct the times of the condition, or give it `load_history: recorded`",
+            place="load_mN",
+        )
 
 
 def _moduli(study: Study) -> Iterable[float]:

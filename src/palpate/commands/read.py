@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from palpate.readers import VendorTest
+    from collections.abc import Sequence
+
+    from palpate.readers import Unreadable, VendorTest
     from palpate.survey import Survey
 
 NAME = "read"
@@ -23,6 +25,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="FILE")
     parser.add_argument("--test", metavar="NAME_OR_NUMBER", help="one test only (default: all)")
+    reading_arguments(parser)
+    parser.add_argument(
+        "--stiffness",
+        action="store_true",
+        help="add a fourth column with the stiffness by oscillation, where the file has it",
+    )
+    parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
+    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+
+
+def reading_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare how vendors' files are read."""
     chosen = parser.add_mutually_exclusive_group()
     chosen.add_argument(
         "--raw", dest="corrections", action="store_const", const=frozenset(), help="leave the vendor's corrections off"
@@ -49,14 +64,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="time=s,load=mN,depth=nm",
         help="their units, in place of those that the table states; load=-mN turns the sign",
     )
-    parser.add_argument(
-        "--stiffness",
-        action="store_true",
-        help="add a fourth column with the stiffness by oscillation, where the file has it",
-    )
-    parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
-    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
 
 
 class _Formats(argparse.Action):
@@ -103,18 +110,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.errors import InputError
     from palpate.output import spared
-    from palpate.readers import ColumnMap, Unreadable, VendorTest, read_each, select, sound, zeroed_each
+    from palpate.readers import VendorTest, select, sound, zeroed_each
 
-    if arguments.units and not arguments.columns:
-        raise InputError(
-            "units are given without columns",
-            remedy="add --columns, or leave --units off",
-            file=arguments.file,
-            place="--units",
-        )
     try:
-        columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
-        tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
+        tests = whole_tests(arguments.file, arguments)
         if arguments.test is not None:
             tests = [select(tests, arguments.test, arguments.file)]
         begun = zeroed_each(arguments.file, tests, arguments.contact)
@@ -129,12 +128,8 @@ def run(arguments: argparse.Namespace) -> int:
     named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
-    for test in begun:
-        if isinstance(test, Unreadable):
-            print(f"palpate: {test.error}; the test is left out", file=sys.stderr)
+    say_what_is_wrong(arguments.file, begun)
     for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
-        for warning in test.warnings:
-            print(f"palpate: {arguments.file}, {test.name}: {warning}", file=sys.stderr)
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*test.recording.notes, applied, *test.warnings, *facts)
         stiffness = test.recording.stiffness if arguments.stiffness else None
@@ -153,6 +148,36 @@ def run(arguments: argparse.Namespace) -> int:
         path.write_text(table(surveys).to_csv(index=False, sep="\t", float_format="%.5g"), encoding="utf-8")
         print(path)
     return 0
+
+
+def whole_tests(file: Path, arguments: argparse.Namespace) -> list[VendorTest | Unreadable]:
+    """Return the tests of a file with their approach, read as the arguments ask for.
+
+    Raises
+    ------
+    InputError
+        When no test can be read, or units are given without columns.
+    """
+    from palpate.errors import InputError
+    from palpate.readers import ColumnMap, read_each
+
+    if arguments.units and not arguments.columns:
+        remedy = "add --columns, or leave --units off"
+        raise InputError("units are given without columns", remedy=remedy, file=file, place="--units")
+    columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
+    return read_each(file, corrections=arguments.corrections, contact="none", columns=columns)
+
+
+def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
+    """Print what is left out, and what the readers warn of."""
+    from palpate.readers import Unreadable
+
+    for test in tests:
+        if isinstance(test, Unreadable):
+            print(f"palpate: {test.error}; the test is left out", file=sys.stderr)
+    for test in tests:
+        for warning in () if isinstance(test, Unreadable) else test.warnings:
+            print(f"palpate: {file}, {test.name}: {warning}", file=sys.stderr)
 
 
 def _paths(folder: Path, names: list[str]) -> list[Path]:

@@ -1,0 +1,89 @@
+"""``palpate draft``: recordings in, a first study out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.commands import check, read
+
+if TYPE_CHECKING:
+    from palpate.recording import Recording
+
+NAME = "draft"
+HELP = "write a first study from recordings or vendors' files"
+MODELS = ("nonlinear_burgers", "burgers_plasticity", "bilinear_plasticity", "elastic")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    read.reading_arguments(parser)
+    parser.add_argument(
+        "--law", choices=MODELS, default=MODELS[0], help="material model; the default is that of a polymer"
+    )
+    parser.add_argument("--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: Berkovich)")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+
+
+def _distinct(recordings: Sequence[Recording]) -> list[Recording]:
+    """Return the recordings without copies, which are told."""
+    kept: dict[bytes, Recording] = {}
+    for recording in recordings:
+        content = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
+        same = kept.setdefault(content, recording)
+        if same is not recording:
+            print(f"palpate: {recording.notes[-1]}: the same recording {same.notes[-1]}; left out", file=sys.stderr)
+    return list(kept.values())
+
+
+def _length(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive length in nm")
+    return value
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the recordings as replicates of the conditions that they are, and the study; check it, say what it does."""
+    from palpate.checking import checked_study
+    from palpate.draft import Hardness, study_name, study_text
+    from palpate.errors import InputError
+    from palpate.grouping import grouped
+    from palpate.readers import VendorTest, zeroed_each
+
+    study, folder = arguments.output / "study.yaml", arguments.output / "recordings"
+    for standing in (study, folder):
+        if standing.exists():
+            raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
+    recordings = []
+    for file in arguments.files:
+        try:
+            tests = zeroed_each(file, read.whole_tests(file, arguments), arguments.contact)
+            read.say_what_is_wrong(file, tests)
+            for test in tests:
+                if isinstance(test, VendorTest):
+                    notes = (*test.recording.notes, f"from {file.name}, {test.name}")
+                    recordings.append(replace(test.recording.from_contact(), name=test.name, notes=notes))
+        except InputError as error:
+            raise error.located(file=file) from None
+    groups = grouped(_distinct(recordings))
+    solid = Hardness.of(recordings, arguments.sphere)
+    text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere)
+    folder.mkdir(parents=True)
+    for group in groups:
+        for number, recording in enumerate(group.recordings, 1):
+            recording.write(folder / f"{group.name}_{number}.csv")
+    study.write_text(text, encoding="utf-8")
+    for line in check.described(checked_study(study, None)):
+        print(line)
+    return 0

@@ -1,0 +1,109 @@
+"""A first study from recordings: tests of one load history belong together, and the ranges hold what was pressed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+
+from palpate.analytic import sneddon
+from palpate.cli import main
+from palpate.config import load_study
+from palpate.draft import Hardness, ranges
+from palpate.grouping import grouped
+from palpate.materials import LAWS
+from palpate.protocol import trapezoid
+from palpate.recording import Recording
+
+MODULUS = 3.0
+
+
+def elastic(load, loading, hold=0.0, name="test", noise=0.0, history=None):
+    """Return a test on an elastic half-space under a Berkovich tip's equivalent cone (Sneddon)."""
+    protocol = history or trapezoid(load, loading, hold, loading, points=400)
+    time = np.append(0.0, protocol.sample_time)
+    force = np.append(0.0, protocol.sample_load)
+    depth = sneddon.depth(force, MODULUS, 0.35, 70.3)
+    force = force + noise * load * np.random.default_rng(len(name)).standard_normal(len(force)) * (force > 0)
+    return Recording(time, np.maximum(force, 0.0), depth, name=name)
+
+
+def test_tests_of_one_load_history_are_one_condition():
+    tests = [elastic(4.0, 20), elastic(1.0, 20, noise=2e-3), elastic(4.05, 20), elastic(1.0, 60), elastic(1.0, 20, 30)]
+    groups = grouped(tests)
+    assert [(group.name, len(group.recordings)) for group in groups] == [
+        ("P1_T20", 1), ("P1_T20b", 1), ("P1_T60", 1), ("P4_T20", 2),
+    ]  # fmt: skip
+    assert [group.history["hold_time"] for group in groups[:2]] == [0.0, 30.0]
+    assert groups[2].history == {"max_load": 1.0, "loading_time": 60.0, "hold_time": 0.0, "unloading_time": 60.0}
+
+
+def test_the_order_of_the_tests_does_not_matter():
+    tests = [elastic(1.0, 20), elastic(1.0, 20, 30), elastic(1.01, 20)]
+    sizes = [sorted(len(group.recordings) for group in grouped(order)) for order in (tests, tests[::-1])]
+    assert sizes == [[1, 2], [1, 2]]
+
+
+def test_what_is_no_trapezoid_follows_its_recording():
+    time = np.linspace(0.0, 40.0, 400)
+    curved = replace(elastic(1.0, 20), time=time, load=np.sin(np.pi * time / 40.0) ** 2, depth=time)
+    assert grouped([curved])[0].history == {"load_history": "recorded"}
+
+
+def test_the_ranges_hold_what_was_pressed():
+    """Sneddon's solid is elastic, so that unloading tells its modulus but for the factors beta and epsilon."""
+    solid = Hardness.of([elastic(1.0, 20), elastic(4.0, 20)], None)
+    assert solid.modulus == pytest.approx(MODULUS, rel=0.1)
+    for law in LAWS:
+        low, high = ranges(law, solid, 20.0)["youngs_modulus"]
+        assert low < MODULUS < high
+        assert {*ranges(law, solid, 20.0), "poisson_ratio"} == {p.name for p in LAWS[law].declared({})}
+
+
+def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for load in (1.0, 2.0, 4.0):
+        for site in (1, 2):
+            elastic(load * (1 + 1e-3 * site), 20).write(tmp_path / f"day 1, {load} mN, site {site}.csv")
+    files = sorted(str(file) for file in tmp_path.glob("*.csv"))
+    assert main(["draft", *files, files[0], "-o", "my study", "--law", "elastic"]) == 0
+    told = capsys.readouterr()
+    assert "2 of P1_T20, 2 of P2_T20, 2 of P4_T20" in told.out
+    assert "the same recording from day 1, 1.0 mN, site 1.csv" in told.err
+    study = load_study("my study/study.yaml")
+    assert study.name == "my_study"
+    roles = {condition.name: condition.role for condition in study.conditions}
+    assert roles == {"P1_T20": "calibrate", "P2_T20": "validate", "P4_T20": "calibrate"}
+    assert sorted(file.name for file in (tmp_path / "my study/recordings").iterdir()) == [
+        f"P{load}_T20_{site}.csv" for load in (1, 2, 4) for site in (1, 2)
+    ]
+    assert yaml.safe_load((tmp_path / "my study/study.yaml").read_text())["recordings"] == {
+        "lab": "my study/recordings"
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["missing.csv", "-o", "out"], "missing.csv: cannot be read"),
+        (["good.csv", "-o", "standing"], "standing/study.yaml: stands there already"),
+        (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
+        (["loading.csv", "-o", "out"], "unloading"),
+    ],
+)
+def test_what_cannot_be_drafted_is_told_in_one_line(tmp_path, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "standing").mkdir()
+    (tmp_path / "standing/study.yaml").write_text("precious")
+    test = elastic(1.0, 20)
+    test.write(tmp_path / "good.csv")
+    test.at(slice(0, 150)).write(tmp_path / "loading.csv")
+    try:
+        code = main(["draft", *arguments])
+    except SystemExit as leaving:
+        code = leaving.code
+    lines = capsys.readouterr().err.splitlines()
+    assert code == 2
+    assert len(lines) == 1 and words in lines[0], lines
+    assert (tmp_path / "standing/study.yaml").read_text() == "precious"
+    assert not (tmp_path / "out").exists()
