@@ -60,3 +60,14 @@ def test_large_strains_and_friction_change_what_they_change_in_calculix(epoxy, w
     """Ratios to small strains without friction, in which the errors of both meshes drop out."""
     expected = np.array(EPOXY.reference[way]) / EPOXY.reference[WAYS[0]]
     assert epoxy[way] / epoxy[WAYS[0]] == pytest.approx(expected, abs=0.005)
+
+
+@pytest.mark.parametrize("excess", [7.3e-9, 8.9e-9, 9.1e-9])
+@pytest.mark.parametrize("angle", [0.1, 0.5, 1.2])
+def test_an_element_that_shrinks_to_a_point_is_inside_out(angle, excess):
+    """F = -excess Q with a rotation Q: its determinant is above zero, but all digits of its stretches are lost."""
+    gradients, _, nodes = block(1.0)
+    turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    moved = (nodes - nodes[0]) @ (-excess * turned - np.eye(2)).T + [1.0, 0.0]
+    out = np.empty(3), np.empty((4, 8)), np.empty(7)
+    assert not any(hencky.strain_at(point, moved.ravel(), *out) for point in gradients)

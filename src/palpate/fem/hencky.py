@@ -64,6 +64,8 @@ def strain_at(gradients, u, strain, b, frame):
     c22 = 2.0 * hzz + hrz * hrz + hzz * hzz
     c12 = hrz + hzr + hrr * hrz + hzr * hzz
     mean, half = 0.5 * (c11 + c22), 0.5 * (c11 - c22)
+    if mean <= -1.0:  # a point, to rounding: nothing is left of the squared stretches, whose mean this is, less one
+        return False
     radius = math.sqrt(half * half + c12 * c12)
     c, s = half_angle(half, c12, radius)
     l1, l3 = 1.0 + mean + radius, (1.0 + htt) * (1.0 + htt)
