@@ -161,3 +161,18 @@ def test_banded_solution_is_that_of_the_dense_system(symmetric):
     right = rng.normal(size=(size, 2))
     assert banded.solve(band.copy(), bandwidth, right, True) == pytest.approx(np.linalg.solve(matrix, right))
     assert banded.solve(-band, bandwidth, right, True) is None
+
+
+def test_a_body_that_hardly_changes_volume_slides_along_the_tip():
+    """The depth is continuous in Poisson's ratio: towards 1/2 it goes on as it did before, the shear modulus kept.
+
+    The pressure in such a body may be many times what shears it, and takes away much of the stiffness where an
+    iteration is far from equilibrium.
+    """
+    up_and_down = trapezoid(1.0, 1.0, 0.0, 1.0, 8)
+    low, middle, high = (
+        depth(0.3, LAWS["elastic"].coefficients({"youngs_modulus": 2.0 * (1.0 + nu), "poisson_ratio": nu}),
+              up_and_down, large=True)
+        for nu in (0.48, 0.49, 0.4999)
+    )  # fmt: skip
+    assert high == pytest.approx(middle + 0.99 * (middle - low), abs=1e-3 * middle.max())

@@ -179,7 +179,9 @@ def advance(
         State whose displacement and depth start the iteration.
     careful
         Whether iterations move nodes no farther than the depth may change, and let none go far from equilibrium: where
-        much of the body flows without hardening it is so soft that they run away else.
+        much of the body flows without hardening it is so soft that they run away else. With friction, too, they then
+        leave the stiffness that stress gives where it makes the matrix indefinite: the pressure in a body that hardly
+        changes its volume does so far from equilibrium.
 
     Raises
     ------
@@ -201,7 +203,7 @@ def advance(
     work.norms.clear()
     forces = np.zeros(mesh.size + 1)
     search, geometric = None, True
-    delicate = problem.adhesion is not None or (problem.large and problem.friction == 0.0)
+    delicate = problem.adhesion is not None or (problem.large and (careful or problem.friction == 0.0))
     farthest, limit, near = np.inf, ITERATIONS, np.inf
     if problem.adhesion is not None:
         farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
