@@ -219,8 +219,10 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
 def simulate_batch(specifications: Iterable[Specification], roughly: bool = False) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
-    Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding; the solver's
-    wall time is shared evenly. Where a pyramid is among the indenters, they are simulated one after another.
+    Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding as long as both
+    converge in the same steps; where one of them divides a step they differ as steps do, which at single points of a
+    body that yields was up to 0.2 % of the largest depth. The solver's wall time is shared evenly. Where a pyramid is
+    among the indenters, they are simulated one after another.
 
     Parameters
     ----------
