@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.correlated import Series, shared_coefficient
+
 STARTS = (0.05, 0.1, 0.2, 0.4)
 MAIN = 0.1
 LEVELS = 400
@@ -17,9 +19,9 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
     polymer, moves the origin to smaller depths, further than the interval says.
 
     The points are those that reach each of 400 levels of load first (so holds and reloading count little), above a
-    tenth of the largest load. The interval covers the residuals, taken as correlated, and how the origin moves when the
-    fit begins at 5, 20 or 40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone
-    do not tell.
+    tenth of the largest load. Their errors are correlated, by how much nobody knows (`palpate.correlated`). The
+    interval covers that, and how the origin moves when the fit begins at 5, 20 or 40 % instead: a blunt tip, a film or
+    a yielding frame shows there, which the residuals alone do not tell.
     All three are NaN where fewer than four points rise to the largest load.
 
     Parameters
@@ -34,12 +36,7 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
         chosen = np.unique(np.searchsorted(largest, levels))
         if len(chosen) < RISING:
             return (np.nan,) * 3
-        terms = np.column_stack([np.ones(len(chosen)), np.sqrt(load[chosen])])
-        solution = np.linalg.lstsq(terms, depth[chosen], rcond=None)[0]
-        rest = depth[chosen] - terms @ solution
-        correlation = float(np.clip(rest[1:] @ rest[:-1] / max(rest @ rest, 1e-300), 0.0, 0.98))
-        covariance = np.linalg.inv(terms.T @ terms) * (rest @ rest) / max(len(rest) - 2, 1)
-        error = float(np.sqrt(covariance[0, 0] * (1 + correlation) / (1 - correlation)))
-        origins[start] = float(solution[0]), error
-    (origin, error), others = origins[MAIN], [value for value, _ in origins.values()]
-    return origin, min(origin - 1.96 * error, *others), max(origin + 1.96 * error, *others)
+        found = shared_coefficient([Series(depth[chosen], np.ones(len(chosen)), np.sqrt(load[chosen])[:, None])])
+        origins[start] = found.value, found.half
+    (origin, half), others = origins[MAIN], [value for value, _ in origins.values()]
+    return origin, min(origin - half, *others), max(origin + half, *others)
