@@ -9,6 +9,9 @@ theta, with their covariance T, C_i = dC/dtheta_i and P = C^-1 less what the fit
 
 and the amplitude has Student's distribution (M.G. Kenward and J.H. Roger, Biometrics 53 (1997) 983-997; for a single
 coefficient the freedom is Satterthwaite's). Simulated curves' errors count as known.
+
+What a fit leaves, as the mean residual of a part, has the same freedom. Its variance needs no correction: to the order
+above, the estimate of what the fit takes up is too small by as much as the errors of the weights add.
 """
 
 from __future__ import annotations
@@ -38,9 +41,18 @@ def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -
     white = fit.whiten(slopes)
     taken_up = fit.whiten(design).T @ white
     left = white.T @ white - taken_up.T @ covariance @ taken_up
-    by_estimates = weights @ slopes
-    freedom = 2.0 * variance**2 / float(by_estimates @ uncertain @ by_estimates)
-    return variance + 2.0 * max(float(np.sum(uncertain * left)), 0.0), freedom
+    grown = variance + 2.0 * max(float(np.sum(uncertain * left)), 0.0)
+    return grown, _satterthwaite(variance, weights @ slopes, uncertain)
+
+
+def freedom(fit: Fit, weights: np.ndarray, variance: float) -> float:
+    """Return the degrees of freedom of the `variance` [nm^2] of ``weights @ curves``, with weights (n_all,)."""
+    return _satterthwaite(variance, weights @ fit.errors.slopes(weights), uncertainty(fit.errors.noise))
+
+
+def _satterthwaite(variance: float, by_estimates: np.ndarray, uncertain: np.ndarray) -> float:
+    """Return the degrees of freedom of a variance, from its slopes (p,) by estimates with an `uncertain` (p, p)."""
+    return 2.0 * variance**2 / float(by_estimates @ uncertain @ by_estimates)
 
 
 def uncertainty(noise: NoiseModel) -> np.ndarray:
