@@ -9,13 +9,17 @@ import yaml
 from palpate.analytic import sneddon
 from palpate.cli import main
 from palpate.config import load_study
-from palpate.draft import Hardness, ranges
+from palpate.draft import Solid, ranges
 from palpate.grouping import grouped
+from palpate.indenters import Indenter
 from palpate.materials import LAWS
+from palpate.model import simulate
 from palpate.protocol import trapezoid
 from palpate.recording import Recording
+from palpate.specification import Specification
 
 MODULUS = 3.0
+CONE = Indenter("cone", half_angle=70.3)
 
 
 def elastic(load, loading, hold=0.0, name="test", noise=0.0, history=None):
@@ -51,13 +55,28 @@ def test_what_is_no_trapezoid_follows_its_recording():
 
 
 def test_the_ranges_hold_what_was_pressed():
-    """Sneddon's solid is elastic, so that unloading tells its modulus but for the factors beta and epsilon."""
-    solid = Hardness.of([elastic(1.0, 20), elastic(4.0, 20)], None)
+    """Sneddon's solid is elastic: its depth tells the modulus, and unloading but for the factors beta and epsilon."""
+    solid = Solid.of([elastic(1.0, 20), elastic(4.0, 20)], None)
+    assert solid.secant == pytest.approx(MODULUS, rel=1e-6)
     assert solid.modulus == pytest.approx(MODULUS, rel=0.1)
     for law in LAWS:
         low, high = ranges(law, solid, 20.0)["youngs_modulus"]
         assert low < MODULUS < high
         assert {*ranges(law, solid, 20.0), "poisson_ratio"} == {p.name for p in LAWS[law].declared({})}
+
+
+def test_the_ranges_hold_an_epoxy_that_creeps_while_it_is_unloaded():
+    """The solid of the default study: without a hold its unloadings say three times its modulus."""
+    truth = {
+        "youngs_modulus": 3.28, "steady_coefficient": 0.09, "steady_exponent": 0.2, "transient_coefficient": 0.24,
+        "transient_exponent": 0.47, "retardation_time": 0.25,
+    }  # fmt: skip
+    pressed = simulate(
+        Specification("nonlinear_burgers", truth | {"poisson_ratio": 0.34}, CONE, trapezoid(1, 20, 0, 20))
+    )
+    solid = Solid.of([Recording(pressed.time, pressed.load, pressed.depth)], None)
+    for name, (low, high) in ranges("nonlinear_burgers", solid, 20.0).items():
+        assert low < truth[name] < high, name
 
 
 def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys):
@@ -88,7 +107,7 @@ def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys)
         (["missing.csv", "-o", "out"], "missing.csv: cannot be read"),
         (["good.csv", "-o", "standing"], "standing/study.yaml: stands there already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
-        (["loading.csv", "-o", "out"], "unloading"),
+        (["loading.csv", "-o", "out", "--law", "bilinear_plasticity"], "no unloading tells a modulus"),
     ],
 )
 def test_what_cannot_be_drafted_is_told_in_one_line(tmp_path, monkeypatch, capsys, arguments, words):

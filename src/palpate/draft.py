@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
 import numpy as np
 
+from palpate.analytic import hertz, sneddon
 from palpate.classical import AreaFunction, oliver_pharr
 from palpate.errors import InputError
 from palpate.grouping import Group
@@ -27,7 +30,7 @@ study: $name
 seed: 1
 
 $material
-# guess: ranges about a modulus of $modulus and a hardness of $hardness GPa, by Oliver and Pharr from the unloadings;
+# guess: $reason;
 # where an estimate ends at the edge of its range, widen it
 parameters:
 $parameters
@@ -45,64 +48,94 @@ $diagnosis
 
 
 @dataclass(frozen=True)
-class Hardness:
-    """What unloading tells of a solid without any model: modulus and hardness [GPa], medians of the tests.
+class Solid:
+    """What recordings tell of a solid without simulations, medians of the tests [GPa].
 
-    Source: W.C. Oliver and G.M. Pharr, J. Mater. Res. 7 (1992) 1564-1583.
+    Parameters
+    ----------
+    secant
+        Modulus of an elastic half-space that is as deep at the largest load (Sneddon 1965, Hertz 1882).
+    modulus, hardness
+        By unloading (W.C. Oliver and G.M. Pharr, J. Mater. Res. 7 (1992) 1564-1583); NaN where no test has one that
+        tells them.
     """
 
+    secant: float
     modulus: float
     hardness: float
 
     @classmethod
-    def of(cls, recordings: Sequence[Recording], radius: float | None) -> Hardness:
+    def of(cls, recordings: Sequence[Recording], radius: float | None) -> Solid:
         """Analyse recordings under a Berkovich tip, or a sphere of a `radius` [nm].
 
         Raises
         ------
         InputError
-            When no unloading can be analysed; says what is wrong with the first.
+            When the tip has not sunk in at the largest load.
         """
         area = None if radius is None else AreaFunction((-np.pi, 2.0 * np.pi * radius))
-        found, errors = [], []
+        unloadings = []
         for recording in recordings:
-            try:
-                found.append(oliver_pharr(recording.load, recording.depth, POISSON_RATIO, area=area))
-            except InputError as error:
-                errors.append(error.located(place=recording.name))
-        if not found:
-            raise errors[0]
-        return cls(float(np.median([f.modulus for f in found])), float(np.median([f.hardness for f in found])))
+            with suppress(InputError):
+                unloadings.append(oliver_pharr(recording.load, recording.depth, POISSON_RATIO, area=area))
+        told = [(found.modulus, found.hardness) for found in unloadings] or [(math.nan, math.nan)]
+        secant = np.median([_secant_modulus(recording, radius) for recording in recordings])
+        return cls(float(secant), *(float(value) for value in np.median(told, axis=0)))
 
 
-def ranges(law: str, solid: Hardness, shortest: float) -> dict[str, tuple[float, ...]]:
+def _secant_modulus(recording: Recording, radius: float | None) -> float:
+    peak = int(np.argmax(recording.load))
+    depth = float(recording.depth[peak])
+    if not depth > 0.0:
+        remedy = "let the depth begin at contact"
+        raise InputError(f"the depth is {depth:.4g} nm at the largest load", remedy=remedy, place=recording.name)
+    unit = sneddon.load(depth, 1.0, POISSON_RATIO, BERKOVICH_CONE)
+    if radius is not None:
+        unit = hertz.load(depth, 1.0, POISSON_RATIO, radius)
+    return float(recording.load[peak] / unit)
+
+
+def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ...]]:
     """Return guessed ranges of a law's parameters; one value holds a parameter constant.
 
-    Solids that creep unload too steeply for their modulus, and a frame left in the depth flattens unloading: the
-    modulus is looked for from 0.4 to 1.8 times what unloading says. The yield stress lies between a fifth and nine
-    tenths of the hardness (Johnson, Contact Mechanics, 1985, section 6.3). Creep is that of an epoxy whose stresses
-    grow with the modulus, from none to about three times as much.
+    A solid that creeps is stiffer than an elastic one as deep, and its unloadings tell no modulus, as creep goes on in
+    them. One that yields unloads elastically, but a frame left in the depth flattens that. The yield stress lies
+    between a fifth and nine tenths of the hardness (Johnson, Contact Mechanics, 1985, section 6.3). Creep is that of an
+    epoxy whose stresses grow with the modulus, from none to about three times as much.
 
     Parameters
     ----------
     shortest
         Shortest time of loading among the tests [s].
+
+    Raises
+    ------
+    InputError
+        When the law yields and no unloading tells a modulus.
     """
-    stress = solid.modulus / EPOXY_MODULUS
+    names = [parameter.name for parameter in LAWS[law].declared({})]
+    middle, low, high = 1.5 * solid.secant, 0.8 * solid.secant, 3.0 * solid.secant
+    if "yield_stress" in names:
+        if math.isnan(solid.modulus):
+            raise InputError(
+                f"no unloading tells a modulus, which the ranges of {law} are guessed from",
+                remedy="use --law nonlinear_burgers, or write the study by hand",
+            )
+        middle, low, high = solid.modulus, 0.4 * solid.modulus, 1.8 * solid.modulus
+    stress = middle / EPOXY_MODULUS
     known: dict[str, tuple[float, ...]] = {
-        "youngs_modulus": (0.4 * solid.modulus, 1.8 * solid.modulus),
+        "youngs_modulus": (low, high),
         "yield_stress": (0.2 * solid.hardness, 0.9 * solid.hardness),
-        "hardening": (0.0, 0.1 * solid.modulus),
+        "hardening": (0.0, 0.1 * middle),
         "steady_coefficient": (0.0, 0.2 * stress**-1.5),
         "steady_exponent": (0.1, 0.8),
         "transient_coefficient": (0.0, 0.6 * stress**-1.6),
-        "transient_exponent": (0.1, 0.7),
-        "retardation_time": (0.1 * shortest,),
+        "transient_exponent": (0.1, 0.8),
+        "retardation_time": (0.01 * shortest, 0.4 * shortest),
     }
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
-        known |= {"transient_coefficient": (0.0, 0.3 / solid.modulus), "retardation_time": (0.5 * shortest,)}
-    names = [parameter.name for parameter in LAWS[law].declared({})]
+        known |= {"transient_coefficient": (0.0, 0.3 / middle), "retardation_time": (0.5 * shortest,)}
     return {name: known[name] for name in names if name in known}
 
 
@@ -111,7 +144,7 @@ def study_text(
     groups: Sequence[Group],
     folder: Path,
     law: str,
-    solid: Hardness,
+    solid: Solid,
     radius: float | None = None,
 ) -> str:
     """Return the YAML of a study.
@@ -141,8 +174,9 @@ def study_text(
     return STUDY.substitute(
         name=name,
         material=_row(f"material: {{model: {law}, poisson_ratio: {POISSON_RATIO}}}", "guess"),
-        modulus=f"{solid.modulus:.3g}",
-        hardness=f"{solid.hardness:.3g}",
+        reason=f"ranges about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
+        if "yield_stress" in units
+        else f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa; creep asks for more",
         parameters="\n".join(parameters),
         points=POINTS,
         indenter=_row(cone, "guess: a Berkovich tip, by its equivalent cone")

@@ -56,7 +56,7 @@ def _length(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; check it, say what it does."""
     from palpate.checking import checked_study
-    from palpate.draft import Hardness, study_name, study_text
+    from palpate.draft import Solid, study_name, study_text
     from palpate.errors import InputError
     from palpate.grouping import grouped
     from palpate.readers import VendorTest, zeroed_each
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         except InputError as error:
             raise error.located(file=file) from None
     groups = grouped(_distinct(recordings))
-    solid = Hardness.of(recordings, arguments.sphere)
+    solid = Solid.of(recordings, arguments.sphere)
     text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere)
     folder.mkdir(parents=True)
     for group in groups:
