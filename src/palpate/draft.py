@@ -28,6 +28,7 @@ STUDY = Template("""\
 # docs/study.md tells every key.
 study: $name
 seed: 1
+cells_per_job: 64
 
 $material
 # guess: $reason;
@@ -131,7 +132,7 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         "steady_exponent": (0.1, 0.8),
         "transient_coefficient": (0.0, 0.6 * stress**-1.6),
         "transient_exponent": (0.1, 0.8),
-        "retardation_time": (0.01 * shortest, 0.4 * shortest),
+        "retardation_time": (0.002 * shortest, 0.4 * shortest),
     }
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
