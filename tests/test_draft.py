@@ -101,6 +101,14 @@ def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys)
     }
 
 
+def test_what_is_no_polymer_is_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    metal = elastic(1.0, 20)
+    replace(metal, depth=0.2 * metal.depth).write(tmp_path / "metal.csv")
+    assert main(["draft", "metal.csv", "-o", "out"]) == 0
+    assert "no polymer's; --law bilinear_plasticity" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 NAME = "draft"
 HELP = "write a first study from recordings or vendors' files"
+STIFFEST_POLYMER = 8.0  # GPa
 MODELS = ("nonlinear_burgers", "burgers_plasticity", "bilinear_plasticity", "elastic")
 
 
@@ -78,6 +79,9 @@ def run(arguments: argparse.Namespace) -> int:
             raise error.located(file=file) from None
     groups = grouped(_distinct(recordings))
     solid = Solid.of(recordings, arguments.sphere)
+    if arguments.law == MODELS[0] and solid.secant > STIFFEST_POLYMER:
+        stiffness = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is no polymer's"
+        print(f"palpate: {stiffness}; --law bilinear_plasticity is for metals and ceramics", file=sys.stderr)
     text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere)
     folder.mkdir(parents=True)
     for group in groups:
