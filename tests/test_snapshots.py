@@ -8,7 +8,7 @@ from palpate import snapshots
 from palpate.config import load_study
 from palpate.errors import PalpateError
 from palpate.fingerprint import without_docstrings
-from palpate.model import Simulation
+from palpate.model import Simulation, simulate
 
 STUDY = {
     "study": "s",
@@ -56,7 +56,8 @@ def run(study, folder, solve=fake):
 def test_only_calibrate_conditions_are_planned_in_batches(tmp_path):
     batches = snapshots.plan(study(tmp_path), tmp_path)
     assert [len(batch.files) for batch in batches] == [2, 1]
-    assert {batch.condition for batch in batches} == {"a"}
+    assert [batch.under("a") for batch in batches] == [list(batch.files) for batch in batches]
+    assert not any(batch.under("v") for batch in batches)
 
 
 def test_nothing_is_computed_twice_across_levels_and_studies(tmp_path):
@@ -64,6 +65,33 @@ def test_nothing_is_computed_twice_across_levels_and_studies(tmp_path):
     assert run(study(tmp_path), tmp_path) == [0, 0]
     assert run(study(tmp_path, parameters={"youngs_modulus": [1.0, 1.5, 2.0, 3.0]}), tmp_path) == [1, 0]
     assert run(study(tmp_path, study="other"), tmp_path) == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("indenter", "solved"),
+    [({"shape": "cone", "half_angle": 70.3}, [3, 3]), ({"shape": "sphere", "radius": 5000.0}, [3, 3, 3])],
+)
+def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, simulated, indenter, solved):
+    """Two of three: one lasts longer. Under a sphere, which is a length, none do."""
+    conditions = [
+        {"name": name, "max_load": load, "loading_time": time, "unloading_time": 1}
+        for name, load, time in (("a", 1.0, 1), ("slow", 1.0, 5), ("b", 4.0, 1))
+    ]
+    s = study(tmp_path, conditions=conditions, indenter=indenter, cells_per_job=3, diagnosis={"enabled": False})
+    batches = snapshots.plan(s, tmp_path)
+    for batch in batches:
+        snapshots.compute(batch, tmp_path, lambda line: None)
+    assert simulated == solved
+    for condition in s.conditions:
+        files = [file for batch in batches for file in batch.under(condition.name)]
+        assert len(files) == 3
+        for file in files:
+            stored = snapshots.read(file)
+            alone = simulate(s.specification(stored["parameters"], condition))
+            assert f"/{condition.name}/" in file
+            assert stored["condition"] == condition.name
+            assert stored["load"] == pytest.approx(alone.load)
+            assert stored["depth"] == pytest.approx(alone.depth, rel=1e-6, abs=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def diagnose_source(
     base, effects = {}, {}
     for condition in study.conditions:
         if condition.role == "calibrate":
-            files = [file for batch in plans[0] if batch.condition == condition.name for file in batch.files]
+            files = [file for batch in plans[0] for file in batch.under(condition.name)]
             model, _, _, summary = fit_surrogate(study, files)
             fitted = fit_effects(study, condition, folder / "effects" / condition.name)
             report(f"{condition.name}: leave-one-out error of the surrogate {summary['loo_rmse_nm']:.2g} nm")

@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from palpate.config import Study
+from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.fem.batch_vector import LANES
 from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.model import Simulation, simulate_batch
+from palpate.model import Simulation, alike, simulate_batch
 from palpate.specification import Specification
 
 AT_ONCE = 2 * LANES
@@ -63,7 +63,8 @@ class Batch:
     name
         Unique in the study.
     snapshots
-        What to simulate, all under one loading condition.
+        What to simulate, under one loading condition or several that differ in size alone; what is alike stands
+        together.
     files
         Target of each snapshot, in the same order.
     """
@@ -72,10 +73,11 @@ class Batch:
     snapshots: tuple[Snapshot, ...]
     files: tuple[str, ...]
 
-    @property
-    def condition(self) -> str:
-        """Name of the loading condition that its snapshots share."""
-        return self.snapshots[0].condition
+    def under(self, condition: str) -> list[str]:
+        """Return the files of one loading condition."""
+        return [
+            file for snapshot, file in zip(self.snapshots, self.files, strict=True) if snapshot.condition == condition
+        ]
 
 
 def address(specification: Specification) -> str:
@@ -104,21 +106,41 @@ def address(specification: Specification) -> str:
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
     """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
-    cells = study.cells
     batches = []
-    for condition in study.conditions:
-        if condition.role == "calibrate":
-            members = [Snapshot(cell, condition.name, study.specification(cell, condition)) for cell in cells]
-            folder = results / study.name / "snapshots" / condition.name
-            batches += divided(condition.name, members, folder, study.cells_per_job)
+    for conditions in conditions_by_shape(study):
+        members = [
+            Snapshot(cell, condition.name, study.specification(cell, condition))
+            for cell in study.cells
+            for condition in conditions
+        ]
+        folder = results / study.name / "snapshots"
+        batches += divided(conditions[0].name, members, folder, study.cells_per_job * len(conditions))
     return batches
 
 
+def conditions_by_shape(study: Study) -> list[list[Condition]]:
+    """Return the calibrate conditions, together those that differ in size alone.
+
+    Under a sharp tip a body without a length knows no size but that of the contact, so that one simulation serves them
+    all, see `palpate.fem.similar`.
+    """
+    groups: list[list[Condition]] = []
+    for condition in study.conditions:
+        if condition.role == "calibrate":
+            specification = study.specification(study.cells[0], condition)
+            same = [g for g in groups if alike(study.specification(study.cells[0], g[0]), specification)]
+            if same:
+                same[0].append(condition)
+            else:
+                groups.append([condition])
+    return groups
+
+
 def divided(name: str, members: Sequence[Snapshot], folder: Path, per_job: int) -> list[Batch]:
-    """Divide snapshots into jobs of `per_job`, whose targets lie in `folder`."""
+    """Divide snapshots into jobs of `per_job`, whose targets lie in `folder`, in one for each condition."""
     parts = [tuple(members[first : first + per_job]) for first in range(0, len(members), per_job)]
     return [
-        Batch(f"{name}_{number:03d}", part, tuple(str(folder / f"{member.address}.npz") for member in part))
+        Batch(f"{name}_{number:03d}", part, tuple(str(folder / m.condition / f"{m.address}.npz") for m in part))
         for number, part in enumerate(parts)
     ]
 
@@ -131,7 +153,7 @@ def compute(
 ) -> int:
     """Bring every snapshot of a batch into the study's folder, computing those that the store lacks.
 
-    They are solved `AT_ONCE` at a time, and written as soon as they are.
+    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
 
     Returns
     -------
@@ -140,8 +162,9 @@ def compute(
     """
     stored = [results / "store" / Path(file).stem[:2] / Path(file).name for file in batch.files]
     missing = [number for number, file in enumerate(stored) if not file.exists()]
-    for first in range(0, len(missing), AT_ONCE):
-        chosen = missing[first : first + AT_ONCE]
+    at_once = AT_ONCE * len({snapshot.condition for snapshot in batch.snapshots})
+    for first in range(0, len(missing), at_once):
+        chosen = missing[first : first + at_once]
         simulations = solve([batch.snapshots[number].specification for number in chosen])
         for number, simulation in zip(chosen, simulations, strict=True):
             snapshot = batch.snapshots[number]

@@ -28,8 +28,7 @@ rule effects:
         lambda wildcards: [
             file
             for batch in EFFECT_BATCHES
-            if batch.condition == wildcards.condition
-            for file in batch.files
+            for file in batch.under(wildcards.condition)
         ],
     output:
         model=f"{FOLDER}/effects/{{condition}}.joblib",

@@ -17,7 +17,7 @@ for number, batch in enumerate(BATCHES):
             batch=batch.name,
             effects=False,
         message:
-            f"snapshots {batch.name}: {len(batch.files)} cells, batch {number + 1} of {len(BATCHES)}"
+            f"snapshots {batch.name}: {len(batch.files)} snapshots, batch {number + 1} of {len(BATCHES)}"
         script:
             "../../scripts/snapshots.py"
 

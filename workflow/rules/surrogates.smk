@@ -1,11 +1,6 @@
 # One surrogate a condition, and the store that MLflow keeps them in.
 SNAPSHOTS = {
-    condition: [
-        file
-        for batch in BATCHES
-        if batch.condition == condition
-        for file in batch.files
-    ]
+    condition: [file for batch in BATCHES for file in batch.under(condition)]
     for condition in CALIBRATED
 }
 

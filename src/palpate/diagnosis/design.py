@@ -24,7 +24,7 @@ from palpate.fem.discretisation import RESOLUTIONS
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.model import smooth
 from palpate.protocol import Protocol
-from palpate.snapshots import Batch, Snapshot, divided
+from palpate.snapshots import Batch, Snapshot, conditions_by_shape, divided
 
 THINNING = 3
 SMALL_LOAD = 0.2
@@ -279,17 +279,25 @@ def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.n
 
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
-    """Divide the simulations that a diagnosis needs into jobs, by condition."""
+    """Divide the simulations that a diagnosis needs into jobs; conditions that differ in size alone share theirs."""
     batches, keys = [], list(candidates(study))
-    for condition in study.conditions:
-        if condition.role != "calibrate":
-            continue
-        members = {snapshot.address: snapshot for snapshot in refinement(study, condition)}
-        for key in keys:
-            for pair in pairs(study, condition, key):
-                members |= {pair.plain.address: pair.plain, pair.acting.address: pair.acting}
-            for _, usual, fine in refinements(study, condition, key):
-                members |= {usual.address: usual, fine.address: fine}
-        folder = results / study.name / "effects" / condition.name
-        batches += divided(f"effects_{condition.name}", list(members.values()), folder, study.cells_per_job)
+    for conditions in conditions_by_shape(study):
+        found = [
+            snapshot for same in zip(*(needed(study, c, keys) for c in conditions), strict=True) for snapshot in same
+        ]
+        members = list({snapshot.address: snapshot for snapshot in found}.values())
+        folder = results / study.name / "effects"
+        per_job = study.cells_per_job * len(conditions)
+        batches += divided(f"effects_{conditions[0].name}", members, folder, per_job)
     return batches
+
+
+def needed(study: Study, condition: Condition, keys: Sequence[str]) -> list[Snapshot]:
+    """Return what is simulated under one condition to learn what mechanisms do; some more than once."""
+    snapshots = list(refinement(study, condition))
+    for key in keys:
+        for pair in pairs(study, condition, key):
+            snapshots += [pair.plain, pair.acting]
+        for _, usual, fine in refinements(study, condition, key):
+            snapshots += [usual, fine]
+    return snapshots
