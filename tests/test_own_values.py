@@ -83,6 +83,13 @@ def test_two_effects_that_vary_share_what_they_both_could_explain():
     assert in_mean(STUDY, fit, CONDITION, curve, recorded(curve + departure)) == pytest.approx(departure, rel=0.05)
 
 
+def test_a_zero_far_from_all_others_is_believed():
+    """The tip met dirt: 800 nm, where the other tests differ by 4."""
+    fit, curve = varied(zero_offset=16.0, site=1e-4)
+    departure = 800.0 * fit.problem.unit_effect("zero_offset", CONDITION)
+    assert in_mean(STUDY, fit, CONDITION, curve, recorded(curve + departure)) == pytest.approx(departure, abs=1.0)
+
+
 def test_the_depth_factor_of_a_site_is_not_taken_for_a_drift():
     """A drift of 0.3 nm/s would add 15 nm at the end, where a site that is softer by 1 % adds 3 to 10 nm."""
     fit, curve = varied(thermal_drift=0.1, site=1e-4)

@@ -18,6 +18,8 @@ from palpate.diagnosis.posterior import away
 from palpate.diagnosis.refine import curve_under
 from palpate.errors import PalpateError
 
+ROUNDS = 20  # of the weights of Student's distribution, which settle by then
+
 
 def recording_values(
     study: Study,
@@ -72,7 +74,9 @@ def recording_values(
 def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation) -> np.ndarray:
     """Return what departures from their mean values add to the mean of a condition's recordings (n_points,) [nm].
 
-    All together they are the likeliest, given how much each varies, about a simulated `curve` (n_points,) [nm].
+    All together they are the likeliest, given how much each varies, about a simulated `curve` (n_points,) [nm]. That is
+    told by as many recordings as were repeated, so that departures have Student's distribution of that freedom: one far
+    outside what the others show, as where a tip met dirt, is believed.
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.depth), [], []
     for key in varying(fit.explanation):
@@ -84,7 +88,12 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
         return np.zeros_like(curve)
     design = np.column_stack(columns)
     weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
-    departures = np.linalg.solve(design.T @ weighed + np.diag(1.0 / np.array(spreads)), weighed.T @ (item.mean - curve))
+    precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(spreads)
+    freedom = sum(len(fit.problem.observed[each.name].depth) - 1 for each in fit.problem.conditions)
+    belief = np.ones(len(scales))
+    for _ in range(ROUNDS if noise.replicated else 1):
+        departures = np.linalg.solve(precision + np.diag(belief / scales), pull)
+        belief = (freedom + 1.0) / (freedom + departures**2 / scales)
     return design @ departures
 
 
