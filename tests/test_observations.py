@@ -193,6 +193,22 @@ def test_a_copy_is_no_replicate(tmp_path):
         check_given(study)
 
 
+def test_a_copy_in_a_vendors_file_is_no_replicate(tmp_path):
+    rows = [f"{t:.6g};{load:.6g};{depth:.6g}" for t, load, depth in zip(*curve(), strict=True)]
+    header = "Time [s];Load [mN];Depth [nm]"
+    (tmp_path / "day.txt").write_text("\n".join([header, *rows, "", header, *rows]) + "\n")
+    columns = {"time": "Time [s]", "load": "Load [mN]", "depth": "Depth [nm]"}
+    source = {
+        "file": str(tmp_path / "day.txt"),
+        "recordings": "lab",
+        "condition": CONDITION["name"],
+        "columns": columns,
+    }
+    study = load(tmp_path, source=source, recordings={"lab": str(tmp_path / "lab")})
+    with pytest.raises(InputError, match=r"day\.txt, .*: is the same test as .*; remove one of them"):
+        check_given(study)
+
+
 def test_good_recordings_are_resampled(tmp_path):
     folder = tmp_path / "recordings"
     folder.mkdir()

@@ -17,7 +17,7 @@ from palpate.indenters import Indenter
 from palpate.protocol import Protocol
 from palpate.readers import read_source
 from palpate.readers.units import CHANNELS, to_turn
-from palpate.recording import Recording, condition_of, read_recording, recording_files
+from palpate.recording import Recording, condition_of, copies, read_recording, recording_files
 
 LOAD_TOLERANCE = 0.05
 LEAST_POSITIVE = 0.05
@@ -72,11 +72,17 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
 
 
 def check_given(study: Study) -> None:
-    """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file."""
+    """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file.
+
+    Replicates that are copies of one another are refused: as if sites never differed, and noise did not exist.
+    """
+    remedy = "remove one of them: each replicate is a test of its own"
     for name in study.recordings:
         if not written_by_workflow(study, name):
             for recordings in check(study, name).values():
-                _check_distinct(study.recordings[name], recordings)
+                for copy, first in copies(recordings):
+                    file = study.recordings[name] / f"{copy.name}.csv"
+                    raise InputError(f"is the same recording as {first.name}.csv", remedy=remedy, file=file)
     for condition, tests in (read_source(study.source) if study.source else {}).items():
         for test in tests:
             try:
@@ -84,20 +90,9 @@ def check_given(study: Study) -> None:
             except InputError as error:
                 where = ", ".join(filter(None, (test.name, error.place)))
                 raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
-
-
-def _check_distinct(folder: Path, recordings: Iterable[Recording]) -> None:
-    """Refuse replicates that are copies of one another: as if sites never differed, and noise did not exist."""
-    seen: dict[bytes, str] = {}
-    for recording in recordings:
-        curve = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
-        first = seen.setdefault(curve, recording.name)
-        if first != recording.name:
-            raise InputError(
-                f"is the same recording as {first}.csv",
-                remedy="remove one of them: each replicate is a test of its own",
-                file=folder / f"{recording.name}.csv",
-            )
+        for copy, first in copies(replace(test.recording, name=test.name) for test in tests):
+            problem = f"is the same test as {first.name}"
+            raise InputError(problem, remedy=remedy, file=study.source["file"], place=copy.name)
 
 
 def written_by_workflow(study: Study, name: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -137,6 +137,18 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:
+    """Return each recording that repeats an earlier one point by point, and that one."""
+    seen: dict[bytes, Recording] = {}
+    found = []
+    for recording in recordings:
+        curve = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
+        first = seen.setdefault(curve, recording)
+        if first is not recording:
+            found.append((recording, first))
+    return found
 
 
 def recording_files(folder: Path) -> list[Path]:

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from palpate.commands import check, read
-
-if TYPE_CHECKING:
-    from palpate.recording import Recording
 
 NAME = "draft"
 HELP = "write a first study from recordings or vendors' files"
@@ -31,17 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: Berkovich)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
-
-
-def _distinct(recordings: Sequence[Recording]) -> list[Recording]:
-    """Return the recordings without copies, which are told."""
-    kept: dict[bytes, Recording] = {}
-    for recording in recordings:
-        content = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
-        same = kept.setdefault(content, recording)
-        if same is not recording:
-            print(f"palpate: {recording.notes[-1]}: the same recording {same.notes[-1]}; left out", file=sys.stderr)
-    return list(kept.values())
 
 
 def _length(text: str) -> float:
@@ -61,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.errors import InputError
     from palpate.grouping import grouped
     from palpate.readers import VendorTest, zeroed_each
+    from palpate.recording import copies
 
     study, folder = arguments.output / "study.yaml", arguments.output / "recordings"
     for standing in (study, folder):
@@ -77,7 +60,10 @@ def run(arguments: argparse.Namespace) -> int:
                     recordings.append(replace(test.recording.from_contact(), name=test.name, notes=notes))
         except InputError as error:
             raise error.located(file=file) from None
-    groups = grouped(_distinct(recordings))
+    for copy, first in copies(recordings):
+        print(f"palpate: {copy.notes[-1]}: the same recording {first.notes[-1]}; left out", file=sys.stderr)
+        recordings.remove(copy)
+    groups = grouped(recordings)
     solid = Solid.of(recordings, arguments.sphere)
     if arguments.law == MODELS[0] and solid.secant > STIFFEST_POLYMER:
         stiffness = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is no polymer's"
