@@ -159,6 +159,15 @@ def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, caps
     assert "too few" not in again
 
 
+def test_check_tells_which_conditions_share_their_simulations(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    twice = CONDITION | {"name": "P2_T30", "max_load": 2.0 * CONDITION["max_load"]}
+    slow = CONDITION | {"name": "slow", "loading_time": 2.0 * CONDITION["loading_time"]}
+    shared = "one simulation serves P1_T30, P2_T30, which differ in size alone"
+    assert shared in told(tmp_path, capsys, conditions=[CONDITION, slow, twice])
+    assert "serves" not in told(tmp_path, capsys, conditions=[CONDITION, slow])
+
+
 def test_check_counts_what_the_diagnosis_simulates(tmp_path, capsys, monkeypatch):
     """A drift needs no simulation of its own: what is left is one material on two meshes, under each condition."""
     monkeypatch.chdir(tmp_path)

@@ -32,10 +32,14 @@ def run(arguments: argparse.Namespace) -> int:
 def described(study: Study) -> Iterator[str]:
     """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
     from palpate.diagnosis import design
+    from palpate.snapshots import conditions_by_shape
 
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
     yield f"{study.file}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots"
+    for conditions in conditions_by_shape(study):
+        if len(conditions) > 1:
+            yield f"one simulation serves {', '.join(c.name for c in conditions)}, which differ in size alone"
     if study.recordings and study.diagnosis["enabled"]:
         effects = sum(len(batch.files) for batch in design.plan(study))
         yield f"the diagnosis learns what the mechanisms do from {effects} further simulations"
