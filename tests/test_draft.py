@@ -48,6 +48,13 @@ def test_the_order_of_the_tests_does_not_matter():
     assert sizes == [[1, 2], [1, 2]]
 
 
+def test_no_two_conditions_have_one_name():
+    holds = [elastic(1.0, 20, 10.0 * k) for k in range(30)]
+    names = [group.name for group in grouped(holds)]
+    assert len(names) == len(set(names)) == 30
+    assert names[:2] == ["P1_T20", "P1_T20b"]
+
+
 def test_what_is_no_trapezoid_follows_its_recording():
     time = np.linspace(0.0, 40.0, 400)
     curved = replace(elastic(1.0, 20), time=time, load=np.sin(np.pi * time / 40.0) ** 2, depth=time)
@@ -117,6 +124,7 @@ def test_what_is_no_polymer_is_told(tmp_path, monkeypatch, capsys):
         (["missing.csv", "-o", "out"], "missing.csv: cannot be read"),
         (["good.csv", "-o", "standing"], "standing/study.yaml: stands there already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
+        (["short.csv", "-o", "out"], "short.csv, short, time_s: only 5 points follow contact"),
         (["loading.csv", "-o", "out", "--law", "bilinear_plasticity"], "no unloading tells a modulus"),
     ],
 )
@@ -127,6 +135,7 @@ def test_what_cannot_be_drafted_is_told_in_one_line(tmp_path, monkeypatch, capsy
     test = elastic(1.0, 20)
     test.write(tmp_path / "good.csv")
     test.at(slice(0, 150)).write(tmp_path / "loading.csv")
+    test.at(slice(0, None, 90)).write(tmp_path / "short.csv")
     try:
         code = main(["draft", *arguments])
     except SystemExit as leaving:

@@ -89,7 +89,7 @@ def _secant_modulus(recording: Recording, radius: float | None) -> float:
     depth = float(recording.depth[peak])
     if not depth > 0.0:
         remedy = "let the depth begin at contact"
-        raise InputError(f"the depth is {depth:.4g} nm at the largest load", remedy=remedy, place=recording.name)
+        raise InputError(f"the depth is {depth:.4g} nm at the largest load", remedy=remedy, file=recording.name)
     unit = sneddon.load(depth, 1.0, POISSON_RATIO, BERKOVICH_CONE)
     if radius is not None:
         unit = hertz.load(depth, 1.0, POISSON_RATIO, radius)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from string import ascii_lowercase
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -47,12 +49,12 @@ def grouped(recordings: Sequence[Recording]) -> list[Group]:
     Parameters
     ----------
     recordings
-        From contact on.
+        From contact on, named after their files.
 
     Raises
     ------
     InputError
-        When a load is no history that can be followed, see `palpate.protocol.recorded`.
+        When a test is too short to tell its segments; with the recording's name as the file.
     """
     found: list[list[Recording]] = []
     for recording in recordings:
@@ -61,14 +63,22 @@ def grouped(recordings: Sequence[Recording]) -> list[Group]:
             found.append(members := [])
         members.append(recording)
     found.sort(key=lambda members: (members[0].load.max(), _loading_time(members[0])))
+    given: Counter[str] = Counter()
     groups: list[Group] = []
     for members in found:
         load = np.median([member.load.max() for member in members])
         stem = f"P{_short(load, 2)}_T{_short(_loading_time(members[0]), 2)}"
-        same = sum(group.name.startswith(stem) and group.name[len(stem) :] in ("", "b", "c", "d") for group in groups)
-        name = stem + ("" if not same else "bcd"[same - 1] if same < 4 else f"x{same}")
+        name = stem + _suffix(given[stem])
+        given[stem] += 1
         groups.append(Group(name, tuple(members), _trapezoid(members) or {"load_history": "recorded"}))
     return groups
+
+
+def _suffix(earlier: int) -> str:
+    """Return what tells a name from so many earlier ones: nothing, b to z, z26, z27, ..."""
+    if earlier < len(ascii_lowercase):
+        return ascii_lowercase[earlier] if earlier else ""
+    return f"z{earlier}"
 
 
 def _alike(first: Recording, other: Recording) -> bool:
@@ -85,7 +95,10 @@ def _trapezoid(recordings: Sequence[Recording]) -> dict[str, float | str] | None
     """Return the keys of the trapezoid that the loads are, rounded to three digits; None if they are none."""
     found = []
     for recording in recordings:
-        parts = segments(recording.time, recording.load)
+        try:
+            parts = segments(recording.time, recording.load)
+        except InputError as error:
+            raise error.located(file=recording.name) from None
         if [part.kind for part in parts] not in (["loading", "unloading"], ["loading", "hold", "unloading"]):
             return None
         durations = parts[0].end, parts[-1].start - parts[0].end, parts[-1].duration

@@ -12,18 +12,24 @@ from palpate.commands import check, read
 NAME = "draft"
 HELP = "write a first study from recordings or vendors' files"
 STIFFEST_POLYMER = 8.0  # GPa
-MODELS = ("nonlinear_burgers", "burgers_plasticity", "bilinear_plasticity", "elastic")
+POLYMER = "nonlinear_burgers"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE")
     read.reading_arguments(parser)
-    parser.add_argument(
-        "--law", choices=MODELS, default=MODELS[0], help="material model; the default is that of a polymer"
-    )
+    parser.add_argument("--law", type=_law, default=POLYMER, help=f"material model (default: {POLYMER}, a polymer's)")
     parser.add_argument("--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: Berkovich)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+
+
+def _law(text: str) -> str:
+    from palpate.materials import LAWS
+
+    if text not in LAWS:
+        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(LAWS)}")
+    return text
 
 
 def _length(text: str) -> float:
@@ -57,7 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
             for test in tests:
                 if isinstance(test, VendorTest):
                     notes = (*test.recording.notes, f"from {file.name}, {test.name}")
-                    recordings.append(replace(test.recording.from_contact(), name=test.name, notes=notes))
+                    begun = test.recording.from_contact()
+                    recordings.append(replace(begun, name=f"{file}, {test.name}", notes=notes))
         except InputError as error:
             raise error.located(file=file) from None
     for copy, first in copies(recordings):
@@ -65,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         recordings.remove(copy)
     groups = grouped(recordings)
     solid = Solid.of(recordings, arguments.sphere)
-    if arguments.law == MODELS[0] and solid.secant > STIFFEST_POLYMER:
+    if arguments.law == POLYMER and solid.secant > STIFFEST_POLYMER:
         stiffness = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is no polymer's"
         print(f"palpate: {stiffness}; --law bilinear_plasticity is for metals and ceramics", file=sys.stderr)
     text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere)
