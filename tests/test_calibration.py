@@ -108,7 +108,7 @@ def test_validation_conditions_are_judged_but_never_fitted():
 
 @pytest.mark.parametrize("cheaper", [0.0, 20.0])
 def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
-    """Both its bias and its slope in the parameters; also when the Jacobian comes from a biased cheaper model."""
+    """Both its bias and its slope in the parameters; also where a biased cheaper model leads the way."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
 
@@ -120,7 +120,7 @@ def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
 
         return run
 
-    settings = CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=8)
+    settings = CalibrationSettings(QUICK.genetic, solver_error=0.0)
     options = {"confirm": forward(0.0), "approximate": lambda points: list(map(forward(cheaper), points))}
     surrogate_only, confirmed = (
         calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, **given)
@@ -130,9 +130,24 @@ def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
     assert confirmed.values["b"] == pytest.approx(TRUTH["b"], abs=1e-4)
     assert confirmed.confirmed_by == "fe" and 1 < len(confirmed.confirmations) <= settings.corrections + 1
     assert confirmed.conditions["slow"]["curve"] == "fe" and confirmed.conditions["slow"]["rmse_nm"] < 0.2
+    assert confirmed.settled and surrogate_only.settled is None
     best = min(run["chi_square"] for run in confirmed.confirmations)
     used = [run for run in confirmed.confirmations if run["parameters"] == confirmed.values]
     assert [run["chi_square"] for run in used] == [best]
+
+
+def test_an_estimate_that_still_moves_has_not_settled():
+    data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
+    wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
+
+    def forward(values):
+        return {name: family.predict(np.array([[*values.values()]]))[0] for name, family in FAMILIES.items()}
+
+    settled = [
+        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, confirm=forward).settled
+        for settings in (CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=n) for n in (0, 3))
+    ]
+    assert settled == [False, True]
 
 
 def test_surrogate_error_widens_the_intervals():

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from palpate.report import misfit_sentence, surrogate_sentence, table
+from palpate.report import confirmation_sentences, misfit_sentence, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -27,8 +27,10 @@ def test_the_surrogates_error_is_that_at_the_estimate():
         {"chi_square": 9.0, "surrogate_error_nm": {"T030": 7.0}},
         {"chi_square": 4.0, "surrogate_error_nm": {"T030": 1.8, "T240": 2.3}},
     ]
-    assert "up to 2.3 nm from the finite elements" in surrogate_sentence({"confirmations": runs})
-    assert surrogate_sentence({"confirmations": []}) == ""
+    assert "up to 2.3 nm from the finite elements" in confirmation_sentences({"confirmations": runs, "settled": True})
+    assert "settled" not in confirmation_sentences({"confirmations": runs, "settled": True})
+    assert "not settled: after 2 runs" in confirmation_sentences({"confirmations": runs, "settled": False})
+    assert confirmation_sentences({"confirmations": []}) == ""
 
 
 def test_a_share_close_to_one_is_not_rounded_to_one():

@@ -96,17 +96,23 @@ def misfit_sentence(calibration: Mapping) -> str:
     )
 
 
-def surrogate_sentence(calibration: Mapping) -> str:
-    """Say how far the surrogates are off at the estimate, which leave-one-out errors of a grid do not tell.
+def confirmation_sentences(calibration: Mapping) -> str:
+    """Say how far the surrogates are off at the estimate, and whether it settled.
 
-    What it misses between the levels of a grid may vanish on them, where alone snapshots are left out and foretold.
+    Leave-one-out errors do not tell the first: what a grid misses between its levels may vanish on them.
     """
     runs = calibration["confirmations"]
     if not runs:
         return ""
     best = min(runs, key=lambda run: run["chi_square"])
-    return (
+    said = (
         f"At the estimate the surrogates are up to {max(best['surrogate_error_nm'].values()):.2g} nm from the finite "
         "elements on the fine mesh, on which the estimate rests; errors by leave-one-out are those at the snapshots, "
         "and between the levels of a grid they may be several times as large."
+    )
+    if calibration["settled"]:
+        return said
+    return (
+        f"{said} The estimate has not settled: after {len(runs)} runs of the finite elements it still moved by a third "
+        "of its uncertainty or more. Raise calibration: corrections, or hold what the data cannot tell apart."
     )

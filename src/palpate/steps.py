@@ -91,8 +91,9 @@ def run_calibration(
 ) -> tuple[Calibration, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
 
-    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; differences for its Jacobian are
-    taken at `accuracy: standard`. So neither the surrogate's error nor that of the snapshots' mesh biases the estimate.
+    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; between its runs the estimate is
+    sought at `accuracy: standard`, with what that misses added. So neither the surrogate's error nor that of the
+    snapshots' mesh biases the estimate.
 
     Returns
     -------
@@ -178,7 +179,7 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
             )
         pieces = [
             f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
-            report.paragraph(report.surrogate_sentence(read_json(found / "calibration.json"))),
+            report.paragraph(report.confirmation_sentences(read_json(found / "calibration.json"))),
             report.table(pd.read_csv(found / "errors.csv")),
             report.table(
                 with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})

@@ -40,7 +40,7 @@ class CalibrationSettings:
         Relative discretisation error of the forward model, standard deviation [-]; the default is that of
         `accuracy: standard` against `accuracy: fine` (0.2 to 0.4 % too stiff, the same at all rates).
     corrections
-        Largest number of steps that improve the estimate by the forward model itself, after its confirmation.
+        Largest number of times that the estimate is improved by the forward model itself, after its confirmation.
     """
 
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
@@ -94,8 +94,8 @@ def calibrate(
         The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
         validation conditions included. A mapping that solves a condition when it is asked for saves runs.
     approximate
-        A cheaper forward model, such as `accuracy: standard`, for the Jacobian, from a list of parameters by name to
-        one mapping of curves each; `confirm` when not given.
+        A cheaper forward model, such as `accuracy: standard`, that leads the way to where it is run next, from a list
+        of parameters by name to one mapping of curves each; `confirm` when not given.
 
     Raises
     ------
@@ -121,12 +121,14 @@ def calibrate(
     covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error)
     confirmed: Mapping[str, np.ndarray] = {}
     runs: list[dict[str, Any]] = []
+    settled: bool | None = None
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
     u = fit.solve(starts)
     if confirm is not None:
         exact = WeightedFit(space, surrogates, measured, covariance)
         confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate)
         fit, u, confirmed, runs = confirmation.fit, confirmation.u, confirmation.curves, confirmation.runs
+        settled = confirmation.settled
     found = intervals(fit, u, noise, fitted)
     curves = predicted(surrogates, observations, space.physical(u))
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
@@ -137,6 +139,7 @@ def calibrate(
         fe_curves=dict(confirmed),
         confirmed_by="fe" if confirmed else "surrogate",
         confirmations=runs,
+        settled=settled,
         misfit_ratio=found.misfit_ratio,
         correlation=named_matrix(space, found.correlation),
         noise={name: described(noise[name], fitted[name]) for name in fitted},

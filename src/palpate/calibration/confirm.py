@@ -1,28 +1,36 @@
-r"""Confirmation by the forward model, and the Gauss-Newton steps that free the estimate from the surrogate's error.
+r"""Confirmation by the forward model, and the steps that free the estimate from the surrogate's error.
 
-A surrogate that is right to half a per cent may still be wrong about the slope of a weak parameter. So the forward
-model is run at the estimate u_0 and, by differences, for its own Jacobian G there; then
+A surrogate that is right to half a per cent may still be wrong about the slope of a weak parameter, and one over wide
+ranges is off by tens of nanometres. So the forward model f is run at the estimate u_0, and a cheaper one, c, such as a
+coarser mesh, takes the surrogate's place, with what it misses there added:
 
-    u_{i+1} = argmin chi^2 of h(u_i) + G_i (u - u_i) within the bounds,
+    u_{i+1} = argmin chi^2 of c(u) + f(u_i) - c(u_i) within the bounds.
 
-with h from the forward model and G_i brought up to date by Broyden's rank-one formula from each further run. The run
-of least chi^2 counts, so a confirmation never makes an estimate worse.
+What c misses hardly depends on u. So a few runs of f settle the estimate, however long and bent its way was. The run of
+least chi^2 counts: a confirmation never makes an estimate worse.
+
+Source: zeroth-order additive correction of a model hierarchy, Eldred, Giunta & Collis, AIAA 2004-4457.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from palpate.calibration.polish import WeightedFit
 
-Confirm = Callable[[dict[str, float]], Mapping[str, np.ndarray]]
-ConfirmAll = Callable[[Sequence[dict[str, float]]], Sequence[Mapping[str, np.ndarray]]]
+Curves = Mapping[str, np.ndarray]
+Confirm = Callable[[dict[str, float]], Curves]
+ConfirmAll = Callable[[Sequence[dict[str, float]]], Sequence[Curves]]
 STEP = 0.02
-STILL = 0.1
+STILL = 0.3
+SEARCH = 30
+GAIN = 0.1
+FINE = 3e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +72,8 @@ class Confirmation:
         Scaled coordinates of the run of least chi^2.
     curves
         Forward-model curve of every condition there [nm].
+    settled
+        Whether the last search moved the curves by less than 0.3 standard deviations a parameter.
     runs
         For each run: `parameters`, `chi_square`, and `surrogate_error_nm`, the largest difference from the
         surrogate, by condition.
@@ -71,61 +81,96 @@ class Confirmation:
 
     fit: WeightedFit
     u: np.ndarray
-    curves: Mapping[str, np.ndarray]
+    curves: Curves
+    settled: bool
     runs: list[dict[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Cheaper:
+    """The cheaper forward model with its slopes, of which no point is asked twice.
+
+    Parameters
+    ----------
+    fit
+        The problem whose conditions are asked for.
+    model
+        From a list of parameters by name to one mapping of curves each.
+    """
+
+    fit: WeightedFit
+    model: ConfirmAll
+    _known: dict[bytes, tuple[Curves, Curves]] = field(default_factory=dict, repr=False)
+
+    def __call__(self, u: np.ndarray) -> tuple[Curves, Curves]:
+        """Curves (n_points,) and slopes (n_points, k) at u (k,), by differences over 2 % of the ranges, inwards."""
+        if u.tobytes() not in self._known:
+            steps = np.where(u < 0.5, STEP, -STEP)
+            named = self.fit.space.named
+            curves, *moved = self.model([named(u), *(named(u + step) for step in np.diag(steps))])
+            slopes = {
+                name: np.column_stack([(there[name] - curves[name]) / d for there, d in zip(moved, steps, strict=True)])
+                for name in self.fit.measured
+            }
+            self._known[u.tobytes()] = curves, slopes
+        return self._known[u.tobytes()]
+
+    def corrected_search(self, u: np.ndarray, exact: Curves) -> np.ndarray:
+        """Coordinates (k,) of least chi^2 of the model and what it misses at u (k,) of its exact curves there.
+
+        What the data say nothing of stays where it is: every coordinate is held at u with a standard deviation of its
+        whole range, without which the trust region creeps.
+        """
+        fit, known = self.fit, self(u)[0]
+
+        def residual(v: np.ndarray) -> np.ndarray:
+            curves = self(v)[0]
+            misfit = fit.whiten({n: curves[n] + exact[n] - known[n] - fit.measured[n] for n in fit.measured})
+            return np.append(misfit, v - u)
+
+        def slope(v: np.ndarray) -> np.ndarray:
+            return np.vstack([fit.whiten(self(v)[1]), np.eye(len(u))])
+
+        tolerance = GAIN / fit.chi_square(exact)
+        found = least_squares(residual, u, slope, bounds=(0.0, 1.0), ftol=tolerance, xtol=FINE, max_nfev=SEARCH)
+        return found.x
+
+    def moved(self, u: np.ndarray, v: np.ndarray) -> float:
+        """How far the curves are apart between u and v (k,), in standard deviations a parameter."""
+        there, here = self(v)[0], self(u)[0]
+        apart = self.fit.whiten({name: there[name] - here[name] for name in self.fit.measured})
+        return float(np.sqrt(apart @ apart / len(u)))
 
 
 def confirm_and_correct(
     fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int, approximate: ConfirmAll | None = None
 ) -> Confirmation:
-    """Run the forward model at u (k,) and improve u by it until it moves by less than a tenth of its uncertainty.
+    """Run the forward model at u (k,) and improve u by it until it hardly moves against its uncertainty.
 
     Parameters
     ----------
     fit
         The problem with surrogates, covariances without the surrogates' error.
     corrections
-        Largest number of steps; each costs one run.
+        Largest number of improvements; each costs one run, and a search with the cheaper model.
     approximate
-        A cheaper forward model for the differences, asked for all points at once: one and one more for each free
-        parameter. `confirm` when not given.
+        A cheaper forward model, asked for several points at once. `confirm` when not given.
     """
-
-    def run(at: np.ndarray) -> tuple[Mapping[str, np.ndarray], float]:
-        curves = confirm(fit.space.named(at))
-        surrogate = fit.curves(at)
-        error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
-        misfit = fit.chi_square(curves)
-        runs.append({"parameters": fit.space.named(at), "chi_square": misfit, "surrogate_error_nm": error})
-        return curves, misfit
-
+    cheaper = Cheaper(fit, approximate or (lambda points: [confirm(point) for point in points]))
+    u = np.clip(u, 1e-6, 1 - 1e-6)
     runs: list[dict[str, Any]] = []
-    curves, misfit = run(u)
-    slopes = differences(fit, u, approximate or (lambda points: [confirm(point) for point in points]))
-    for _ in range(corrections):
-        following = tangent_fit(fit, u, curves, slopes).solve([u])
-        step = following - u
-        moved = fit.whiten({name: slope @ step for name, slope in slopes.items()})
-        if moved @ moved < STILL**2 * len(u):
-            break
-        there, misfit_there = run(following)
-        slopes = {
-            name: slope + np.outer(there[name] - curves[name] - slope @ step, step) / (step @ step)
-            for name, slope in slopes.items()
-        }
-        if misfit_there < misfit:
-            u, curves, misfit = following, there, misfit_there
-    return Confirmation(tangent_fit(fit, u, curves, slopes), u, curves, runs)
-
-
-def differences(fit: WeightedFit, u: np.ndarray, confirm_all: ConfirmAll) -> dict[str, np.ndarray]:
-    """Slopes (n_points, k) in scaled coordinates by one-sided differences over 2 % of the ranges, into the bounds."""
-    steps = np.where(u < 0.5, STEP, -STEP)
-    curves, *moved = confirm_all([fit.space.named(u), *(fit.space.named(u + step) for step in np.diag(steps))])
-    return {
-        name: np.column_stack([(there[name] - curves[name]) / step for there, step in zip(moved, steps, strict=True)])
-        for name in fit.measured
-    }
+    least, settled = np.inf, False
+    while not settled and len(runs) <= corrections:
+        curves, surrogate = confirm(fit.space.named(u)), fit.curves(u)
+        misfit = fit.chi_square(curves)
+        error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
+        runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error_nm": error})
+        if misfit < least:
+            best, found, least = u, curves, misfit
+        following = cheaper.corrected_search(u, curves)
+        settled = cheaper.moved(u, following) < STILL
+        u = following
+    return Confirmation(tangent_fit(fit, best, found, cheaper(best)[1]), best, found, settled, runs)
 
 
 def tangent_fit(

@@ -52,6 +52,8 @@ class Calibration:
         ``fe`` when the forward model was run at the estimate, else ``surrogate``.
     confirmations
         For each forward-model run: its parameters, chi^2 and the surrogate's error there [nm].
+    settled
+        Whether these runs settled the estimate within 0.3 of its uncertainty; None without confirmation.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     correlation
@@ -76,6 +78,7 @@ class Calibration:
     fe_curves: Mapping[str, np.ndarray]
     confirmed_by: str
     confirmations: list[dict[str, Any]]
+    settled: bool | None
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
@@ -103,6 +106,7 @@ class Calibration:
             "conditions": {name: dict(row) for name, row in self.conditions.items()},
             "confirmed_by": self.confirmed_by,
             "confirmations": self.confirmations,
+            "settled": self.settled,
             "misfit_ratio": self.misfit_ratio,
             "correlation": {name: dict(row) for name, row in self.correlation.items()},
             "noise": {name: dict(row) for name, row in self.noise.items()},

@@ -17,6 +17,8 @@ from palpate.surrogate.kernels import KERNELS
 from palpate.surrogate.leave_one_out import ConditionError, choose_lengths, choose_shape, leave_one_out, system_inverse
 from palpate.surrogate.pod import pod
 
+NEAR = 0.05
+
 
 class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
     r"""Surrogate of depth curves over material parameters.
@@ -114,10 +116,10 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return self
 
     def predict(self, X: Any) -> np.ndarray:
-        """Curves (n, n_points) [nm] at parameters X (n, n_parameters), all at once; warns where nothing was learnt."""
+        """Curves (n, n_points) [nm] at parameters X (n, n_parameters); warns well outside the snapshots."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=float)
-        slack = 1e-6 * (self.upper_ - self.lower_)
+        slack = NEAR * (self.upper_ - self.lower_)
         outside = ((self.lower_ - slack > X) | (self.upper_ + slack < X)) & self.varies_
         if outside.any():
             warnings.warn(
