@@ -49,9 +49,10 @@ def test_runs_hold_what_fits_are_compared_by(monkeypatch):
     modulus = {"estimate": 3.2, "lower": 3.0, "upper": 3.4, "identified": True}
     errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4, "role": "calibrate"}
     calibration = {"parameters": {"youngs_modulus": modulus}, "conditions": {"T030": errors}, "history": []}
-    tracking.log_calibration(calibration | {"seed": 862, "misfit_ratio": 1.1}, {"population": 200})
+    told = {"seed": 862, "misfit_ratio": 1.1, "settled": False}
+    tracking.log_calibration(calibration | told, {"population": 200})
     assert params == {"population": 200, "seed": 862}
-    assert (metrics["misfit_ratio"], metrics["T030.mean_abs_error_nm"]) == (1.1, 1.5)
+    assert (metrics["misfit_ratio"], metrics["settled"], metrics["T030.mean_abs_error_nm"]) == (1.1, 0.0, 1.5)
     drift = {"thermal_drift.rate": {"estimate": 0.11, "lower": 0.09, "upper": 0.13}}
     named = {"mechanisms": ["thermal_drift"], "probability": 1.0, "parameters": drift}
     roles = {role: {"before_rmse_nm": 9.0, "after_rmse_nm": None} for role in ("calibrate", "validate")}

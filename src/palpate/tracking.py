@@ -6,6 +6,7 @@ module.
 
 from __future__ import annotations
 
+import logging
 import os
 import subprocess
 import time
@@ -103,10 +104,14 @@ def log_grid(levels: Mapping[str, Iterable[float]]) -> None:
 
 
 def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metrics: Mapping[str, float]) -> None:
-    """Log a surrogate: its settings, its metrics, its error along the curve, and itself as a loadable model."""
+    """Log a surrogate: its settings, its metrics, its error along the curve, and itself as a loadable model.
+
+    MLflow's advice against pickles of unknown origin, which this one is not, would fill the log of every study.
+    """
     mlflow.log_params(model.get_params())
     mlflow.log_metrics(dict(metrics))
     log_series("loo_rms_nm_at_point", model.loo_rms_, range(len(model.loo_rms_)))
+    logging.getLogger("mlflow.sklearn").setLevel(logging.ERROR)
     mlflow.sklearn.log_model(
         model,
         name="surrogate",
@@ -120,6 +125,8 @@ def log_calibration(result: Mapping[str, Any], settings: Mapping[str, Any]) -> N
     """Log a calibration: settings and seed, estimates with intervals, misfit, errors of each condition, convergence."""
     mlflow.log_params({**settings, "seed": result["seed"]})
     metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
+    if result["settled"] is not None:
+        metrics["settled"] = float(result["settled"])
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
