@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
+from palpate.calibration.confirm import confirm_and_correct
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import error_measures, mean_square, relative
 from palpate.calibration.noise import replicate_noise
@@ -148,6 +149,18 @@ def test_an_estimate_that_still_moves_has_not_settled():
         for settings in (CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=n) for n in (0, 3))
     ]
     assert settled == [False, True]
+
+
+@pytest.mark.parametrize("bound", [0.0, 1.0])
+def test_an_estimate_leaves_the_bound_that_the_surrogate_put_it_on(bound):
+    def forward(values):
+        return {"slow": Family().predict(np.array([[*values.values()]]))[0]}
+
+    space = Space({"a": BOUNDS["a"], "b": (0.45, 0.45)})
+    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, forward(TRUTH), np.eye(len(T)))
+    confirmation = confirm_and_correct(fit, np.array([bound]), forward, corrections=3)
+    assert confirmation.settled
+    assert space.named(confirmation.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-4)
 
 
 def test_surrogate_error_widens_the_intervals():

@@ -119,21 +119,22 @@ class Cheaper:
         """Coordinates (k,) of least chi^2 of the model and what it misses at u (k,) of its exact curves there.
 
         What the data say nothing of stays where it is: every coordinate is held at u with a standard deviation of its
-        whole range, without which the trust region creeps.
+        whole range, without which the trust region creeps. What is sought is the way from u: the trust region takes its
+        first size from the length of the start, and from an estimate near all lower bounds it would never get away.
         """
         fit, known = self.fit, self(u)[0]
 
-        def residual(v: np.ndarray) -> np.ndarray:
-            curves = self(v)[0]
+        def residual(way: np.ndarray) -> np.ndarray:
+            curves = self(u + way)[0]
             misfit = fit.whiten({n: curves[n] + exact[n] - known[n] - fit.measured[n] for n in fit.measured})
-            return np.append(misfit, v - u)
+            return np.append(misfit, way)
 
-        def slope(v: np.ndarray) -> np.ndarray:
-            return np.vstack([fit.whiten(self(v)[1]), np.eye(len(u))])
+        def slope(way: np.ndarray) -> np.ndarray:
+            return np.vstack([fit.whiten(self(u + way)[1]), np.eye(len(u))])
 
-        tolerance = GAIN / fit.chi_square(exact)
-        found = least_squares(residual, u, slope, bounds=(0.0, 1.0), ftol=tolerance, xtol=FINE, max_nfev=SEARCH)
-        return found.x
+        start, bounds, tolerance = np.zeros_like(u), (-u, 1.0 - u), GAIN / fit.chi_square(exact)
+        found = least_squares(residual, start, slope, bounds=bounds, ftol=tolerance, xtol=FINE, max_nfev=SEARCH)
+        return np.clip(u + found.x, 0.0, 1.0)
 
     def moved(self, u: np.ndarray, v: np.ndarray) -> float:
         """How far the curves are apart between u and v (k,), in standard deviations a parameter."""
