@@ -12,7 +12,7 @@ from palpate.calibration.measures import error_measures, mean_square, relative
 from palpate.calibration.noise import replicate_noise
 from palpate.calibration.polish import WeightedFit
 from palpate.calibration.space import Space
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.recording import Recording
 
 T = np.linspace(0.02, 1.0, 50)
@@ -161,6 +161,39 @@ def test_an_estimate_leaves_the_bound_that_the_surrogate_put_it_on(bound):
     confirmation = confirm_and_correct(fit, np.array([bound]), forward, corrections=3)
     assert confirmation.settled
     assert space.named(confirmation.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-4)
+
+
+def confirmed_before(fine_edge, cheap_edge):
+    """Confirmation from a = 0.9 by models that fail at a beyond their edge, and the estimate of a; 1.1 is true."""
+
+    def model(edge):
+        def forward(values):
+            if values["a"] > edge:
+                raise PalpateError("no equilibrium")
+            return {"slow": Family().predict(np.array([[*values.values()]]))[0]}
+
+        return forward
+
+    space, cheap = Space({name: BOUNDS[name] for name in "ab"}), model(cheap_edge)
+    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, model(1.5)(TRUTH), np.eye(len(T)))
+    start = np.array([0.4, 0.5])
+    found = confirm_and_correct(fit, start, model(fine_edge), 3, lambda points: [cheap(point) for point in points])
+    return found, space.named(found.u)["a"]
+
+
+def test_a_way_to_where_the_cheaper_model_fails_is_shortened():
+    found, a = confirmed_before(fine_edge=1.5, cheap_edge=1.05)
+    assert not found.settled and 1.0 < a <= 1.05
+
+
+def test_a_failure_of_the_forward_model_leaves_the_best_run_before_it():
+    found, a = confirmed_before(fine_edge=1.05, cheap_edge=1.5)
+    assert not found.settled and a == pytest.approx(0.9) and len(found.runs) == 1
+
+
+def test_a_forward_model_that_fails_where_the_surrogates_lead_is_told():
+    with pytest.raises(PalpateError, match="no equilibrium"):
+        confirmed_before(fine_edge=0.8, cheap_edge=1.5)
 
 
 def test_surrogate_error_widens_the_intervals():

@@ -114,5 +114,6 @@ def confirmation_sentences(calibration: Mapping) -> str:
         return said
     return (
         f"{said} The estimate has not settled: after {len(runs)} runs of the finite elements it still moved by a third "
-        "of its uncertainty or more. Raise calibration: corrections, or hold what the data cannot tell apart."
+        "of its uncertainty or more, or they failed beyond it. Raise calibration: corrections, hold what the data "
+        "cannot tell apart, or narrow the ranges to where no snapshot fails."
     )

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.calibration.polish import WeightedFit
+from palpate.errors import PalpateError
 
 Curves = Mapping[str, np.ndarray]
 Confirm = Callable[[dict[str, float]], Curves]
@@ -73,7 +74,7 @@ class Confirmation:
     curves
         Forward-model curve of every condition there [nm].
     settled
-        Whether the last search moved the curves by less than 0.3 standard deviations a parameter.
+        Whether the last search met no failure and moved the curves by less than 0.3 standard deviations a parameter.
     runs
         For each run: `parameters`, `chi_square`, and `surrogate_error_nm`, the largest difference from the
         surrogate, by condition.
@@ -115,17 +116,23 @@ class Cheaper:
             self._known[u.tobytes()] = curves, slopes
         return self._known[u.tobytes()]
 
-    def corrected_search(self, u: np.ndarray, exact: Curves) -> np.ndarray:
+    def corrected_search(self, u: np.ndarray, exact: Curves) -> tuple[np.ndarray, bool]:
         """Coordinates (k,) of least chi^2 of the model and what it misses at u (k,) of its exact curves there.
 
         What the data say nothing of stays where it is: every coordinate is held at u with a standard deviation of its
         whole range, without which the trust region creeps. What is sought is the way from u: the trust region takes its
         first size from the length of the start, and from an estimate near all lower bounds it would never get away.
+
+        A way at whose end the model fails is shortened. The second value tells that one was: the least may lie there.
         """
-        fit, known = self.fit, self(u)[0]
+        fit, known, failures = self.fit, self(u)[0], []
 
         def residual(way: np.ndarray) -> np.ndarray:
-            curves = self(u + way)[0]
+            try:
+                curves = self(u + way)[0]
+            except PalpateError as failure:
+                failures.append(failure)
+                return np.full(len(fit.factor) + len(u), np.nan)
             misfit = fit.whiten({n: curves[n] + exact[n] - known[n] - fit.measured[n] for n in fit.measured})
             return np.append(misfit, way)
 
@@ -134,7 +141,7 @@ class Cheaper:
 
         start, bounds, tolerance = np.zeros_like(u), (-u, 1.0 - u), GAIN / fit.chi_square(exact)
         found = least_squares(residual, start, slope, bounds=bounds, ftol=tolerance, xtol=FINE, max_nfev=SEARCH)
-        return np.clip(u + found.x, 0.0, 1.0)
+        return np.clip(u + found.x, 0.0, 1.0), bool(failures)
 
     def moved(self, u: np.ndarray, v: np.ndarray) -> float:
         """How far the curves are apart between u and v (k,), in standard deviations a parameter."""
@@ -156,20 +163,31 @@ def confirm_and_correct(
         Largest number of improvements; each costs one run, and a search with the cheaper model.
     approximate
         A cheaper forward model, asked for several points at once. `confirm` when not given.
+
+    Raises
+    ------
+    PalpateError
+        When a model fails at u itself. Failures further on leave the best run, not settled.
     """
     cheaper = Cheaper(fit, approximate or (lambda points: [confirm(point) for point in points]))
     u = np.clip(u, 1e-6, 1 - 1e-6)
     runs: list[dict[str, Any]] = []
     least, settled = np.inf, False
     while not settled and len(runs) <= corrections:
-        curves, surrogate = confirm(fit.space.named(u)), fit.curves(u)
-        misfit = fit.chi_square(curves)
+        try:
+            curves = confirm(fit.space.named(u))
+            misfit = fit.chi_square(curves)
+        except PalpateError:
+            if not runs:
+                raise
+            break
+        surrogate = fit.curves(u)
         error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
         runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error_nm": error})
         if misfit < least:
             best, found, least = u, curves, misfit
-        following = cheaper.corrected_search(u, curves)
-        settled = cheaper.moved(u, following) < STILL
+        following, failed = cheaper.corrected_search(u, curves)
+        settled = not failed and cheaper.moved(u, following) < STILL
         u = following
     return Confirmation(tangent_fit(fit, best, found, cheaper(best)[1]), best, found, settled, runs)
 
