@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
-from palpate.calibration.confirm import confirm_and_correct
+from palpate.calibration.confirm import Tangent, confirm_and_correct
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import error_measures, mean_square, relative
 from palpate.calibration.noise import replicate_noise
@@ -107,22 +107,23 @@ def test_validation_conditions_are_judged_but_never_fitted():
     assert with_it.conditions["check"]["role"] == "validate" and with_it.conditions["check"]["rmse_nm"] > 100
 
 
+def forward(families=FAMILIES):
+    """Return families as a forward model, asked for several points at once."""
+    return lambda points: [
+        {name: family.predict(np.array([[*values.values()]]))[0] for name, family in families.items()}
+        for values in points
+    ]
+
+
 @pytest.mark.parametrize("cheaper", [0.0, 20.0])
 def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
     """Both its bias and its slope in the parameters; also where a biased cheaper model leads the way."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
 
-    def forward(bias):
-        def run(values):
-            return {
-                name: Family(f.rate, bias).predict(np.array([[*values.values()]]))[0] for name, f in FAMILIES.items()
-            }
-
-        return run
-
     settings = CalibrationSettings(QUICK.genetic, solver_error=0.0)
-    options = {"confirm": forward(0.0), "approximate": lambda points: list(map(forward(cheaper), points))}
+    biased = {name: Family(family.rate, cheaper) for name, family in FAMILIES.items()}
+    options = {"confirm": forward(), "approximate": forward(biased)}
     surrogate_only, confirmed = (
         calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, **given)
         for given in ({}, options)
@@ -140,12 +141,8 @@ def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
 def test_an_estimate_that_still_moves_has_not_settled():
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
-
-    def forward(values):
-        return {name: family.predict(np.array([[*values.values()]]))[0] for name, family in FAMILIES.items()}
-
     settled = [
-        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, confirm=forward).settled
+        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, confirm=forward()).settled
         for settings in (CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=n) for n in (0, 3))
     ]
     assert settled == [False, True]
@@ -153,31 +150,43 @@ def test_an_estimate_that_still_moves_has_not_settled():
 
 @pytest.mark.parametrize("bound", [0.0, 1.0])
 def test_an_estimate_leaves_the_bound_that_the_surrogate_put_it_on(bound):
-    def forward(values):
-        return {"slow": Family().predict(np.array([[*values.values()]]))[0]}
-
-    space = Space({"a": BOUNDS["a"], "b": (0.45, 0.45)})
-    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, forward(TRUTH), np.eye(len(T)))
-    confirmation = confirm_and_correct(fit, np.array([bound]), forward, corrections=3)
+    space, exact = Space({"a": BOUNDS["a"], "b": (0.45, 0.45)}), forward({"slow": Family()})
+    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, exact([TRUTH])[0], np.eye(len(T)))
+    confirmation = confirm_and_correct(fit, np.array([bound]), exact, corrections=3)
     assert confirmation.settled
     assert space.named(confirmation.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-4)
+
+
+def test_an_estimate_held_by_the_cheaper_models_slope_moves_on():
+    """Where the cheaper model's slope is normal to the true one, every value stays as it is under its guidance."""
+
+    def sine(points):
+        return [{"slow": 500.0 * T + 20.0 * v["a"] * np.sin(2 * np.pi * T)} for v in points]
+
+    def cosine(points):
+        return [{"slow": 500.0 * T + 20.0 * v["a"] * np.cos(2 * np.pi * T)} for v in points]
+
+    space = Space({"a": BOUNDS["a"]})
+    flat = Tangent(np.array([1.0]), 500.0 * T, np.zeros((len(T), 1)))
+    fit = WeightedFit(space, {"slow": flat}, sine([TRUTH])[0], np.eye(len(T)))
+    found = confirm_and_correct(fit, np.array([0.1]), sine, 3, cosine)
+    assert found.settled and space.named(found.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-3)
 
 
 def confirmed_before(fine_edge, cheap_edge):
     """Confirmation from a = 0.9 by models that fail at a beyond their edge, and the estimate of a; 1.1 is true."""
 
     def model(edge):
-        def forward(values):
-            if values["a"] > edge:
+        def solve(points):
+            if any(values["a"] > edge for values in points):
                 raise PalpateError("no equilibrium")
-            return {"slow": Family().predict(np.array([[*values.values()]]))[0]}
+            return forward({"slow": Family()})(points)
 
-        return forward
+        return solve
 
-    space, cheap = Space({name: BOUNDS[name] for name in "ab"}), model(cheap_edge)
-    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, model(1.5)(TRUTH), np.eye(len(T)))
-    start = np.array([0.4, 0.5])
-    found = confirm_and_correct(fit, start, model(fine_edge), 3, lambda points: [cheap(point) for point in points])
+    space = Space({name: BOUNDS[name] for name in "ab"})
+    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, model(1.5)([TRUTH])[0], np.eye(len(T)))
+    found = confirm_and_correct(fit, np.array([0.4, 0.5]), model(fine_edge), 3, model(cheap_edge))
     return found, space.named(found.u)["a"]
 
 

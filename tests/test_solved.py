@@ -7,7 +7,7 @@ import yaml
 from palpate.config import load_study
 from palpate.errors import PalpateError
 from palpate.model import Simulation, simulate
-from palpate.solved import SolvedCurves, solved
+from palpate.solved import SolvedCurves
 
 CREEP = {"steady_exponent": 0.2, "transient_coefficient": 0.2, "transient_exponent": 0.3, "retardation_time": 0.25}
 LOADS = {"small": (0.25, 5), "large": (1.0, 5), "slow": (1.0, 20)}
@@ -38,7 +38,7 @@ def study_with(tmp_path, indenter):
 )
 def test_what_differs_in_size_alone_is_solved_once(tmp_path, simulated, indenter, runs):
     study, values = study_with(tmp_path, indenter), {"youngs_modulus": 3.0, "steady_coefficient": 0.05}
-    curves = SolvedCurves(study, values, "standard")
+    curves = SolvedCurves.at(study, [values], "standard")[0]
     found = {name: curves[name] for name in curves}
     assert simulated == runs
     for name, depth in found.items():
@@ -49,11 +49,12 @@ def test_what_differs_in_size_alone_is_solved_once(tmp_path, simulated, indenter
 def test_several_points_are_solved_together(tmp_path, simulated):
     study = study_with(tmp_path, {"shape": "cone", "half_angle": 70.3})
     points = [{"youngs_modulus": modulus, "steady_coefficient": 0.05} for modulus in (2.5, 3.5)]
-    found = solved(study, points, ["small", "slow"], "standard")
-    assert simulated == [4]
-    for values, curves in zip(points, found, strict=True):
-        assert list(curves) == ["small", "slow"]
-        assert curves["slow"] == pytest.approx(SolvedCurves(study, values, "standard")["slow"], rel=1e-8)
+    found = SolvedCurves.at(study, points, "standard")
+    depths = [curves["slow"] for curves in found]
+    assert simulated == [2]
+    for values, depth in zip(points, depths, strict=True):
+        alone = simulate(study.specification(values, study.condition("slow"), "standard"))
+        assert depth == pytest.approx(alone.depth, rel=1e-8)
 
 
 def test_a_failure_names_its_condition(tmp_path, monkeypatch):
@@ -61,4 +62,4 @@ def test_a_failure_names_its_condition(tmp_path, monkeypatch):
     failed = Simulation(*np.full((3, 10), np.nan), "failed", "no equilibrium", 0.0)
     monkeypatch.setattr("palpate.solved.simulate_batch", lambda specifications: [failed for _ in specifications])
     with pytest.raises(PalpateError, match=r"^small at .*: no equilibrium"):
-        solved(study, [{"youngs_modulus": 3.0, "steady_coefficient": 0.05}], ["small"], "standard")
+        SolvedCurves.at(study, [{"youngs_modulus": 3.0, "steady_coefficient": 0.05}], "standard")[0]["small"]

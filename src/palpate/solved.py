@@ -12,24 +12,42 @@ from palpate.model import alike, simulate_batch
 
 
 class SolvedCurves(Mapping):
-    """Depth curves [nm] at given parameters by condition, solved when first asked for, with those that come free.
+    """Depth curves [nm] by condition at one of several points, solved when first asked for, with those that come free.
 
-    Under a sharp tip conditions that differ in size alone are one simulation, see `palpate.fem.similar`.
+    A condition that is asked for at one point is solved for all points, together. Under a sharp tip conditions that
+    differ in size alone are one simulation, see `palpate.fem.similar`.
+
+    Raises
+    ------
+    PalpateError
+        When the solver fails at any of the points for a condition that is asked for.
     """
 
-    def __init__(self, study: Study, values: Mapping[str, float], accuracy: str):
-        self._study, self._values, self._accuracy = study, dict(values), accuracy
-        self._depths: dict[str, np.ndarray] = {}
+    def __init__(
+        self,
+        study: Study,
+        points: Sequence[Mapping[str, float]],
+        accuracy: str,
+        depths: Sequence[dict[str, np.ndarray]],
+        place: int,
+    ):
+        self._study, self._points, self._accuracy = study, points, accuracy
+        self._depths, self._place = depths, place
+
+    @classmethod
+    def at(cls, study: Study, points: Sequence[Mapping[str, float]], accuracy: str) -> list[SolvedCurves]:
+        """Return the curves at several points, given by the names of the parameters."""
+        depths: list[dict[str, np.ndarray]] = [{} for _ in points]
+        return [cls(study, points, accuracy, depths, place) for place in range(len(points))]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._depths:
-            specifications = {
-                condition.name: self._study.specification(self._values, condition, self._accuracy)
+        if name not in self._depths[self._place]:
+            first = {
+                condition.name: self._study.specification(self._points[0], condition, self._accuracy)
                 for condition in self._study.conditions
             }
-            names = [other for other in self if alike(specifications[name], specifications[other])]
-            self._depths |= solved(self._study, [self._values], names, self._accuracy)[0]
-        return self._depths[name]
+            self._solve([other for other in self if alike(first[name], first[other])])
+        return self._depths[self._place][name]
 
     def __iter__(self) -> Iterator[str]:
         return (condition.name for condition in self._study.conditions)
@@ -37,22 +55,13 @@ class SolvedCurves(Mapping):
     def __len__(self) -> int:
         return len(self._study.conditions)
 
-
-def solved(
-    study: Study, points: Sequence[Mapping[str, float]], names: Sequence[str], accuracy: str
-) -> list[dict[str, np.ndarray]]:
-    """Return the depth curves [nm] of some conditions at each of several points, solved together.
-
-    Raises
-    ------
-    PalpateError
-        When the solver fails.
-    """
-    places = [(k, name) for k in range(len(points)) for name in names]
-    simulations = simulate_batch(study.specification(points[k], study.condition(n), accuracy) for k, n in places)
-    curves: list[dict[str, np.ndarray]] = [{} for _ in points]
-    for (k, name), simulation in zip(places, simulations, strict=True):
-        if simulation.status != "ok":
-            raise PalpateError(f"{name} at {dict(points[k])}: {simulation.reason}")
-        curves[k][name] = simulation.depth
-    return curves
+    def _solve(self, names: Sequence[str]) -> None:
+        study, points = self._study, self._points
+        places = [(k, name) for k in range(len(points)) for name in names]
+        simulations = simulate_batch(
+            study.specification(points[k], study.condition(name), self._accuracy) for k, name in places
+        )
+        for (k, name), simulation in zip(places, simulations, strict=True):
+            if simulation.status != "ok":
+                raise PalpateError(f"{name} at {dict(points[k])}: {simulation.reason}")
+            self._depths[k][name] = simulation.depth

@@ -16,7 +16,7 @@ from palpate import report, snapshots
 from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.config import Study
 from palpate.observations import observations
-from palpate.solved import SolvedCurves, solved
+from palpate.solved import SolvedCurves
 from palpate.surrogate import PODRBF
 
 
@@ -81,8 +81,8 @@ def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mappin
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        confirm=lambda values: SolvedCurves(study, values, "fine"),
-        approximate=lambda points: solved(study, points, list(models), "standard"),
+        confirm=lambda points: SolvedCurves.at(study, points, "fine"),
+        approximate=lambda points: SolvedCurves.at(study, points, "standard"),
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.confirm import Confirm, ConfirmAll, confirm_and_correct
+from palpate.calibration.confirm import Model, confirm_and_correct
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import OBJECTIVES, check_indents, check_measurable
@@ -68,8 +68,8 @@ def calibrate(
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
     surrogate_error: Mapping[str, np.ndarray] | None = None,
-    confirm: Confirm | None = None,
-    approximate: ConfirmAll | None = None,
+    confirm: Model | None = None,
+    approximate: Model | None = None,
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
@@ -91,11 +91,12 @@ def calibrate(
         Errors of the surrogate (k, n_points) of each condition [nm], such as `PODRBF.loo_error_`; their second
         moments join the noise until the forward model takes the surrogate's place.
     confirm
-        The forward model: from parameters by name to a depth curve (n_points,) [nm] for each condition, the
-        validation conditions included. A mapping that solves a condition when it is asked for saves runs.
+        The forward model: from a list of parameters by name to one mapping each, of a depth curve (n_points,) [nm] for
+        each condition, the validation conditions included. Mappings that solve a condition when it is asked for save
+        runs.
     approximate
-        A cheaper forward model, such as `accuracy: standard`, that leads the way to where it is run next, from a list
-        of parameters by name to one mapping of curves each; `confirm` when not given.
+        A cheaper forward model, such as `accuracy: standard`, that leads the way to where it is run next, as
+        `confirm`; the same when not given.
 
     Raises
     ------

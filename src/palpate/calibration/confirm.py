@@ -4,17 +4,20 @@ A surrogate that is right to half a per cent may still be wrong about the slope 
 ranges is off by tens of nanometres. So the forward model f is run at the estimate u_0, and a cheaper one, c, such as a
 coarser mesh, takes the surrogate's place, with what it misses there added:
 
-    u_{i+1} = argmin chi^2 of c(u) + f(u_i) - c(u_i) within the bounds.
+    u_{i+1} = argmin chi^2 of c(u) + f(u_i) - c(u_i) + T (u - u_i) within the bounds.
 
-What c misses hardly depends on u. So a few runs of f settle the estimate, however long and bent its way was. The run of
-least chi^2 counts: a confirmation never makes an estimate worse.
+What c misses hardly depends on u, so that T begins as zero, and a few runs of f settle the estimate, however long and
+bent its way was. Where the data hardly tell parameters apart, that little may be enough to hold it in a wrong place: an
+estimate that stays is only believed when it stays with the tilt T of f - c as well, by differences. The run of least
+chi^2 counts: a confirmation never makes an estimate worse.
 
-Source: zeroth-order additive correction of a model hierarchy, Eldred, Giunta & Collis, AIAA 2004-4457.
+Source: additive corrections of zeroth and first order of a model hierarchy, Eldred, Giunta & Collis, AIAA 2004-4457.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -25,11 +28,10 @@ from palpate.calibration.polish import WeightedFit
 from palpate.errors import PalpateError
 
 Curves = Mapping[str, np.ndarray]
-Confirm = Callable[[dict[str, float]], Curves]
-ConfirmAll = Callable[[Sequence[dict[str, float]]], Sequence[Curves]]
+Model = Callable[[Sequence[dict[str, float]]], Sequence[Curves]]
 STEP = 0.02
 STILL = 0.3
-SEARCH = 30
+SEARCH = 20
 GAIN = 0.1
 FINE = 3e-3
 
@@ -74,7 +76,8 @@ class Confirmation:
     curves
         Forward-model curve of every condition there [nm].
     settled
-        Whether the last search met no failure and moved the curves by less than 0.3 standard deviations a parameter.
+        Whether the last search, with the tilt, met no failure and moved the curves by less than 0.3 standard deviations
+        a parameter.
     runs
         For each run: `parameters`, `chi_square`, and `surrogate_error_nm`, the largest difference from the
         surrogate, by condition.
@@ -85,6 +88,29 @@ class Confirmation:
     curves: Curves
     settled: bool
     runs: list[dict[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Where the forward model was run.
+
+    Attributes
+    ----------
+    u : ndarray, shape (k,)
+        Scaled coordinates.
+    curves
+        Of every condition [nm].
+    slopes
+        Of the curves of the fitted conditions (n_points, k) [nm], the cheaper model's until the forward model's own are
+        known.
+    misfit
+        chi^2.
+    """
+
+    u: np.ndarray
+    curves: Curves
+    slopes: Curves
+    misfit: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,32 +126,27 @@ class Cheaper:
     """
 
     fit: WeightedFit
-    model: ConfirmAll
+    model: Model
     _known: dict[bytes, tuple[Curves, Curves]] = field(default_factory=dict, repr=False)
 
     def __call__(self, u: np.ndarray) -> tuple[Curves, Curves]:
-        """Curves (n_points,) and slopes (n_points, k) at u (k,), by differences over 2 % of the ranges, inwards."""
+        """Curves and slopes at u (k,), see `differences`."""
         if u.tobytes() not in self._known:
-            steps = np.where(u < 0.5, STEP, -STEP)
-            named = self.fit.space.named
-            curves, *moved = self.model([named(u), *(named(u + step) for step in np.diag(steps))])
-            slopes = {
-                name: np.column_stack([(there[name] - curves[name]) / d for there, d in zip(moved, steps, strict=True)])
-                for name in self.fit.measured
-            }
-            self._known[u.tobytes()] = curves, slopes
+            self._known[u.tobytes()] = differences(self.fit, self.model, u)
         return self._known[u.tobytes()]
 
-    def corrected_search(self, u: np.ndarray, exact: Curves) -> tuple[np.ndarray, bool]:
-        """Coordinates (k,) of least chi^2 of the model and what it misses at u (k,) of its exact curves there.
+    def corrected_search(self, here: Point, tilt: Curves) -> tuple[np.ndarray, bool]:
+        """Coordinates (k,) of least chi^2 of the model and what it misses, known at one point by value and tilt.
 
-        What the data say nothing of stays where it is: every coordinate is held at u with a standard deviation of its
-        whole range, without which the trust region creeps. What is sought is the way from u: the trust region takes its
-        first size from the length of the start, and from an estimate near all lower bounds it would never get away.
+        What the data say nothing of stays where it is: every coordinate is held with a standard deviation of its whole
+        range, without which the trust region creeps. What is sought is the way from the point: the trust region takes
+        its first size from the length of the start, and from an estimate near all lower bounds it would never get away.
 
-        A way at whose end the model fails is shortened. The second value tells that one was: the least may lie there.
+        A way at whose end the model fails is shortened. The second value tells whether none was: the least may lie
+        there.
         """
-        fit, known, failures = self.fit, self(u)[0], []
+        fit, u, failures = self.fit, here.u, []
+        offset = {name: here.curves[name] - self(u)[0][name] - fit.measured[name] for name in fit.measured}
 
         def residual(way: np.ndarray) -> np.ndarray:
             try:
@@ -133,25 +154,26 @@ class Cheaper:
             except PalpateError as failure:
                 failures.append(failure)
                 return np.full(len(fit.factor) + len(u), np.nan)
-            misfit = fit.whiten({n: curves[n] + exact[n] - known[n] - fit.measured[n] for n in fit.measured})
+            misfit = fit.whiten({name: curves[name] + offset[name] + tilt[name] @ way for name in fit.measured})
             return np.append(misfit, way)
 
         def slope(way: np.ndarray) -> np.ndarray:
-            return np.vstack([fit.whiten(self(u + way)[1]), np.eye(len(u))])
+            slopes = self(u + way)[1]
+            return np.vstack([fit.whiten({name: slopes[name] + tilt[name] for name in fit.measured}), np.eye(len(u))])
 
-        start, bounds, tolerance = np.zeros_like(u), (-u, 1.0 - u), GAIN / fit.chi_square(exact)
+        start, bounds, tolerance = np.zeros_like(u), (-u, 1.0 - u), GAIN / here.misfit
         found = least_squares(residual, start, slope, bounds=bounds, ftol=tolerance, xtol=FINE, max_nfev=SEARCH)
-        return np.clip(u + found.x, 0.0, 1.0), bool(failures)
+        return np.clip(u + found.x, 0.0, 1.0), not failures
 
-    def moved(self, u: np.ndarray, v: np.ndarray) -> float:
-        """How far the curves are apart between u and v (k,), in standard deviations a parameter."""
+    def still(self, u: np.ndarray, v: np.ndarray) -> bool:
+        """Return whether the curves hardly move between u and v (k,), by standard deviations a parameter."""
         there, here = self(v)[0], self(u)[0]
         apart = self.fit.whiten({name: there[name] - here[name] for name in self.fit.measured})
-        return float(np.sqrt(apart @ apart / len(u)))
+        return bool(apart @ apart < STILL**2 * len(u))
 
 
 def confirm_and_correct(
-    fit: WeightedFit, u: np.ndarray, confirm: Confirm, corrections: int, approximate: ConfirmAll | None = None
+    fit: WeightedFit, u: np.ndarray, confirm: Model, corrections: int, approximate: Model | None = None
 ) -> Confirmation:
     """Run the forward model at u (k,) and improve u by it until it hardly moves against its uncertainty.
 
@@ -159,37 +181,63 @@ def confirm_and_correct(
     ----------
     fit
         The problem with surrogates, covariances without the surrogates' error.
+    confirm
+        The forward model. It is run at one point at a time, for every condition that anyone asks its curves for, and
+        for its slopes at several, for the fitted conditions.
     corrections
         Largest number of improvements; each costs one run, and a search with the cheaper model.
     approximate
-        A cheaper forward model, asked for several points at once. `confirm` when not given.
+        A cheaper forward model. `confirm` when not given.
 
     Raises
     ------
     PalpateError
         When a model fails at u itself. Failures further on leave the best run, not settled.
     """
-    cheaper = Cheaper(fit, approximate or (lambda points: [confirm(point) for point in points]))
-    u = np.clip(u, 1e-6, 1 - 1e-6)
+    cheaper = Cheaper(fit, approximate or confirm)
     runs: list[dict[str, Any]] = []
-    least, settled = np.inf, False
-    while not settled and len(runs) <= corrections:
-        try:
-            curves = confirm(fit.space.named(u))
-            misfit = fit.chi_square(curves)
-        except PalpateError:
-            if not runs:
-                raise
-            break
-        surrogate = fit.curves(u)
+
+    def run(u: np.ndarray) -> Point:
+        curves, surrogate = confirm([fit.space.named(u)])[0], fit.curves(u)
         error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
+        misfit = fit.chi_square(curves)
         runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error_nm": error})
-        if misfit < least:
-            best, found, least = u, curves, misfit
-        following, failed = cheaper.corrected_search(u, curves)
-        settled = not failed and cheaper.moved(u, following) < STILL
-        u = following
-    return Confirmation(tangent_fit(fit, best, found, cheaper(best)[1]), best, found, settled, runs)
+        return Point(u, curves, cheaper(u)[1], misfit)
+
+    best = here = run(np.clip(u, 1e-6, 1 - 1e-6))
+    tilt: Curves = {name: np.zeros_like(slope) for name, slope in here.slopes.items()}
+    settled = False
+    with suppress(PalpateError):
+        while True:
+            following, sound = cheaper.corrected_search(here, tilt)
+            if sound and cheaper.still(here.u, following):
+                here = replace(here, slopes=differences(fit, confirm, here.u)[1])
+                best = min(here, best, key=lambda point: point.misfit)
+                tilt = {name: here.slopes[name] - slope for name, slope in cheaper(here.u)[1].items()}
+                following, sound = cheaper.corrected_search(here, tilt)
+                settled = sound and cheaper.still(here.u, following)
+            if settled or len(runs) > corrections:
+                break
+            here = run(following)
+            best = min(here, best, key=lambda point: point.misfit)
+    return Confirmation(tangent_fit(fit, best.u, best.curves, best.slopes), best.u, best.curves, settled, runs)
+
+
+def differences(fit: WeightedFit, model: Model, u: np.ndarray) -> tuple[Curves, Curves]:
+    """Curves (n_points,) and slopes (n_points, k) at u (k,) by differences over 2 % of the ranges, inwards [nm].
+
+    Raises
+    ------
+    PalpateError
+        When the model fails at one of these points.
+    """
+    named, steps = fit.space.named, np.where(u < 0.5, STEP, -STEP)
+    curves, *moved = model([named(u), *(named(u + step) for step in np.diag(steps))])
+    slopes = {
+        name: np.column_stack([(there[name] - curves[name]) / d for there, d in zip(moved, steps, strict=True)])
+        for name in fit.measured
+    }
+    return {name: curves[name] for name in fit.measured}, slopes
 
 
 def tangent_fit(
