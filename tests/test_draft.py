@@ -61,6 +61,13 @@ def test_what_is_no_trapezoid_follows_its_recording():
     assert grouped([curved])[0].history == {"load_history": "recorded"}
 
 
+def test_a_test_that_was_cut_short_while_it_was_unloaded_follows_its_recording():
+    whole = elastic(1.0, 20)
+    short, nearly = (whole.at(whole.time < end) for end in (34.0, 39.5))
+    assert "load_history" not in grouped([nearly])[0].history
+    assert [group.history.get("load_history") for group in grouped([short, whole])] == ["recorded", None]
+
+
 def test_the_ranges_hold_what_was_pressed():
     """Sneddon's solid is elastic: its depth tells the modulus, and unloading but for the factors beta and epsilon."""
     solid = Solid.of([elastic(1.0, 20), elastic(4.0, 20)], None)
@@ -125,6 +132,7 @@ def test_what_is_no_polymer_is_told(tmp_path, monkeypatch, capsys):
         (["good.csv", "-o", "standing"], "standing/study.yaml: stands there already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
         (["short.csv", "-o", "out"], "short.csv, short, time_s: only 5 points follow contact"),
+        (["unloaded.csv", "-o", "out"], "unloaded.csv, unloaded, load_mN: the load never rises above zero"),
         (["loading.csv", "-o", "out", "--law", "bilinear_plasticity"], "no unloading tells a modulus"),
     ],
 )
@@ -135,6 +143,7 @@ def test_what_cannot_be_drafted_is_told_in_one_line(tmp_path, monkeypatch, capsy
     test = elastic(1.0, 20)
     test.write(tmp_path / "good.csv")
     test.at(slice(0, 150)).write(tmp_path / "loading.csv")
+    replace(test, load=0.0 * test.load).write(tmp_path / "unloaded.csv")
     test.at(slice(0, None, 90)).write(tmp_path / "short.csv")
     try:
         code = main(["draft", *arguments])

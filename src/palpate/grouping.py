@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.alignment import aligned
+from palpate.calibration.observation import WHOLE
 from palpate.errors import InputError
 from palpate.observations import check_load
 from palpate.protocol import recorded
@@ -92,7 +93,10 @@ def _alike(first: Recording, other: Recording) -> bool:
 
 
 def _trapezoid(recordings: Sequence[Recording]) -> dict[str, float | str] | None:
-    """Return the keys of the trapezoid that the loads are, rounded to three digits; None if they are none."""
+    """Return the keys of the trapezoid that the loads are, rounded to three digits; None if they are none.
+
+    A test that ends under load, long before the trapezoid that it follows would, is none either.
+    """
     found = []
     for recording in recordings:
         try:
@@ -107,6 +111,8 @@ def _trapezoid(recordings: Sequence[Recording]) -> dict[str, float | str] | None
     hold = hold if hold > BRIEF * (loading + unloading) else 0.0
     corners = [load, loading, hold, unloading]
     if max(np.sqrt(np.mean(_departure(corners, r) ** 2)) for r in recordings) > TRAPEZOIDAL * load:
+        return None
+    if min(recording.time[-1] for recording in recordings) < WHOLE * (loading + hold + unloading):
         return None
     return dict(zip(("max_load", "loading_time", "hold_time", "unloading_time"), corners, strict=True))
 

@@ -72,7 +72,7 @@ def segments(time: np.ndarray, load: np.ndarray, contact: int = 0) -> list[Segme
     Raises
     ------
     InputError
-        When fewer than ten points follow contact.
+        When fewer than ten points follow contact, or none of them bears load.
     """
     if len(time) - contact < 2 * FEWEST:
         raise InputError(
@@ -80,6 +80,8 @@ def segments(time: np.ndarray, load: np.ndarray, contact: int = 0) -> list[Segme
         )
     smooth = median_filter(load[contact:], 5, mode="nearest")
     smooth[[0, -1]] = load[[contact, -1]]
+    if smooth.max() <= 0.0:
+        raise InputError("the load never rises above zero", remedy="export the test with its load", place="load_mN")
     scale = LINEAR * max(noise_of(load[contact:]), 1e-4 * smooth.max() / LINEAR)
     level = np.arcsinh(smooth / scale)
     knots = np.flatnonzero(corners(time[contact:], level, TOLERANCE))
