@@ -96,6 +96,24 @@ def test_what_cannot_be_done_later_is_found_by_check(tmp_path, refused, section,
     assert f"{file}, {words}" in refused("check", file)
 
 
+@pytest.mark.parametrize("folder", ["mine", ".", "results", "results/trial", "results/trial/lab"])
+@pytest.mark.parametrize("writer", ["laboratory", "source"])
+def test_a_folder_of_the_user_s_is_not_given_to_the_workflow_to_empty(tmp_path, monkeypatch, refused, writer, folder):
+    """Before it writes a set of recordings, Snakemake removes the folder with all that stands there."""
+    monkeypatch.chdir(tmp_path)
+    study = yaml.safe_load(CHALLENGE.read_text())
+    truth = {name: levels[0] for name, levels in study["parameters"].items()}
+    (tmp_path / "vendor.csv").write_text("precious")
+    sections = {
+        "laboratory": {"laboratory": {"lab": {"parameters": truth}}},
+        "source": {"source": {"file": "vendor.csv", "recordings": "lab", "conditions": {
+            condition["name"]: [1] for condition in study["conditions"]
+        }}},
+    }[writer]  # fmt: skip
+    Path("study.yaml").write_text(yaml.safe_dump(study | sections | {"recordings": {"lab": folder}}))
+    assert "study.yaml, recordings.lab: the workflow writes this set, and would empty" in refused("check", "study.yaml")
+
+
 def test_output_that_cannot_be_written(tmp_path, refused):
     file = tmp_path / "spec.yaml"
     file.write_text(yaml.safe_dump(SPEC))

@@ -7,7 +7,7 @@ from pathlib import Path
 from palpate.config import Study, load_study
 from palpate.diagnosis.design import PAIRS_FOR_EACH, candidates, pairs
 from palpate.errors import InputError
-from palpate.observations import check_given
+from palpate.observations import check_given, written_by_workflow
 from palpate.steps import settings_of
 
 
@@ -25,6 +25,7 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
         With file, place and remedy, on the first mistake.
     """
     study = load_study(path, data=data)
+    _check_folders(study)
     check_given(study)
     try:
         settings_of(study)
@@ -34,6 +35,23 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
     if study.diagnosis["enabled"]:
         _check_pairs(study)
     return study
+
+
+def _check_folders(study: Study) -> None:
+    """Refuse to write recordings into a folder of the user's; raises `InputError`.
+
+    The workflow empties the folder of a set that it writes: files that stood there would be lost.
+    """
+    results = Path("results").resolve()
+    for name, folder in study.recordings.items():
+        own = results in folder.resolve().parents and "recordings" in folder.resolve().relative_to(results).parts[1:-1]
+        if written_by_workflow(study, name) and not own:
+            raise InputError(
+                f"the workflow writes this set, and would empty {folder} first",
+                remedy=f"give it results/{study.name}/recordings/{name}, or leave out what writes it",
+                file=study.file,
+                place=f"recordings.{name}",
+            )
 
 
 def _check_pairs(study: Study) -> None:
