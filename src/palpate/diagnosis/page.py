@@ -81,7 +81,8 @@ def sections(
     if content["zero_points"]:
         words = (
             "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
-            "with frame_off, once the frame that the unloadings show is taken off."
+            "with frame_off, once the frame that the unloadings show is taken off. Creep and a blunt tip shift it too, "
+            "which the interval does not hold: take differences between tests for offsets, not the values."
         )
         table = report.table(pd.DataFrame(content["zero_points"]))
         found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))
