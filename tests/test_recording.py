@@ -53,6 +53,15 @@ def test_a_clock_that_starts_at_contact_is_kept():
     assert np.array_equal(whole.from_contact().time, whole.time)
 
 
+def test_a_clock_that_starts_at_a_first_point_under_load_is_set_back():
+    """As exports are that leave out the point at contact: a study that follows such a load begins at zero load."""
+    cut = ramp()
+    begun = Recording(cut.time[1:] - cut.time[1], cut.load[1:], cut.depth[1:]).from_contact()
+    assert (begun.time[0], begun.load[0], begun.depth[0]) == (0, 0, 0)
+    assert begun.time == pytest.approx(cut.time)
+    assert recorded(begun.time, begun.load).knot_load[0] == 0.0
+
+
 def test_a_load_that_never_rises_is_refused():
     t = np.linspace(0, 10, 50)
     with pytest.raises(InputError, match="does not rise"):

@@ -81,7 +81,7 @@ class Recording:
 
         A recording that begins under load (its first points cut off, or taken after the start) is extended back to
         zero load and depth at the rate of its first loading, after a hold at a preload if there is one. The clock's own
-        zero is kept when loading began within one sampling interval of it.
+        zero is kept when loading began within one sampling interval of it, and no point under load stands there.
 
         Raises
         ------
@@ -90,7 +90,8 @@ class Recording:
         """
         peak = int(np.argmax(self.load))
         begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
-        if self.load[0] > BARELY_LOADED * self.load[peak]:
+        loaded = self.load[0] > BARELY_LOADED * self.load[peak]
+        if loaded:
             risen = (self.load[: peak + 1] - self.load[0]) / self.load[peak]
             last = max(int(np.argmax(risen > RATE_SPAN)) - 1, 1) if risen[-1] > RATE_SPAN else peak
             first = min(int(np.flatnonzero(risen[: last + 1] <= RATE_START)[-1]), last - 1) if last else 0
@@ -103,7 +104,7 @@ class Recording:
                     place="load_mN",
                 )
             begin -= self.load[0] / rate
-        if abs(begin) <= interval:
+        if abs(begin) <= interval and not (loaded and self.time[0] <= 0.0):
             begin = 0.0
         time, load, depth, stiffness = self.time - begin, self.load, self.depth, self.stiffness
         if time[0] > 0:
