@@ -234,6 +234,16 @@ def test_a_load_history_that_is_none_is_refused_with_its_place(tmp_path, conditi
     assert caught.value.place.endswith(place)
 
 
+@pytest.mark.parametrize(
+    ("loads", "words"), [((-0.0, -1.0, -2.0, 0.0), "never above zero"), ((2.0, 1.0, 0.5, 0.0), "does not rise")]
+)
+def test_a_load_that_cannot_be_followed_is_told_with_its_condition(tmp_path, loads, words):
+    (tmp_path / "load.csv").write_text("time_s,load_mN\n" + "".join(f"{t},{load}\n" for t, load in enumerate(loads)))
+    with pytest.raises(InputError, match=words) as caught:
+        load(tmp_path, conditions=[CONDITION, {"name": "P", "load_history": str(tmp_path / "load.csv")}])
+    assert caught.value.place == "conditions[1] (P).load_mN"
+
+
 def test_snapshots_may_fill_the_ranges_instead_of_the_levels(tmp_path):
     levels = {"youngs_modulus": [3.0, 3.5], "retardation_time": [0.25]}
     study = load(tmp_path, parameters={**STUDY["parameters"], **levels}, design={"kind": "sobol", "points": 32})

@@ -324,19 +324,20 @@ def _condition(
 ) -> Condition:
     place = f"conditions[{index}] ({entry['name']})"
     given = {key: entry[key] for key in KEYS if key in entry}
-    if "load_history" in entry:
-        if given:
-            raise InputError(f"load_history and {next(iter(given))} exclude each other", remedy="keep one", place=place)
-        history = _load_history(entry, recordings, source, tests, place).from_contact()
-        protocol = recorded(history.time, history.load, points)
-    else:
-        try:
+    if "load_history" in entry and given:
+        raise InputError(f"load_history and {next(iter(given))} exclude each other", remedy="keep one", place=place)
+    history = _load_history(entry, recordings, source, tests, place) if "load_history" in entry else None
+    try:
+        if history is None:
             protocol = protocol_from({**given, "points": points})
-        except InputError as error:
-            raise InputError(
-                error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
-            ) from None
-    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, "load_history" in entry)
+        else:
+            begun = history.from_contact()
+            protocol = recorded(begun.time, begun.load, points)
+    except InputError as error:
+        raise InputError(
+            error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
+        ) from None
+    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, history is not None)
 
 
 def _load_history(
