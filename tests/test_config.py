@@ -89,7 +89,6 @@ def test_defaults_and_order(tmp_path):
         ({"recordings": {"effects": "x"}}, "recordings", "another name"),
         ({"study": "store"}, "study", "another name"),
         ({"conditions": [CONDITION | {"name": "a__b"}]}, "conditions[0].name", "single underscores between"),
-        ({"condition_sets": {"all": ["P1_T30"]}}, "condition_sets", "always made"),
         ({"laboratory": {"lab": {"parameters": TRUTH}}}, "laboratory.lab", "recordings"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs": 3}}}}, "lab.parameters", "youngs"),
         (LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"youngs_modulus": -3}}}}, "parameters", "-3"),

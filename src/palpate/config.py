@@ -385,9 +385,6 @@ def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition,
     calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
     if not calibrate:
         raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")
-    if "all" in given:
-        problem = "'all' is the set of all conditions to calibrate, which is always made"
-        raise InputError(problem, remedy="choose another name", place="condition_sets")
     for key, names in given.items():
         for name in names:
             if name not in calibrate:
