@@ -294,6 +294,14 @@ def test_recordings_are_resampled_on_the_sample_times():
         Observation.from_recordings(T, [Recording(fine / 2, fine, fine, name="P_1")])
 
 
+def test_few_points_of_a_sharp_tips_curve_tell_it_between_them():
+    """Depth goes with the root of the load; what lies below zero, as a zero point may, keeps its sign."""
+    few = np.linspace(0.0, 1.0, 11)[1:]
+    for sign in (1, -1):
+        seen = Observation.from_recordings(T, [Recording(few, 2 * few, sign * 300 * np.sqrt(few))])
+        assert seen.depth[0] == pytest.approx(sign * 300 * np.sqrt(T))
+
+
 def call(**changes):
     arguments = {"surrogates": FAMILIES, "observations": observed(np.random.default_rng(0)), "bounds": BOUNDS} | changes
     return calibrate(**arguments, rng=np.random.default_rng(0), settings=changes.get("settings", QUICK))
