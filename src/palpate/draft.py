@@ -102,8 +102,8 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     A solid that creeps is stiffer than an elastic one as deep, and its unloadings tell no modulus, as creep goes on in
     them. One that yields unloads elastically, but a frame left in the depth flattens that. The yield stress lies
     between a fifth and nine tenths of the hardness (Johnson, Contact Mechanics, 1985, section 6.3). Creep is that of an
-    epoxy whose stresses grow with the modulus, from none to about three times as much; exponent and time of what
-    recovers are held, as tests hardly tell them from its amount.
+    epoxy whose stresses grow with the modulus, from none to about three times as much; what recovers does so in a time
+    between a five-hundredth and four tenths of the shortest loading.
 
     Parameters
     ----------
@@ -132,8 +132,8 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         "steady_coefficient": (0.0, 0.2 * stress**-1.5),
         "steady_exponent": (0.1, 0.8),
         "transient_coefficient": (0.0, 0.6 * stress**-1.6),
-        "transient_exponent": (0.4,),
-        "retardation_time": (0.01 * shortest,),
+        "transient_exponent": (0.1, 0.8),
+        "retardation_time": (0.002 * shortest, 0.4 * shortest),
     }
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
