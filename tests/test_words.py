@@ -51,7 +51,7 @@ def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_
     said = sentence(content("identified", DRIFT))
     assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
     assert "held-out error falls from 14.1 to 1.9 nm, where noise and scatter alone make 1.7 nm" in said
-    assert "youngs modulus came out 6% too low" in said
+    assert "Young's modulus came out 6% too low" in said
 
 
 def test_what_comes_nearest_is_said_where_nothing_explains():

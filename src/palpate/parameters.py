@@ -10,6 +10,11 @@ from dataclasses import dataclass
 from palpate.errors import InputError
 
 
+def in_words(name: str) -> str:
+    """Return a parameter's name as people write it: ``youngs_modulus`` is Young's modulus."""
+    return name.replace("_", " ").replace("youngs", "Young's")
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A named physical quantity with its admissible range.

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
-from palpate.parameters import Parameter
+from palpate.parameters import Parameter, in_words
 
 RISEN = 1.05  # ratio of errors from which one says that they rise
 CLEARLY = 0.01  # p-value below which what is left is called more than noise
@@ -147,4 +147,4 @@ def _bias(content: Mapping[str, Any]) -> str:
         return ""
     change = before[name]["estimate"] / after[name]["estimate"] - 1.0
     direction = "high" if change > 0 else "low"
-    return f" Without it, {name.replace('_', ' ')} came out {abs(change):.0%} too {direction}."
+    return f" Without it, {in_words(name)} came out {abs(change):.0%} too {direction}."

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from palpate.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, mark_synthetic, plt, save
-from palpate.parameters import Parameter
+from palpate.parameters import Parameter, in_words
 
 
 def draw(
@@ -44,7 +44,7 @@ def draw(
             axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
         low, high = min(ranges[name]), max(ranges[name])
         axis.set_xlim(low - 0.05 * (high - low), high + 0.05 * (high - low))
-        axis.set_title(name.replace("_", " ").replace("youngs", "Young's"))
+        axis.set_title(in_words(name))
         axis.set_xlabel(labels[name])
         axis.set_yticks(range(len(rows)), rows["condition_set"])
         axis.set_ylim(len(rows) - 0.5, -0.5)
