@@ -13,6 +13,7 @@ PHYSICS = (
     "materials",
     "mechanisms",
     "indenters.py",
+    "interpolation.py",
     "protocol.py",
     "specification.py",
     "specimen.py",

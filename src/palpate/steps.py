@@ -177,9 +177,10 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
             notes.append(
                 f"Recordings “{recordings}” are synthetic: a virtual laboratory wrote them, nobody measured them."
             )
+        calibration = read_json(found / "calibration.json")
         pieces = [
-            f"<p>{report.misfit_sentence(read_json(found / 'calibration.json'))}</p>",
-            report.paragraph(report.confirmation_sentences(read_json(found / "calibration.json"))),
+            f"<p>{report.misfit_sentence(calibration)}</p>",
+            report.paragraph(report.confirmation_sentences(calibration)),
             report.table(pd.read_csv(found / "errors.csv")),
             report.table(
                 with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.interpolation import depth_at
 from palpate.recording import Recording
 
 ROLES = ("calibrate", "validate")
@@ -48,10 +49,7 @@ class Observation:
 
     @classmethod
     def from_recordings(cls, time: np.ndarray, recordings: Sequence[Recording], role: str = "calibrate") -> Observation:
-        """Resample recordings on the sample times; before its first point a recording starts at (0, 0).
-
-        Between its points the square of the depth is linear, as that of a sharp tip is while the load grows evenly:
-        straight lines through few points of a curve that begins like a root would lie below it by many nanometres.
+        """Resample recordings on the sample times, see `palpate.interpolation.depth_at`.
 
         Raises
         ------
@@ -64,11 +62,7 @@ class Observation:
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        squares = [
-            np.interp(time, np.append(0.0, r.time), np.append(0.0, r.depth * np.abs(r.depth))) for r in recordings
-        ]
-        curves = [np.sign(square) * np.sqrt(np.abs(square)) for square in squares]
-        return cls(time, np.array(curves), role)
+        return cls(time, np.array([depth_at(time, r.time, r.depth) for r in recordings]), role)
 
     @property
     def mean(self) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.interpolation import depth_at
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.protocol import Protocol
@@ -32,11 +33,8 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 def shortcut(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Delay the curve itself: a body that does not age responds to a delayed load with a delayed depth.
-
-    Between samples the square of the depth is interpolated, which under a sharp tip grows in proportion to the load.
-    """
-    return np.sqrt(np.interp(time - values["lag"], np.append(0.0, time), np.append(0.0, depth) ** 2))
+    """Delay the curve itself: a body that does not age responds to a delayed load with a delayed depth."""
+    return depth_at(time - values["lag"], time, depth)
 
 
 MECHANISM = Mechanism(
