@@ -55,15 +55,39 @@ def test_the_bound_is_a_law_without_a_lower_end():
     assert not law.allows(1.5, 0.1)
 
 
-def test_a_hold_at_low_load_says_more_than_the_bound():
-    time, load, depth = held(0.5, CREEPS["logarithm"])
+def held_low(drift, creep, seed=0):
+    """The same test, unloaded to a tenth of its load and held there for 40 s, where it creeps on at `creep` nm/s."""
+    time, load, depth = held(drift, CREEPS["logarithm"], seed)
+    first = (load >= 0.3) | (time < LOADING)
     rest = np.arange(1, 401) * 0.1
-    again = np.full(400, 0.3)
-    low = load >= 0.3
-    low |= time < LOADING
-    end = time[low][-1]
-    time, load = np.append(time[low], end + rest), np.append(load[low], again)
-    depth = np.append(depth[low], depth[low][-1] + 0.5 * rest)
-    (law,) = laws_of([Recording(time, load, depth)])
+    noise = 0.1 * np.random.default_rng(seed + 1).standard_normal(400)
+    low = depth[first][-1] + (drift + creep) * rest + noise
+    return (
+        np.append(time[first], time[first][-1] + rest),
+        np.append(load[first], np.full(400, 0.3)),
+        np.append(depth[first], low),
+    )
+
+
+def test_a_hold_at_low_load_says_more_than_the_bound():
+    (law,) = laws_of([Recording(*held_low(0.5, 0.0))])
     assert law.lower <= 0.5 <= law.upper
     assert law.upper - law.lower < 0.1
+
+
+@pytest.mark.parametrize("simulated", [0.15, 0.3, 0.6])
+def test_creep_at_low_load_is_taken_off_and_need_not_be_known_well(simulated):
+    """It is 0.28 nm/s here; the law holds the drift where the simulation has half of it or all that is seen."""
+    test = Recording(*held_low(0.3, 0.28))
+    (naive,) = laws_of([test])
+    assert naive.lower > 0.3, "all is taken for drift"
+    time = np.linspace(0.0, test.time[-1], 60)
+    (law,) = laws_of([test], [(time, simulated * time)])
+    assert law.lower <= 0.3 <= law.upper
+    assert law.upper - law.lower == pytest.approx(naive.upper - naive.lower + 2 * simulated)
+
+
+def test_where_no_point_is_simulated_in_the_hold_only_the_bound_is_left():
+    test = Recording(*held_low(0.3, 0.28))
+    (law,) = laws_of([test], [(np.empty(0), np.empty(0))])
+    assert law.lower == -np.inf

@@ -20,6 +20,8 @@ from palpate.diagnosis.refine import ABSURD, hopeless, refine, sharpen
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 
+LawsBeside = Callable[[Fit], Sequence[Law]]
+
 CLOSE = np.log(100.0)
 SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
 OUTDONE = 10.0  # logarithm of the evidence behind another, from which neither rounds nor sharpening bring one back
@@ -88,11 +90,14 @@ class Search:
     """The search for explanations; keeps what has been fitted."""
 
     def __init__(
-        self, study: Study, problem: Problem, keys: list[str], rng: np.random.Generator, laws: Sequence[Law] = ()
+        self, study: Study, problem: Problem, keys: list[str], rng: np.random.Generator, laws: LawsBeside | None = None
     ):
-        self._study, self._problem, self._keys, self._rng, self._laws = study, problem, keys, rng, laws
+        self._study, self._problem, self._keys, self._rng = study, problem, keys, rng
         self._settings, self._calibration = study.diagnosis, study.calibration
+        self._laws: Sequence[Law] = ()
         self._hear(np.zeros(len(problem.mean)))
+        if laws:
+            self._laws = laws(self.base())
         if not problem.replicated:
             self._listen()
 
@@ -196,7 +201,7 @@ def diagnose(
     keys: list[str],
     rng: np.random.Generator,
     report: Callable[[str], None] = print,
-    laws: Sequence[Law] = (),
+    laws: LawsBeside | None = None,
 ) -> Diagnosis:
     """Diagnose one set of recordings.
 
@@ -213,7 +218,7 @@ def diagnose(
     keys
         Mechanisms to consider.
     laws
-        What exact laws say about amplitudes.
+        Returns what exact laws say about amplitudes beside a fit of the base model.
     """
     level = study.diagnosis["significance"]
     search = Search(study, problem, keys, rng, laws)

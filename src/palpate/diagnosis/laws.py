@@ -1,10 +1,10 @@
-"""Amplitudes that exact laws give without any model, and whether an explanation agrees with them.
+"""Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
 
-A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
-oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. A hold at any load
-bounds the drift, because creep only adds to the depth. Laws are data beside the curves (`palpate.diagnosis.law`), as
-long as the two agree: an explanation to which the curves alone give another amplitude, beyond both intervals, is wrong,
-however well it fits.
+A hold at low load shows the drift, once the creep that goes on there is taken off. Unloadings from several loads within
+a test, or the stiffness measured by an oscillation while the load grows, show the frame; so does one unloading of a
+solid of known modulus. A hold at any load bounds the drift, because creep only adds to the depth. Laws are data beside
+the curves (`palpate.diagnosis.law`), as long as the two agree: an explanation to which the curves alone give another
+amplitude, beyond both intervals, is wrong, however well it fits.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from palpate.classical.reference import Reference, frame_of_reference
 from palpate.config import Study
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
+from palpate.drift_rate import Curve, without_creep
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
@@ -36,22 +37,32 @@ def surveyed(recording: Recording) -> Survey | None:
         return None
 
 
-def laws_of(recordings: Iterable[Recording]) -> list[Law]:
+def laws_of(recordings: Sequence[Recording], simulated: Sequence[Curve] | None = None) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
     The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
     no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
     span a factor of three are taken together.
+
+    Parameters
+    ----------
+    simulated
+        Of a solid that creeps: the curve that is simulated for each recording, without drift.
     """
-    seen = [found for found in map(surveyed, recordings) if found is not None]
-    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
+    every = [surveyed(recording) for recording in recordings]
+    seen = [found for found in every if found is not None]
+    holds = [found.drift if found else None for found in every]
+    if simulated is not None:
+        holds = [hold and without_creep(hold, curve) for hold, curve in zip(holds, simulated, strict=True)]
+    drifts = [(hold.rate, hold.lower, hold.upper) for hold in holds if hold]
     fastest = [] if drifts else [found.fastest for found in seen if found.fastest]
     tests = [(found.load, found.recording.depth, found.parts) for found in seen]
     oscillated = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
     laws = []
     if drifts:
         rate, lower, upper = np.mean(drifts, axis=0).tolist()
-        laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}"))
+        less = ", less the simulated creep" if simulated is not None else ""
+        laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}{less}"))
     elif fastest:
         rate, upper = np.mean(fastest, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))

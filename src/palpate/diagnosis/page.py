@@ -73,8 +73,8 @@ def sections(
         found.append(("If all effects act at once", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["laws"]:
         words = (
-            "A hold at low load shows the drift, with whatever creep goes on there: a polymer held at a tenth of its "
-            "largest load creeps on, which the interval does not hold. Unloadings from several loads show the frame, "
+            "A hold at low load shows the drift. Where the solid creeps, what the base model creeps there is taken "
+            "off, and makes the interval wider by as much both ways. Unloadings from several loads show the frame, "
             "whatever the material and the shape of the tip. A law without a lower end is a bound. They are data "
             "beside the curves, and an explanation to which the curves give an amplitude that contradicts them does "
             "not stand."
