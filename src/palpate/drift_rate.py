@@ -11,7 +11,7 @@ Neighbouring errors are correlated, by how much a hold does not tell either: see
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
@@ -19,8 +19,6 @@ from scipy import stats
 from palpate.correlated import Series, Shared, shared_coefficient
 from palpate.errors import InputError
 from palpate.segments import Segment
-
-Curve = tuple[np.ndarray, np.ndarray]
 
 MOST = 400
 FEWEST = 20
@@ -60,26 +58,6 @@ def measured_in(time: np.ndarray, depth: np.ndarray, segments: Iterable[Segment]
     longest = max(holds, key=lambda part: part.duration)
     inside = slice(longest.first + CORNER, longest.last + 1 - CORNER)
     return drift_rate(time[inside], depth[inside])
-
-
-def without_creep(seen: DriftRate, simulated: Curve) -> DriftRate | None:
-    """Return the rate that is left of a hold's after the creep which a simulation shows there.
-
-    The interval is wider both ways by as much as was taken off: what creeps is known no better than the material. None
-    where fewer than two points of the simulation lie in the hold.
-
-    Parameters
-    ----------
-    simulated
-        Time (n,) and depth (n,) of the same test [s], [nm].
-    """
-    time, depth = simulated
-    inside = (time >= seen.start) & (time <= seen.end)
-    if np.count_nonzero(inside) < 2:
-        return None
-    creep = float(np.polyfit(time[inside], depth[inside], 1)[0])
-    ends = {"lower": seen.lower - creep - abs(creep), "upper": seen.upper - creep + abs(creep)}
-    return replace(seen, rate=seen.rate - creep, **ends)
 
 
 def fastest_in(

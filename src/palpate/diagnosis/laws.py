@@ -1,31 +1,41 @@
 """Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
 
-A hold at low load shows the drift, once the creep that goes on there is taken off. Unloadings from several loads within
-a test, or the stiffness measured by an oscillation while the load grows, show the frame; so does one unloading of a
-solid of known modulus. A hold at any load bounds the drift, because creep only adds to the depth. Laws are data beside
-the curves (`palpate.diagnosis.law`), as long as the two agree: an explanation to which the curves alone give another
-amplitude, beyond both intervals, is wrong, however well it fits.
+A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. Of the first two,
+what creep does there is taken off. A hold at any load bounds the drift, because creep only adds to the depth. Laws are
+data beside the curves (`palpate.diagnosis.law`), as long as the two agree: an explanation to which the curves alone
+give another amplitude, beyond both intervals, is wrong, however well it fits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from palpate.classical.area import AreaFunction
-from palpate.classical.frame import frame_by_oscillation, frame_of
+from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference import Reference, frame_of_reference
 from palpate.config import Study
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.law import UNNAMED, Law
-from palpate.drift_rate import Curve, without_creep
 from palpate.errors import InputError
 from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
 from palpate.survey import Survey, survey
+
+
+@dataclass(frozen=True)
+class Measured:
+    """An amplitude with its 95 % interval, and of how many holds or unloadings."""
+
+    estimate: float
+    lower: float
+    upper: float
+    count: int
 
 
 @lru_cache(maxsize=256)
@@ -37,7 +47,7 @@ def surveyed(recording: Recording) -> Survey | None:
         return None
 
 
-def laws_of(recordings: Sequence[Recording], simulated: Sequence[Curve] | None = None) -> list[Law]:
+def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None = None) -> list[Law]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
     The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
@@ -46,35 +56,63 @@ def laws_of(recordings: Sequence[Recording], simulated: Sequence[Curve] | None =
 
     Parameters
     ----------
-    simulated
-        Of a solid that creeps: the curve that is simulated for each recording, without drift.
+    solid
+        Of a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_laws`. What
+        holds at low load and tops of unloadings show there is taken off, and makes the intervals wider by as much both
+        ways, since it is known no better than the material; where they show nothing, these laws are silent.
     """
-    every = [surveyed(recording) for recording in recordings]
-    seen = [found for found in every if found is not None]
-    holds = [found.drift if found else None for found in every]
-    if simulated is not None:
-        holds = [hold and without_creep(hold, curve) for hold, curve in zip(holds, simulated, strict=True)]
-    drifts = [(hold.rate, hold.lower, hold.upper) for hold in holds if hold]
-    fastest = [] if drifts else [found.fastest for found in seen if found.fastest]
-    tests = [(found.load, found.recording.depth, found.parts) for found in seen]
-    oscillated = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
+    seen = [found for found in map(surveyed, recordings) if found is not None]
+    alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
     laws = []
-    if drifts:
-        rate, lower, upper = np.mean(drifts, axis=0).tolist()
-        less = ", less the simulated creep" if simulated is not None else ""
-        laws.append(Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}{less}"))
-    elif fastest:
+    if drift := _beyond(_rate_in_holds, seen, alone):
+        laws.append(_law("thermal_drift", "rate", drift, "holds at low load"))
+    elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
-    for frame, words in (
-        (frame_of(tests), "tops of unloadings"),
-        (frame_by_oscillation(oscillated), "stiffness by oscillation, levels of load"),
-    ):
-        if frame is None:
-            continue
-        source = f"{words}, {frame.unloadings}"
-        laws.append(Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source))
+    if frame := _beyond(_frame_by_tops, seen, alone):
+        laws.append(_law("frame_compliance", "compliance", frame, "tops of unloadings"))
+    if frame := _frame_by_oscillation(seen):
+        laws.append(_law("frame_compliance", "compliance", frame, "stiffness by oscillation, levels of load"))
     return laws
+
+
+def _law(key: str, parameter: str, found: Measured, words: str) -> Law:
+    return Law(key, parameter, found.estimate, found.lower, found.upper, f"{words}, {found.count}")
+
+
+def _rate_in_holds(seen: Sequence[Survey]) -> Measured | None:
+    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
+    if not drifts:
+        return None
+    rate, lower, upper = np.mean(drifts, axis=0).tolist()
+    return Measured(rate, lower, upper, len(drifts))
+
+
+def _frame_by_tops(seen: Sequence[Survey]) -> Measured | None:
+    return _measured(frame_of([(found.load, found.recording.depth, found.parts) for found in seen]))
+
+
+def _frame_by_oscillation(seen: Sequence[Survey]) -> Measured | None:
+    tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
+    return _measured(frame_by_oscillation(tests))
+
+
+def _measured(frame: FrameCompliance | None) -> Measured | None:
+    return Measured(frame.compliance, frame.lower, frame.upper, frame.unloadings) if frame else None
+
+
+def _beyond(
+    measure: Callable[[Sequence[Survey]], Measured | None], seen: Sequence[Survey], alone: Sequence[Survey] | None
+) -> Measured | None:
+    """Return what is measured beyond that which the solid shows alone, where it creeps."""
+    found = measure(seen)
+    if found is None or alone is None:
+        return found
+    own = measure(alone)
+    if own is None:
+        return None
+    value, slack = own.estimate, abs(own.estimate)
+    return Measured(found.estimate - value, found.lower - value - slack, found.upper - value + slack, found.count)
 
 
 def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +15,13 @@ from palpate.config import Study
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
-from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
-from palpate.diagnosis.law import Law
-from palpate.diagnosis.laws import law_of_reference, laws_of, zero_points
+from palpate.diagnosis.laws import zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
+from palpate.diagnosis.exact_laws import ExactLaws
 from palpate.diagnosis.words import sentence
-from palpate.drift_rate import Curve
 from palpate.observations import check, resampled
-from palpate.recording import Recording
 
 
 def load_problem(
@@ -37,24 +34,6 @@ def load_problem(
     base = {name: joblib.load(file) for name, file in base_files.items()}
     effects = {name: joblib.load(file) for name, file in effect_files.items()}
     return Problem.of(study, observed, base, effects, scale_of(study))
-
-
-def simulated(study: Study, base: Fit, tests: Mapping[str, Sequence[Recording]]) -> list[Curve] | None:
-    """Return the base model's curve for each recording, an empty one where it took no part; None without creep."""
-    if "steady_coefficient" not in study.declared:
-        return None
-    depths = base.problem.split(base.curve)
-    times = {condition.name: condition.protocol.sample_time for condition in base.problem.conditions}
-    none = np.empty(0)
-    return [(times.get(name, none), depths.get(name, none)) for name, found in tests.items() for _ in found]
-
-
-def laws_of_each(study: Study, base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, list[list[Law]]]:
-    """Return what exact laws say about each recording by itself, for every condition."""
-    return {
-        name: [laws_of([test], simulated(study, base, {name: [test]})) for test in tests]
-        for name, tests in recorded.items()
-    }
 
 
 def run_diagnosis(
@@ -74,16 +53,11 @@ def run_diagnosis(
     rng = np.random.default_rng([study.seed, 1])
     recorded = check(study, recordings)
     problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
-    taken = {name: recorded[name] for name in problem.base}
-
-    def laws_beside(base: Fit) -> list[Law]:
-        every = [recording for tests in taken.values() for recording in tests]
-        return [*laws_of(every, simulated(study, base, taken)), *law_of_reference(every, study)]
-
+    exact = ExactLaws(study, recorded)
     keys = list(candidates(study))
-    found = diagnose(study, problem, keys, rng, report, laws_beside)
+    found = diagnose(study, problem, keys, rng, report, exact.beside)
     vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
-    own_laws = laws_of_each(study, found.base.fit, recorded) if vary else None
+    own_laws = exact.of_each() if vary else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
     stands = found.standing[0] if found.standing else found.base
     explained = found.verdict != "unexplained"
