@@ -73,9 +73,9 @@ def sections(
         found.append(("If all effects act at once", [report.paragraph(words), report.table(pd.DataFrame(rows))]))
     if content["laws"]:
         words = (
-            "A hold at low load shows the drift. Where the solid creeps, what the base model creeps there is taken "
-            "off, and makes the interval wider by as much both ways. Unloadings from several loads show the frame, "
-            "whatever the material and the shape of the tip. A law without a lower end is a bound. They are data "
+            "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the shape "
+            "of the tip. Where the solid creeps, what these laws say of the base model's own curves is taken off, and "
+            "makes the interval wider by as much both ways. A law without a lower end is a bound. They are data "
             "beside the curves, and an explanation to which the curves give an amplitude that contradicts them does "
             "not stand."
         )

@@ -15,11 +15,11 @@ from palpate.config import Study
 from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
+from palpate.diagnosis.exact_laws import ExactLaws
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
 from palpate.diagnosis.laws import zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
-from palpate.diagnosis.exact_laws import ExactLaws
 from palpate.diagnosis.words import sentence
 from palpate.observations import check, resampled
 
