@@ -54,6 +54,15 @@ def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_
     assert "Young's modulus came out 6% too low" in said
 
 
+def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():
+    parameters = {
+        "before": {"transient_coefficient": quantity(0.00183)},
+        "after": {"transient_coefficient": {"estimate": 0.0003, "lower": 0.0, "upper": 0.0008}},
+    }
+    said = sentence(content("identified", DRIFT) | {"parameters": parameters})
+    assert "transient coefficient came out at 0.0018 in place of 0.0003." in said
+
+
 def test_what_comes_nearest_is_said_where_nothing_explains():
     tried = {"mechanisms": ["film_on_substrate", "friction"], "p_value": 0.004, "parameters": {}}
     for name, value in {"film_on_substrate.thickness": 511.4, "film_on_substrate.substrate_modulus": 70.0}.items():

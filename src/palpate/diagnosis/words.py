@@ -145,6 +145,8 @@ def _bias(content: Mapping[str, Any]) -> str:
     name = max(after, key=moved)
     if moved(name) < 1.0:
         return ""
-    change = before[name]["estimate"] / after[name]["estimate"] - 1.0
-    direction = "high" if change > 0 else "low"
-    return f" Without it, {in_words(name)} came out {abs(change):.0%} too {direction}."
+    was, is_now = before[name]["estimate"], after[name]["estimate"]
+    if abs(was - is_now) > abs(is_now):
+        return f" Without it, {in_words(name)} came out at {rounded(was, 2)} in place of {rounded(is_now, 2)}."
+    direction = "high" if was > is_now else "low"
+    return f" Without it, {in_words(name)} came out {abs(was / is_now - 1.0):.0%} too {direction}."
