@@ -133,8 +133,9 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     precision, pull = white.T @ white + np.diag(prior), white.T @ fit.white
     precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
     pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
+    every = (*fit.explanation, *(extra.key for extra in extras))
     for place, extra in enumerate(extras, own):
-        for law in [law for law in fit.laws if law.key == extra.key]:
+        for law in [law for law in fit.laws if law.key == extra.key and law.holds_under(every)]:
             precision[place, place] += law.weight(0.0) ** 2
             pull[place] -= law.weight(0.0) * law.departure(0.0)
     covariance = np.linalg.inv(precision)

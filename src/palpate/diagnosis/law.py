@@ -6,12 +6,13 @@ A law measures the amplitude :math:`a` apart from the curves' shape, with a like
 
 which joins that of the curves in the fit, in the posterior and in the evidence: an explanation without the mechanism
 has a = 0 and pays for it. The interval may be wider on one side than on the other; sigma is that of the side on which a
-lies. A bound speaks of one side only: below it the recordings say nothing, above it the same.
+lies. A bound speaks of one side only: below it the recordings say nothing, above it the same. A law is silent about an
+explanation in which a mechanism breaks what it assumes: a film makes unloadings look like a frame.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -37,6 +38,8 @@ class Law:
         In the parameter's unit; 95 % interval. Of a bound, the estimate is the bound and `lower` is minus infinity.
     source
         Where it comes from, in words.
+    void_with
+        Mechanisms that break what it assumes.
     """
 
     key: str
@@ -45,12 +48,17 @@ class Law:
     lower: float
     upper: float
     source: str
+    void_with: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.lower <= self.estimate <= self.upper:
             raise InputError(
                 f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
             )
+
+    def holds_under(self, mechanisms: Iterable[str]) -> bool:
+        """Return whether none of the mechanisms at work breaks what it assumes."""
+        return not set(self.void_with).intersection(mechanisms)
 
     def weight(self, value: float) -> float:
         """Return 1 / sigma of the side on which `value` lies; zero below a bound."""
@@ -68,17 +76,21 @@ class Law:
 
     def row(self) -> dict[str, Any]:
         """Return its content for tables; an end that a bound does not have is None."""
-        return {name: None if value == -np.inf else value for name, value in asdict(self).items()}
+        content = asdict(self) | {"void_with": ", ".join(self.void_with)}
+        return {name: None if value == -np.inf else value for name, value in content.items()}
 
 
 def departures(laws: Sequence[Law], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
-    """Return by how many standard deviations an explanation's amplitudes depart from each law.
+    """Return by how many standard deviations an explanation's amplitudes depart from each law; none where it is silent.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """
-    found = [
-        law.departure(amplitudes[law.key][law.parameter]) if law.key in amplitudes
-        else law.departure(0.0, UNNAMED[law.key])
-        for law in laws
-    ]  # fmt: skip
-    return np.array(found)
+
+    def departure(law: Law) -> float:
+        if not law.holds_under(amplitudes):
+            return 0.0
+        if law.key in amplitudes:
+            return law.departure(amplitudes[law.key][law.parameter])
+        return law.departure(0.0, UNNAMED[law.key])
+
+    return np.array([departure(law) for law in laws])

@@ -27,6 +27,9 @@ from palpate.recording import Recording
 from palpate.sharp_origin import sharp_origin
 from palpate.survey import Survey, survey
 
+UNEVEN = ("film_on_substrate", "size_effect", "adhesion")  # hardness or modulus depend on the depth
+SLOW = ("second_voigt",)  # creep that the base model does not have
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -65,19 +68,21 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
     laws = []
     if drift := _beyond(_rate_in_holds, seen, alone):
-        laws.append(_law("thermal_drift", "rate", drift, "holds at low load"))
+        laws.append(_law("thermal_drift", "rate", drift, "holds at low load", SLOW))
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
     if frame := _beyond(_frame_by_tops, seen, alone):
-        laws.append(_law("frame_compliance", "compliance", frame, "tops of unloadings"))
+        drifting = () if all(found.drift for found in seen) else ("thermal_drift",)
+        void_with = (*UNEVEN, *SLOW, "controller_lag", *drifting)
+        laws.append(_law("frame_compliance", "compliance", frame, "tops of unloadings", void_with))
     if frame := _frame_by_oscillation(seen):
-        laws.append(_law("frame_compliance", "compliance", frame, "stiffness by oscillation, levels of load"))
+        laws.append(_law("frame_compliance", "compliance", frame, "stiffness by oscillation, levels of load", UNEVEN))
     return laws
 
 
-def _law(key: str, parameter: str, found: Measured, words: str) -> Law:
-    return Law(key, parameter, found.estimate, found.lower, found.upper, f"{words}, {found.count}")
+def _law(key: str, parameter: str, found: Measured, words: str, void_with: tuple[str, ...]) -> Law:
+    return Law(key, parameter, found.estimate, found.lower, found.upper, f"{words}, {found.count}", void_with)
 
 
 def _rate_in_holds(seen: Sequence[Survey]) -> Measured | None:
@@ -89,7 +94,12 @@ def _rate_in_holds(seen: Sequence[Survey]) -> Measured | None:
 
 
 def _frame_by_tops(seen: Sequence[Survey]) -> Measured | None:
-    return _measured(frame_of([(found.load, found.recording.depth, found.parts) for found in seen]))
+    """Measure the frame, a test's own drift taken off where a hold shows it."""
+    return _measured(frame_of([(found.load, _without_drift(found), found.parts) for found in seen]))
+
+
+def _without_drift(found: Survey) -> np.ndarray:
+    return found.recording.depth - (found.drift.rate * found.recording.time if found.drift else 0.0)
 
 
 def _frame_by_oscillation(seen: Sequence[Survey]) -> Measured | None:
@@ -155,7 +165,7 @@ def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[La
 
 def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
     """Return the laws that the amplitudes which the curves give an explanation contradict."""
-    return [law for law in laws if not law.allows(*_amplitude(fit, law))]
+    return [law for law in laws if law.holds_under(fit.explanation) and not law.allows(*_amplitude(fit, law))]
 
 
 def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:

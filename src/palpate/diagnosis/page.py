@@ -77,7 +77,8 @@ def sections(
             "of the tip. Where the solid creeps, what these laws say of the base model's own curves is taken off, and "
             "makes the interval wider by as much both ways. A law without a lower end is a bound. They are data "
             "beside the curves, and an explanation to which the curves give an amplitude that contradicts them does "
-            "not stand."
+            "not stand. They say nothing about explanations with a mechanism of the last column, which breaks what "
+            "they assume."
         )
         found.append(("What exact laws say", [report.paragraph(words), report.table(pd.DataFrame(content["laws"]))]))
     if content["zero_points"]:
