@@ -1,5 +1,7 @@
 """Exact laws as data: they move and narrow amplitudes, pay in the evidence, and show themselves where they disagree."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_diagnosis import problem, recordings, weighed
@@ -113,3 +115,16 @@ def test_without_laws_nothing_changes(yielding):
     with_none, without = fitted(yielding, laws=[]), fitted(yielding)
     assert with_none.log_evidence == without.log_evidence
     assert with_none.z == pytest.approx(without.z, abs=0.0)
+
+
+def test_a_law_is_silent_where_a_mechanism_breaks_what_it_assumes(yielding):
+    """Tops of unloadings see a frame in a drift, too: an explanation with a drift neither obeys nor contradicts them."""
+    wrong = law(3.0 * COMPLIANCE, 0.05 * COMPLIANCE)
+    assert contradicted(fitted(yielding, laws=[wrong]), [wrong]) == [wrong]
+    silent = replace(wrong, void_with=("thermal_drift",))
+    drifting = (*FRAME, "thermal_drift")
+    free, held = fitted(yielding, drifting), fitted(yielding, drifting, laws=[silent])
+    assert value(held) == pytest.approx(value(free))
+    assert held.misfit == pytest.approx(free.misfit)
+    assert contradicted(held, [silent]) == []
+    assert contradicted(fitted(yielding, laws=[silent]), [silent]) == [silent]
