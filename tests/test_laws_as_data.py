@@ -118,7 +118,7 @@ def test_without_laws_nothing_changes(yielding):
 
 
 def test_a_law_is_silent_where_a_mechanism_breaks_what_it_assumes(yielding):
-    """Tops of unloadings see a frame in a drift, too: an explanation with a drift neither obeys nor contradicts them."""
+    """Tops of unloadings see a frame in a drift, too: an explanation with one neither obeys nor contradicts them."""
     wrong = law(3.0 * COMPLIANCE, 0.05 * COMPLIANCE)
     assert contradicted(fitted(yielding, laws=[wrong]), [wrong]) == [wrong]
     silent = replace(wrong, void_with=("thermal_drift",))
