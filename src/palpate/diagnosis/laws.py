@@ -10,7 +10,7 @@ give another amplitude, beyond both intervals, is wrong, however well it fits.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -29,16 +29,6 @@ from palpate.survey import Survey, survey
 
 UNEVEN = ("film_on_substrate", "size_effect", "adhesion")  # hardness or modulus depend on the depth
 SLOW = ("second_voigt",)  # creep that the base model does not have
-
-
-@dataclass(frozen=True)
-class Measured:
-    """An amplitude with its 95 % interval, and of how many holds or unloadings."""
-
-    estimate: float
-    lower: float
-    upper: float
-    count: int
 
 
 @lru_cache(maxsize=256)
@@ -67,54 +57,18 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     seen = [found for found in map(surveyed, recordings) if found is not None]
     alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
     laws = []
-    if drift := _beyond(_rate_in_holds, seen, alone):
-        laws.append(_law("thermal_drift", "rate", drift, "holds at low load", SLOW))
+    if drift := _beyond(_drift_in_holds, seen, alone):
+        laws.append(drift)
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
-    if frame := _beyond(_frame_by_tops, seen, alone):
-        drifting = () if all(found.drift for found in seen) else ("thermal_drift",)
-        void_with = (*UNEVEN, *SLOW, "controller_lag", *drifting)
-        laws.append(_law("frame_compliance", "compliance", frame, "tops of unloadings", void_with))
-    if frame := _frame_by_oscillation(seen):
-        laws.append(_law("frame_compliance", "compliance", frame, "stiffness by oscillation, levels of load", UNEVEN))
-    return laws
-
-
-def _law(key: str, parameter: str, found: Measured, words: str, void_with: tuple[str, ...]) -> Law:
-    return Law(key, parameter, found.estimate, found.lower, found.upper, f"{words}, {found.count}", void_with)
-
-
-def _rate_in_holds(seen: Sequence[Survey]) -> Measured | None:
-    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
-    if not drifts:
-        return None
-    rate, lower, upper = np.mean(drifts, axis=0).tolist()
-    return Measured(rate, lower, upper, len(drifts))
-
-
-def _frame_by_tops(seen: Sequence[Survey]) -> Measured | None:
-    """Measure the frame, a test's own drift taken off where a hold shows it."""
-    return _measured(frame_of([(found.load, _without_drift(found), found.parts) for found in seen]))
-
-
-def _without_drift(found: Survey) -> np.ndarray:
-    return found.recording.depth - (found.drift.rate * found.recording.time if found.drift else 0.0)
-
-
-def _frame_by_oscillation(seen: Sequence[Survey]) -> Measured | None:
-    tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
-    return _measured(frame_by_oscillation(tests))
-
-
-def _measured(frame: FrameCompliance | None) -> Measured | None:
-    return Measured(frame.compliance, frame.lower, frame.upper, frame.unloadings) if frame else None
+    return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
 def _beyond(
-    measure: Callable[[Sequence[Survey]], Measured | None], seen: Sequence[Survey], alone: Sequence[Survey] | None
-) -> Measured | None:
-    """Return what is measured beyond that which the solid shows alone, where it creeps."""
+    measure: Callable[[Sequence[Survey]], Law | None], seen: Sequence[Survey], alone: Sequence[Survey] | None
+) -> Law | None:
+    """Return what a law says beyond that which the solid shows alone, where it creeps."""
     found = measure(seen)
     if found is None or alone is None:
         return found
@@ -122,7 +76,35 @@ def _beyond(
     if own is None:
         return None
     value, slack = own.estimate, abs(own.estimate)
-    return Measured(found.estimate - value, found.lower - value - slack, found.upper - value + slack, found.count)
+    return replace(
+        found, estimate=found.estimate - value, lower=found.lower - value - slack, upper=found.upper - value + slack
+    )
+
+
+def _drift_in_holds(seen: Sequence[Survey]) -> Law | None:
+    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
+    if not drifts:
+        return None
+    rate, lower, upper = np.mean(drifts, axis=0).tolist()
+    return Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", SLOW)
+
+
+def _frame_by_tops(seen: Sequence[Survey]) -> Law | None:
+    """Return the law of the tops of unloadings, a test's own drift taken off where a hold shows it."""
+    drifting = () if all(found.drift for found in seen) else ("thermal_drift",)
+    frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
+    void_with = (*UNEVEN, *SLOW, "controller_lag", *drifting)
+    return _law_of(frame, "tops of unloadings", void_with) if frame else None
+
+
+def _without_drift(found: Survey) -> np.ndarray:
+    return found.recording.depth - (found.drift.rate * found.recording.time if found.drift else 0.0)
+
+
+def _frame_by_oscillation(seen: Sequence[Survey]) -> Law | None:
+    tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
+    frame = frame_by_oscillation(tests)
+    return _law_of(frame, "stiffness by oscillation, levels of load", UNEVEN) if frame else None
 
 
 def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
@@ -134,8 +116,12 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]
     reduced = 1.0 / (solid + study.indenter.compliance)
     reference = Reference(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
     frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
-    source = f"unloadings of a solid of known modulus, {frame.unloadings}"
-    return [Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source)]
+    return [_law_of(frame, "unloadings of a solid of known modulus")]
+
+
+def _law_of(frame: FrameCompliance, words: str, void_with: tuple[str, ...] = ()) -> Law:
+    source = f"{words}, {frame.unloadings}"
+    return Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source, void_with)
 
 
 def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
