@@ -26,7 +26,7 @@ from palpate.mechanisms.mechanism import unchanged_specification
 EVEN = 1.0 / 3.0
 COARSE = 0.01
 REMEDIES = {
-    "thermal_drift": "a hold of a minute or more at a tenth of the load after unloading",
+    "thermal_drift": "a hold of a minute or more at a few per cent of the load after unloading",
     "frame_compliance": "four or more unloadings from loads that span a factor of ten, within each test,",
 }
 
@@ -105,9 +105,10 @@ def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Say which of the `amplitudes` from `open_amplitudes` are open though a test would give them exactly, and which.
+    """Say which of the `amplitudes` from `open_amplitudes` are open though a law may give them, and by which test.
 
-    An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth.
+    An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth. No test is named
+    where the law speaks already.
     """
     said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
     for name, entry in amplitudes.items():
@@ -115,11 +116,12 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
         half = 0.5 * (entry["upper"] - entry["lower"])
         if key in REMEDIES and half * float(np.abs(_unit_column(fit, key)).max()) > least:
             unit = MECHANISMS[key].parameters[0].unit
+            done = any(law.key == key and np.isfinite(law.lower) for law in fit.laws)
+            remedy = "" if done else f" {REMEDIES[key][0].upper()}{REMEDIES[key][1:]} would narrow it."
             said.append(
                 f"If all effects considered may act at once, {MECHANISMS[key].title} lies between "
                 f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
-                f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}). "
-                f"{REMEDIES[key][0].upper()}{REMEDIES[key][1:]} would fix it whatever else acts."
+                f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
             )
     return said
 
