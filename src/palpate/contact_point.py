@@ -26,6 +26,7 @@ WINDOWS = (30.0, 100.0, 300.0, 1000.0)
 LOADED = 0.1
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range, that a cycle gains
 FEWEST = 6
+CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has moved
 TELLING = 3.0
 LEVEL = 0.95
 
@@ -67,7 +68,8 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     Parameters
     ----------
     time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; with or without approach. Without it the load is taken to be zero before contact.
+        [s], [mN], [nm]; with or without approach. Without six points of one, and without a retreat, the load is taken
+        to be zero before contact.
 
     Raises
     ------
@@ -82,15 +84,16 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
+    retreated = depth[: first + 1].max() - path[0] > CLEAR * noise_of(depth)
     smooth, noise = median_filter(force, 5, mode="nearest"), max(noise_of(force), 1e-6 * np.ptp(load))
-    rough = int(np.flatnonzero(smooth <= smooth.min() + 6 * noise)[-1])
+    rough = int(np.flatnonzero(smooth <= smooth.min() + CLEAR * noise)[-1])
     fits = []
     for window in WINDOWS:
         beyond = np.flatnonzero(force[rough:] > smooth.min() + window * noise)
         end = min(rough + max(int(beyond[0]) if len(beyond) else len(force), FEWEST), len(force))
         start = max(0, rough - max(30, 2 * (end - rough)))
         if end - start >= FEWEST:
-            approach = rough - start >= FEWEST
+            approach = rough - start >= FEWEST or retreated
             fits.append(_interval(force[start:end], path[start:end], approach, noise_of(depth) / noise))
     best = min(fits, key=lambda fit: fit[2] - fit[1])
     contact, width = best[0], best[2] - best[1]
