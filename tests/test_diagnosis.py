@@ -15,14 +15,16 @@ from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import errors, noise_of, solver_scatter, varying
 from palpate.diagnosis.design import thinned
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import Candidate, Search, _resumed, _without_idle, may_be_named
+from palpate.diagnosis.diagnose import _resumed
 from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import solve, starting_points
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.search import Candidate, Search
 from palpate.diagnosis.segments import segments
 from palpate.diagnosis.similarity import similarity
+from palpate.diagnosis.standing import may_be_named, without_idle
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.protocol import trapezoid
 
@@ -331,7 +333,7 @@ def test_a_set_whose_search_stopped_early_goes_on_where_a_larger_one_ended(monke
     standing = [Candidate(larger, p_value=1.0, confirmed=True)]
     (resumed,) = _resumed(search, standing, [*standing, stopped], lambda line: None)
     assert resumed.fit.log_likelihood > stopped.fit.log_likelihood
-    assert _without_idle(standing, [resumed]) == []
+    assert without_idle(standing, [resumed]) == []
     found_well = Candidate(drift, p_value=1.0, confirmed=True)
     assert _resumed(search, standing, [*standing, found_well], lambda line: None) == []
 

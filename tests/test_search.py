@@ -2,7 +2,8 @@
 
 from types import SimpleNamespace
 
-from palpate.diagnosis.diagnose import Candidate, _sharpened
+from palpate.diagnosis.diagnose import _sharpened
+from palpate.diagnosis.search import Candidate
 
 LEVEL = 0.01
 

@@ -18,8 +18,8 @@ from palpate.challenge.score import row
 from palpate.config import Study
 from palpate.diagnosis.design import candidates
 from palpate.diagnosis.detect import filters
-from palpate.diagnosis.diagnose import Search
 from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.search import Search
 from palpate.diagnosis.steps import load_problem, run_diagnosis
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS

@@ -1,0 +1,71 @@
+"""Which explanations stand of those that were tried, and what may be said of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.diagnosis.problem import Explanation, Problem
+from palpate.diagnosis.search import Candidate
+from palpate.mechanisms import MECHANISMS
+
+CLOSE = np.log(100.0)
+
+
+def standing_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
+    """Return what passes of `found`, best first, within a ratio of 100 of the best of all that were tried.
+
+    The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
+    that pass. What passes and fits as well as one that stands, but for a ratio of the likelihood, stands beside it,
+    though the evidence counts against it that it could have explained much else: recordings do not tell them apart.
+    """
+    best = best_evidence(tried)
+    passed = best_first([candidate for candidate in found if candidate.adequate(level)])
+    likely = [candidate.fit.log_likelihood for candidate in passed if candidate.fit.log_evidence >= best - CLOSE]
+    if not likely:
+        return []
+    fits = max(likely)
+    return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
+
+
+def judged(standing: list[Candidate]) -> tuple[str, list[float]]:
+    """Return the verdict, and the probabilities of the explanations that stand."""
+    if not standing:
+        return "unexplained", []
+    evidence = np.array([candidate.fit.log_evidence for candidate in standing])
+    weights = np.exp(evidence - evidence.max())
+    return ("identified" if len(standing) == 1 else "ambiguous"), (weights / weights.sum()).tolist()
+
+
+def may_be_named(problem: Problem, explanation: Explanation) -> bool:
+    """Return whether recordings bear a name alone, where a single explanation stands.
+
+    Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
+    law: what an effect on the body does to one curve, a law that is in no library may do, too.
+    """
+    return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
+
+
+def of_instrument(explanation: Explanation) -> bool:
+    """Return whether no mechanism of an explanation acts on the body."""
+    return not any(MECHANISMS[key].needs_learning for key in explanation)
+
+
+def without_idle(standing: list[Candidate], smaller: list[Candidate]) -> list[Candidate]:
+    """Return the sets that stand, but for those around a smaller one that stands, too: they hold what does nothing."""
+    within = [set(candidate.fit.explanation) for candidate in smaller]
+    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in within)]
+
+
+def tested(candidates: list[Candidate]) -> list[Candidate]:
+    """Return those whose residual was examined and whose amplitudes contradict no law."""
+    return [candidate for candidate in candidates if candidate.p_value is not None and not candidate.contradicts]
+
+
+def best_evidence(tried: list[Candidate]) -> float:
+    """Return the greatest logarithm of the evidence of those that were tested."""
+    return max((each.fit.log_evidence for each in tested(tried)), default=-np.inf)
+
+
+def best_first(candidates: list[Candidate]) -> list[Candidate]:
+    """Sort by evidence."""
+    return sorted(candidates, key=lambda candidate: -candidate.fit.log_evidence)
