@@ -114,6 +114,18 @@ def test_a_folder_of_the_user_s_is_not_given_to_the_workflow_to_empty(tmp_path, 
     assert "study.yaml, recordings.lab: the workflow writes this set, and would empty" in refused("check", "study.yaml")
 
 
+def test_two_sets_that_the_workflow_writes_do_not_share_a_folder(tmp_path, monkeypatch, refused):
+    monkeypatch.chdir(tmp_path)
+    study = yaml.safe_load(CHALLENGE.read_text())
+    truth = {"parameters": {name: levels[0] for name, levels in study["parameters"].items()}}
+    folder = f"results/{study['study']}/recordings/lab"
+    shared = {"laboratory": {"lab": truth, "other": truth}, "recordings": {"lab": folder, "other": folder}}
+    Path("study.yaml").write_text(yaml.safe_dump(study | shared))
+    assert "study.yaml, recordings.other: the workflow writes this set and lab into one folder" in refused(
+        "check", "study.yaml"
+    )
+
+
 def test_output_that_cannot_be_written(tmp_path, refused):
     file = tmp_path / "spec.yaml"
     file.write_text(yaml.safe_dump(SPEC))

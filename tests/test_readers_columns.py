@@ -196,6 +196,17 @@ def test_a_wrong_sign_is_told(tmp_path, channel, signs, contact):
         read_vendor_file(file, contact=contact)
 
 
+@pytest.mark.parametrize("contact", ["file", "auto"])
+@pytest.mark.parametrize("channel", ["load", "depth"])
+def test_a_channel_that_never_changes_is_told(tmp_path, channel, contact):
+    file = tmp_path / "x.csv"
+    channels = {"load": FORCE / 1e3, "depth": 500 * np.sqrt(FORCE / 2e3)} | {channel: np.full_like(FORCE, 0.5)}
+    rows = zip(TIME, channels["load"], channels["depth"], strict=True)
+    file.write_text("time_s,load_mN,depth_nm\n" + "\n".join(f"{a},{b},{c}" for a, b, c in rows))
+    with pytest.raises(InputError, match=f"x.csv, x: the {channel} is 0.5 .* at all {len(FORCE)} points"):
+        read_vendor_file(file, contact=contact)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

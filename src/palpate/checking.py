@@ -38,12 +38,20 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
 
 
 def _check_folders(study: Study) -> None:
-    """Refuse to write recordings into a folder of the user's; raises `InputError`.
+    """Refuse to write recordings into a folder of the user's, or two sets into one; raises `InputError`.
 
     The workflow empties the folder of a set that it writes: files that stood there would be lost.
     """
     results = Path("results").resolve()
+    written: dict[Path, str] = {}
     for name, folder in study.recordings.items():
+        if written_by_workflow(study, name) and written.setdefault(folder.resolve(), name) != name:
+            raise InputError(
+                f"the workflow writes this set and {written[folder.resolve()]} into one folder, {folder}",
+                remedy=f"give it results/{study.name}/recordings/{name}",
+                file=study.file,
+                place=f"recordings.{name}",
+            )
         own = results in folder.resolve().parents and "recordings" in folder.resolve().relative_to(results).parts[1:-1]
         if written_by_workflow(study, name) and not own:
             raise InputError(

@@ -36,8 +36,8 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     Raises
     ------
     InputError
-        When load or depth has the wrong sign, the tip never comes to the depth given, or too few points are left to
-        find contact in.
+        When load or depth has the wrong sign or never changes, the tip never comes to the depth given, or too few
+        points are left to find contact in.
     """
     r = test.recording
     if contact == "none":
@@ -70,8 +70,15 @@ def zeroed_each(
 
 
 def _check_signs(name: str, recording: Recording) -> None:
-    """Refuse a test whose load only falls, or whose depth is less at the largest load than at the start."""
+    """Refuse a test whose load or depth never changes, or falls where the tip presses."""
     load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
+    for channel, recorded in (("load", load), ("depth", depth)):
+        if np.ptp(recorded) == 0.0:
+            raise InputError(
+                f"the {channel} is {recorded[0]:.4g} {CHANNELS[channel]} at all {len(recorded)} points",
+                remedy=f"check which column holds the {channel}, or leave this test out",
+                place=name,
+            )
     for channel, wrong, values in (
         ("load", load[peak] - load[0] < LEAST_RISE * (load[0] - load.min()), (load[0], load.min())),
         ("depth", depth[peak] < depth[0], (depth[0], depth[peak])),
