@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +72,12 @@ def settings_of(study: Study) -> CalibrationSettings:
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
-def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mapping[str, Observation]) -> Calibration:
+def calibrate_study(
+    study: Study,
+    models: Mapping[str, PODRBF],
+    observed: Mapping[str, Observation],
+    report: Callable[[str], None] = print,
+) -> Calibration:
     """Calibrate a study's parameters within its grid; the forward model confirms on the fine mesh."""
     return calibrate(
         models,
@@ -83,6 +88,7 @@ def calibrate_study(study: Study, models: Mapping[str, PODRBF], observed: Mappin
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
         confirm=lambda points: SolvedCurves.at(study, points, "fine"),
         approximate=lambda points: SolvedCurves.at(study, points, "standard"),
+        report=report,
     )
 
 
@@ -109,7 +115,7 @@ def run_calibration(
         for name, item in measured.items()
     }
 
-    result = calibrate_study(study, models, judged)
+    result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
     tables = []
     for condition in study.conditions:
         item = judged[condition.name]

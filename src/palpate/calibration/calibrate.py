@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -70,6 +70,7 @@ def calibrate(
     surrogate_error: Mapping[str, np.ndarray] | None = None,
     confirm: Model | None = None,
     approximate: Model | None = None,
+    report: Callable[[str], None] = print,
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
@@ -97,6 +98,8 @@ def calibrate(
     approximate
         A cheaper forward model, such as `accuracy: standard`, that leads the way to where it is run next, as
         `confirm`; the same when not given.
+    report
+        Told how it goes on.
 
     Raises
     ------
@@ -115,6 +118,7 @@ def calibrate(
 
     evolution = evolve(objectives(space, surrogates, measured, settings), space.dimensions, settings.genetic, rng)
     starts = starting_points(evolution)
+    report(f"genetic search: {int(evolution.history[-1]['evaluations'])} evaluations")
     plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
     rough = plain.curves(plain.solve(starts))
     noise = complete_noise(fitted, rough, settings.site_scatter)
@@ -127,7 +131,7 @@ def calibrate(
     u = fit.solve(starts)
     if confirm is not None:
         exact = WeightedFit(space, surrogates, measured, covariance)
-        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate)
+        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate, report)
         fit, u, confirmed, runs = confirmation.fit, confirmation.u, confirmation.curves, confirmation.runs
         settled = confirmation.settled
     found = intervals(fit, u, noise, fitted)

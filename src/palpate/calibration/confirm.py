@@ -173,7 +173,12 @@ class Cheaper:
 
 
 def confirm_and_correct(
-    fit: WeightedFit, u: np.ndarray, confirm: Model, corrections: int, approximate: Model | None = None
+    fit: WeightedFit,
+    u: np.ndarray,
+    confirm: Model,
+    corrections: int,
+    approximate: Model | None = None,
+    report: Callable[[str], None] = print,
 ) -> Confirmation:
     """Run the forward model at u (k,) and improve u by it until it hardly moves against its uncertainty.
 
@@ -188,6 +193,8 @@ def confirm_and_correct(
         Largest number of improvements; each costs one run, and a search with the cheaper model.
     approximate
         A cheaper forward model. `confirm` when not given.
+    report
+        Told how it goes on; a run and its search may take a minute.
 
     Raises
     ------
@@ -202,6 +209,7 @@ def confirm_and_correct(
         error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
         misfit = fit.chi_square(curves)
         runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error_nm": error})
+        report(f"forward model, run {len(runs)} of {corrections + 1} at most: chi-square {misfit:.4g}")
         return Point(u, curves, cheaper(u)[1], misfit)
 
     best = here = run(np.clip(u, 1e-6, 1 - 1e-6))
@@ -211,6 +219,7 @@ def confirm_and_correct(
         while True:
             following, sound = cheaper.corrected_search(here, tilt)
             if sound and cheaper.still(here.u, following):
+                report("the estimate stays; the forward model's own slopes are asked whether it does by them")
                 here = replace(here, slopes=differences(fit, confirm, here.u)[1])
                 best = min(here, best, key=lambda point: point.misfit)
                 tilt = {name: here.slopes[name] - slope for name, slope in cheaper(here.u)[1].items()}
