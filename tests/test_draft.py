@@ -132,7 +132,8 @@ def test_what_is_no_polymer_is_told(tmp_path, monkeypatch, capsys):
         (["good.csv", "-o", "standing"], "standing/study.yaml: stands there already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
         (["short.csv", "-o", "out"], "short.csv, short, time_s: only 5 points follow contact"),
-        (["unloaded.csv", "-o", "out"], "unloaded.csv, unloaded, load_mN: the load never rises above zero"),
+        (["unloaded.csv", "-o", "out"], "unloaded.csv, unloaded: the load is 0 mN at all 401 points"),
+        (["pulled.csv", "-o", "out"], "pulled.csv, pulled, load_mN: the load never rises above zero"),
         (["loading.csv", "-o", "out", "--law", "bilinear_plasticity"], "no unloading tells a modulus"),
     ],
 )
@@ -144,6 +145,7 @@ def test_what_cannot_be_drafted_is_told_in_one_line(tmp_path, monkeypatch, capsy
     test.write(tmp_path / "good.csv")
     test.at(slice(0, 150)).write(tmp_path / "loading.csv")
     replace(test, load=0.0 * test.load).write(tmp_path / "unloaded.csv")
+    replace(test, load=test.load - 3.0).write(tmp_path / "pulled.csv")
     test.at(slice(0, None, 90)).write(tmp_path / "short.csv")
     try:
         code = main(["draft", *arguments])
