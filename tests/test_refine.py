@@ -10,11 +10,12 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import load_study
-from palpate.diagnosis import refine
+from palpate.diagnosis import refine, sharpen
 from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.design import scale_of
 from palpate.diagnosis.detect import excess
 from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.problem import Problem
 
 STUDY = load_study(Path(__file__).parents[1] / "config" / "challenge.yaml")
@@ -33,11 +34,12 @@ def forward(monkeypatch):
             return [curves[condition.name] + change(condition, z) for condition in conditions]
 
         def changes_from(study, fit, places):
-            first, *others = (np.concatenate(simulated(study, CONDITIONS, fit, z)) for z in (fit.z, *places))
-            return np.array(others) - first
+            curves = np.array([np.concatenate(simulated(study, CONDITIONS, fit, z)) for z in places])
+            return curves - curves[0]
 
         monkeypatch.setattr(refine, "simulated_at", simulated)
-        monkeypatch.setattr(refine, "changes_from", changes_from)
+        monkeypatch.setattr(sharpen, "simulated_at", simulated)
+        monkeypatch.setattr(sharpen, "changes_from", changes_from)
         return asked
 
     return with_change
@@ -101,10 +103,28 @@ def test_what_a_fit_leaves_open_rests_on_the_forward_models_slopes(forward):
     slope = task.split(-0.5 * rough.tangent[:, 1])
     forward(lambda condition, z: (z[1] - rough.z[1]) * slope[condition.name])
     fit = refine.refine(STUDY, rough, nothing)
-    sharpened = refine.sharpen(STUDY, fit)
+    sharpened = sharpen.sharpen(STUDY, fit)
     known, right = (np.sqrt(found.posterior[1, 1]) for found in (fit, sharpened))
     assert known == pytest.approx(np.sqrt(rough.posterior[1, 1]), rel=0.05)
     assert right == pytest.approx(2.0 * known, rel=0.1)
+
+
+def test_a_bent_valley_is_followed_and_its_length_seen(forward):
+    """Where the slope fades along what it leaves open, the interval reaches further on that side."""
+    task = problem(recordings(np.random.default_rng(1)))
+    rough = fitted(task)
+    slope = task.split(rough.tangent[:, 1])
+    bend = 0.2 / np.sqrt(rough.posterior[1, 1])
+
+    def faded(condition, z):
+        off = z[1] - rough.z[1]
+        return -(0.7 * off + 0.5 * bend * off * abs(off)) * slope[condition.name] * (off > 0.0)
+
+    forward(faded)
+    found = sharpen.sharpen(STUDY, refine.refine(STUDY, rough, nothing))
+    draws = posterior_draws(found, np.random.default_rng(2))[:, 1]
+    low, middle, high = np.percentile(draws, [2.5, 50.0, 97.5])
+    assert high - middle > 1.5 * (middle - low)
 
 
 @pytest.mark.parametrize(("key", "own", "within"), [("second_voigt", 3, 0.01), ("plastic_yield", 2, 0.05)])
@@ -125,5 +145,5 @@ def test_changes_by_a_third_of_the_points_are_those_of_all(key, own, within):
     place = at + np.append([0.1, -0.1, 0.05, 0.1], np.full(own, 0.1))
     fit = Fit(task, (key,), at, None, Correction.none(len(time), len(at)))
     there, here = (np.concatenate(refine.simulated_at(STUDY, [condition], fit, z)) for z in (place, at))
-    change = refine.changes_from(STUDY, fit, place[None])[0]
+    change = sharpen.changes_from(STUDY, fit, np.array([at, place]))[1]
     assert change == pytest.approx(there - here, abs=within * np.abs(there - here).max())

@@ -81,7 +81,7 @@ class Fit:
     def tangent(self) -> np.ndarray:
         """Slope of the curves (n_all, k) [nm]."""
         if self.local:
-            return self.local.slope
+            return self.local.slope_at(self.z)
         return self.problem.jacobian(self.explanation, self.z) + self.correction.slope
 
     @cached_property

@@ -6,10 +6,8 @@ Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361); there, a pr
 step that makes it worse is tried again within a third of its length (Bakr et al., same Trans. 46 (1998) 2412-2425).
 
 The surrogates' slopes are corrected by secants, of the steps that were taken. Around an explanation that stands the
-forward model's own slopes take their place (`sharpen`). Surrogates are rough, and add up effects that were learnt one
-by one: friction beside yielding would seem known to half its uncertainty. The solver's own derivatives ripple from node
-to node of the contact by some per cent, which would make coordinates that the data hardly tell apart look independent.
-Its curves ripple too, by a thousandth, and the surrogates with them; the mean over several meshes takes their place.
+forward model's own slopes take their place (`palpate.diagnosis.sharpen`). Its curves ripple, by a thousandth, and the
+surrogates with them; the mean over several meshes takes their place.
 """
 
 from __future__ import annotations
@@ -21,11 +19,7 @@ import numpy as np
 
 from palpate.config import Condition, Study
 from palpate.diagnosis.correction import Correction
-from palpate.diagnosis.design import thinned
-from palpate.diagnosis.effects import interpolation
-from palpate.diagnosis.fit import Fit, minimised, solve, spread_own_values
-from palpate.diagnosis.local import Local, two_level
-from palpate.diagnosis.posterior import away
+from palpate.diagnosis.fit import Fit, solve
 from palpate.errors import PalpateError
 from palpate.model import Simulation, simulate_batch, smooth
 from palpate.specification import Specification
@@ -37,7 +31,6 @@ HOPELESS, ABSURD = 3.0, 30.0  # far more than noise; more than any error of a su
 WORTH = 0.25  # of the way to what noise leaves, what a round must promise
 DOUBT = 0.5  # of a promise, what counts where the last was not kept at all
 MARGIN = 1e-3
-SHARPENED, REACH = 2, 2.0  # designs at most, while the optimum lies so many standard deviations from the last one
 
 
 def hopeless(fit: Fit) -> bool:
@@ -65,7 +58,7 @@ def simulated_at(study: Study, conditions: Iterable[Condition], fit: Fit, z: np.
     return [on_fine_mesh(outcome, condition, fit, z) for outcome, condition in zip(outcomes, conditions, strict=True)]
 
 
-def _depth(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
+def depth_of(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
     """Return the curve [nm] of a simulation that did not fail."""
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
@@ -81,7 +74,7 @@ def on_fine_mesh(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndar
         When the solver failed.
     """
     _, amplitudes = fit.problem.parts(fit.explanation, z)
-    return _depth(outcome, condition, fit) * fit.problem.mesh_factor(condition, amplitudes)
+    return depth_of(outcome, condition, fit) * fit.problem.mesh_factor(condition, amplitudes)
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
@@ -111,63 +104,6 @@ def refine(study: Study, fit: Fit, lacking: Callable[[Fit], float], least: float
     if min(fit.misfit, best.misfit) > ABSURD * len(fit.residual):
         return best
     return _followed(study, best, lacking, least)
-
-
-def sharpen(study: Study, fit: Fit) -> Fit:
-    """Return a refined fit, fitted again to the forward model's curves around it, without the surrogates.
-
-    The forward model runs in a design over the posterior. Where that leads far away, a search whose slopes were the
-    surrogates' had stopped in a long valley; then it runs in a second design, there.
-
-    Raises
-    ------
-    PalpateError
-        When the forward model fails within the posterior.
-    """
-    region, places, curves = replace(fit, errors=away(fit)).posterior, [], []
-    fit = replace(fit, z=fit.correction.at)
-    for _ in range(SHARPENED):
-        design = np.clip(two_level(fit.z, region), MARGIN, 1.0 - MARGIN)
-        places += [fit.z, *design]
-        curves += [fit.curve, *(fit.curve + changes_from(study, fit, design))]
-        plane = Local.through(fit.z, fit.curve, np.array(places), np.array(curves))
-        fit = replace(fit, local=plane)
-        found = minimised(fit, RADIUS)
-        step = found.z - fit.z
-        beyond = float(np.sqrt(step @ np.linalg.solve(region, step) / len(step)))
-        z = np.clip(found.z, MARGIN, 1.0 - MARGIN)
-        curve = np.concatenate(simulated_at(study, fit.problem.conditions, fit, z))
-        fit = max(fit, replace(found, z=z, local=plane.moved(z, curve)), key=lambda found: found.log_likelihood)
-        region = fit.posterior
-        if beyond < REACH:
-            break
-    return spread_own_values(minimised(fit, RADIUS), RADIUS)
-
-
-def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
-    """Return by how much the curves differ between some coordinates (m, k) and the fit's (m, n_all) [nm].
-
-    With a third of the points in time, so that there are fewer steps, and on wider elements: in differences their error
-    cancels.
-
-    Raises
-    ------
-    PalpateError
-        When the solver fails.
-    """
-    problem = fit.problem
-    short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
-    wanted = [(z, condition) for z in (fit.z, *places) for condition in short]
-    specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition in wanted]
-    outcomes = simulate_batch(specifications, roughly=True)
-    curves = []
-    for (z, condition), outcome in zip(wanted, outcomes, strict=True):
-        every = problem.observed[condition.name].time
-        spread = interpolation(condition.protocol.sample_time, every)
-        factor = problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1])
-        curves.append(_depth(outcome, condition, fit) @ spread.T * factor)
-    rows = np.concatenate(curves).reshape(1 + len(places), -1)
-    return rows[1:] - rows[0]
 
 
 def _followed(study: Study, best: Fit, lacking: Callable[[Fit], float], least: float = -np.inf) -> Fit:

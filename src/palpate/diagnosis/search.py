@@ -16,7 +16,8 @@ from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.problem import Explanation, Problem
-from palpate.diagnosis.refine import hopeless, refine, sharpen
+from palpate.diagnosis.refine import hopeless, refine
+from palpate.diagnosis.sharpen import sharpen
 from palpate.errors import PalpateError
 
 LawsBeside = Callable[[Fit], Sequence[Law]]

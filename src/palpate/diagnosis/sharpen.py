@@ -1,0 +1,102 @@
+"""The forward model's own curves around an explanation that stands, in place of the surrogates.
+
+Surrogates are rough, and add up effects that were learnt one by one: friction beside yielding would seem known to half
+its uncertainty. The solver's own derivatives ripple from node to node of the contact by some per cent, which would make
+coordinates that the data hardly tell apart look independent. So it runs in a design over the posterior, and the fit
+goes downhill with the slopes that this tells, each step simulated.
+
+Where the optimum leaves the design, or what is left open around it reaches far beyond it, the slopes are those of
+another place: in a long and bent valley a search ends early, and looks surer than it is. Then a second design lies
+there, and a third.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import eigh
+
+from palpate.config import Study
+from palpate.diagnosis.design import thinned
+from palpate.diagnosis.effects import interpolation
+from palpate.diagnosis.fit import Fit, minimised, spread_own_values
+from palpate.diagnosis.local import Local, design
+from palpate.diagnosis.posterior import away
+from palpate.diagnosis.refine import MARGIN, RADIUS, SETTLED, depth_of, simulated_at, specification_at
+from palpate.model import simulate_batch, smooth
+
+DESIGNS, STEPS = 3, 5  # designs at most, and steps downhill in each
+LEFT = 1.0  # standard deviations, as a root mean square over coordinates, by which the optimum may move within a design
+GREW = 1.5  # ratio of what is left open in some direction to the design's extent, beyond which that was too small
+
+
+def sharpen(study: Study, fit: Fit) -> Fit:
+    """Return a refined fit, fitted again to the forward model's curves around it.
+
+    Raises
+    ------
+    PalpateError
+        When the forward model fails within the posterior.
+    """
+    region = replace(fit, errors=away(fit)).posterior
+    fit = replace(fit, z=fit.correction.at)
+    for _ in range(DESIGNS):
+        places, axes = design(fit.z, region)
+        places = np.vstack([fit.z, places.clip(MARGIN, 1.0 - MARGIN)])
+        curves = fit.curve + changes_from(study, fit, places)
+        found = _downhill(study, fit, Local.through(fit.curve, places, curves, axes))
+        settled = _within(found.z - fit.z, found.posterior, region)
+        fit, region = found, found.posterior
+        if settled:
+            break
+    return spread_own_values(minimised(fit, RADIUS), RADIUS)
+
+
+def _downhill(study: Study, fit: Fit, local: Local) -> Fit:
+    """Return where steps with some slopes lead, while one promises something; a step that leads up is tried shorter."""
+    fit, radius = replace(fit, local=local), RADIUS
+    for _ in range(STEPS):
+        proposed = minimised(fit, radius)
+        if 2.0 * (proposed.log_likelihood - fit.log_likelihood) < SETTLED:
+            break
+        z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
+        curve = np.concatenate(simulated_at(study, fit.problem.conditions, fit, z))
+        tried = replace(fit, z=z, local=local.moved(z, curve))
+        if tried.log_likelihood > fit.log_likelihood:
+            fit = tried
+        else:
+            radius = float(np.abs(z - fit.z).max()) / 3.0
+    return fit
+
+
+def _within(step: np.ndarray, posterior: np.ndarray, region: np.ndarray) -> bool:
+    """Return whether a step (k,) stayed within a design over a region (k, k), and so does the posterior there."""
+    moved = np.sqrt(step @ np.linalg.solve(region, step) / len(step))
+    return bool(moved <= LEFT and eigh(posterior, region, eigvals_only=True)[-1] <= GREW**2)
+
+
+def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
+    """Return by how much the curves (m, n_all) differ from the first, between some coordinates (m, k) [nm].
+
+    With a third of the points in time, so that there are fewer steps, and on wider elements: in differences their error
+    cancels.
+
+    Raises
+    ------
+    PalpateError
+        When the solver fails.
+    """
+    problem = fit.problem
+    short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
+    wanted = [(z, condition) for z in places for condition in short]
+    specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition in wanted]
+    outcomes = simulate_batch(specifications, roughly=True)
+    curves = []
+    for (z, condition), outcome in zip(wanted, outcomes, strict=True):
+        every = problem.observed[condition.name].time
+        spread = interpolation(condition.protocol.sample_time, every)
+        factor = problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1])
+        curves.append(depth_of(outcome, condition, fit) @ spread.T * factor)
+    rows = np.concatenate(curves).reshape(len(places), -1)
+    return rows - rows[0]
