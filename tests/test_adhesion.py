@@ -6,11 +6,12 @@ import pytest
 from palpate.analytic import hertz, jkr
 from palpate.fem import adhesion, banded
 from palpate.fem.adhesion import Adhesion, nodal_areas
-from palpate.fem.contact import Contact, Profile
+from palpate.fem.contact import Contact
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.indent import indent
 from palpate.fem.mesh import polar_mesh
 from palpate.fem.newton import Problem, State, Workspace
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid

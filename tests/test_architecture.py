@@ -12,7 +12,7 @@ SOURCE = Path(__file__).parent.parent / "src/palpate"
 ORDER = [
     {"errors", "discovery", "fingerprint", "kernel_cache"},
     {"__init__"},
-    {"parameters", "yaml_file", "schema", "output", "job"},
+    {"parameters", "area_function", "yaml_file", "schema", "output", "job"},
     {"protocol", "recording", "indenters", "contact_point"},
     {"segments", "alignment", "load_history", "correlated"},
     {"drift_rate", "sharp_origin"},

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from palpate.fem import hencky, linear
-from palpate.fem.contact import Profile
 from palpate.fem.discretisation import RESOLUTIONS, mesh_radii, step_times
 from palpate.fem.indent import indent, march
 from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
 from palpate.fem.newton import Problem, State, Workspace, advance
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.radial import step_weights

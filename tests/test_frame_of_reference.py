@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from palpate.classical.area import AreaFunction
+from palpate.area_function import AreaFunction
 from palpate.classical.oliver_pharr import BETA, EPSILON
 from palpate.classical.reference import Reference, frame_of_reference
 

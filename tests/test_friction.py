@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from palpate.fem import banded
-from palpate.fem.contact import Profile
 from palpate.fem.contact_size import contact_range
 from palpate.fem.discretisation import RESOLUTIONS, step_times
 from palpate.fem.friction import Friction
 from palpate.fem.indent import indent, march
 from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
 from palpate.fem.newton import Problem, State, Workspace
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid

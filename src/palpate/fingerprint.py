@@ -10,6 +10,7 @@ from pathlib import Path
 PHYSICS = (
     "fem",
     "fem3d",
+    "area_function.py",
     "materials",
     "mechanisms",
     "indenters.py",

@@ -1,4 +1,4 @@
-"""Indenters: a straight cone, a sphere, a cone whose tip is a spherical cap, a Berkovich pyramid; rigid or elastic."""
+"""Indenters: cones, spheres, cones with a spherical tip, Berkovich pyramids, area functions; rigid or elastic."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from palpate.area_function import AreaFunction
 from palpate.errors import InputError
 from palpate.parameters import Parameter, check_values
 
@@ -21,7 +24,10 @@ SHAPES = {
     "sphere": (RADIUS, *SURFACE),
     "sphero_cone": (HALF_ANGLE, RADIUS, *SURFACE),
     "berkovich": (FACE_ANGLE, *SURFACE),
+    "area_function": SURFACE,
 }
+AREA = "area"  # the coefficients of an area function, a list
+GROWS_FROM, GROWS_TO = 1.0, 1e4  # nm; depths between which an area function must grow
 
 
 @dataclass(frozen=True)
@@ -31,17 +37,19 @@ class Indenter:
     Parameters
     ----------
     shape
-        ``cone``, ``sphere``, ``sphero_cone`` or ``berkovich``, a three-sided pyramid.
+        ``cone``, ``sphere``, ``sphero_cone``, ``berkovich``, a three-sided pyramid, or ``area_function``.
     half_angle
-        Half-angle of the cone [deg]; 0 for a sphere and a pyramid.
+        Half-angle of the cone [deg]; 0 for other shapes.
     radius
-        Radius of the sphere or cap [nm]; 0 for a sharp cone. The cap runs tangentially into the cone.
+        Radius of the sphere or cap [nm]; 0 for other shapes. The cap runs tangentially into the cone.
     friction
         Coulomb coefficient.
     modulus, poisson_ratio
         Of the indenter itself [GPa], [-]; infinite for a rigid one. See `palpate.specimen.under_tip`.
     face_angle
         Between a pyramid's faces and its axis [deg]; 0 for other shapes.
+    area
+        Coefficients of the area function, see `palpate.area_function`; none for other shapes.
     """
 
     shape: str
@@ -51,6 +59,7 @@ class Indenter:
     modulus: float = math.inf
     poisson_ratio: float = 0.0
     face_angle: float = 0.0
+    area: tuple[float, ...] = ()
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object]) -> Indenter:
@@ -61,7 +70,8 @@ class Indenter:
                 f"indenter shape {shape!r} is not known", remedy=f"use one of: {', '.join(SHAPES)}", place="shape"
             )
         given = {name: value for name, value in values.items() if name != "shape"}
-        return cls(shape, **check_values(SHAPES[shape], given, f"indenter {shape}"))
+        area = _checked_area(given.pop(AREA, None)) if shape == "area_function" else ()
+        return cls(shape, **check_values(SHAPES[shape], given, f"indenter {shape}"), area=area)
 
     @property
     def of_revolution(self) -> bool:
@@ -71,14 +81,17 @@ class Indenter:
     @property
     def sharp(self) -> bool:
         """Whether the tip has no length of its own."""
-        return self.radius == 0.0
+        return self.radius == 0.0 and not self.area
 
     @property
     def slope(self) -> float:
         """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere.
 
-        A pyramid has that of the cone whose sections are as large: 3 sqrt(3) slope^2 = pi cot^2(face_angle).
+        A pyramid has that of the cone whose sections are as large: 3 sqrt(3) slope^2 = pi cot^2(face_angle); an area
+        function that of its first term.
         """
+        if self.area:
+            return math.sqrt(math.pi / self.area[0]) if self.area[0] > 0.0 else math.inf
         if self.face_angle:
             return math.sqrt(math.pi / math.sqrt(27.0)) * self.face_slope
         return 1.0 / math.tan(math.radians(self.half_angle)) if self.half_angle else math.inf
@@ -92,3 +105,22 @@ class Indenter:
     def compliance(self) -> float:
         """Inverse plane-strain modulus (1 - nu_i^2) / E_i of the indenter [1/GPa]; zero for a rigid one."""
         return (1.0 - self.poisson_ratio**2) / self.modulus
+
+
+def _checked_area(given: object) -> tuple[float, ...]:
+    """Return the coefficients of an area function, or raise `InputError` where they are no tip."""
+    remedy = "give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm"
+    if not isinstance(given, list) or not given or not all(_is_number(value) for value in given):
+        raise InputError(f"{AREA} is {given!r}, expected coefficients", remedy=remedy, place=AREA)
+    area = tuple(map(float, given))
+    depth = np.geomspace(GROWS_FROM, GROWS_TO, 400)
+    sections = AreaFunction(area).area(depth)
+    if sections[0] <= 0.0 or (shrinks := np.diff(sections) <= 0.0).any():
+        where = depth[0] if sections[0] <= 0.0 else depth[int(np.argmax(shrinks))]
+        what = "is not positive" if sections[0] <= 0.0 else "does not grow"
+        raise InputError(f"{AREA} {what} at a depth of {where:.3g} nm", remedy=remedy, place=AREA)
+    return area
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

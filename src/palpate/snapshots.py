@@ -93,6 +93,7 @@ def address(specification: Specification) -> str:
             indenter.radius,
             indenter.friction,
             indenter.compliance,
+            list(indenter.area),
         ],
         "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
         "kinematics": specification.kinematics,

@@ -1,6 +1,6 @@
 """Classical analyses of indentation: Oliver and Pharr, its correction for creep, linear viscoelastic closed forms."""
 
-from palpate.classical.area import AreaFunction
+from palpate.area_function import AreaFunction
 from palpate.classical.creep import corrected_stiffness
 from palpate.classical.fit import ViscoelasticFit, fit_viscoelastic
 from palpate.classical.oliver_pharr import OliverPharr, fit_unloading, oliver_pharr

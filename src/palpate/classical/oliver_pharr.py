@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.classical.area import AreaFunction
+from palpate.area_function import AreaFunction
 from palpate.classical.creep import corrected_stiffness
 from palpate.errors import InputError
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from palpate.classical.area import AreaFunction
+from palpate.area_function import AreaFunction
 from palpate.classical.frame import FrameCompliance
 from palpate.classical.oliver_pharr import BETA, EPSILON, fit_unloading
 

@@ -21,6 +21,7 @@ from palpate.design import factorial
 from palpate.errors import InputError
 from palpate.fem.contact_size import check_size, contact_range, mean_pressure
 from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.profile import Profile
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.model import smooth
 from palpate.protocol import Protocol
@@ -68,7 +69,9 @@ def scale_of(study: Study) -> Scale:
     largest = max(conditions, key=lambda condition: condition.protocol.max_load)
     specification = study.specification(cell, largest)
     radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
-    slope = study.indenter.slope if study.indenter.half_angle else radius / (1e-3 * study.indenter.radius)
+    tip = study.indenter
+    slope = float(Profile.of(tip)(np.array([radius]))[1][0]) if tip.area else tip.slope
+    slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
     return Scale(
         depth=1.2e3 * radius * slope,
         load=largest.protocol.max_load,

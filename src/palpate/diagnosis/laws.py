@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.classical.area import AreaFunction
+from palpate.area_function import AreaFunction
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference import Reference, frame_of_reference
 from palpate.config import Study

@@ -20,8 +20,8 @@ from palpate.errors import InputError
 from palpate.export.cards import REFERENCE, amplitude_cards, friction_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
-from palpate.fem.contact import Profile
 from palpate.fem.mesh import Resolution
+from palpate.fem.profile import Profile
 from palpate.specification import Specification
 
 PENETRATION = 5e-4

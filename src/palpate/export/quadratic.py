@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.contact import Profile
 from palpate.fem.contact_size import contact_range
 from palpate.fem.mesh import Resolution, ring_radii
+from palpate.fem.profile import Profile
 from palpate.specification import Specification
 
 RESOLUTIONS = {

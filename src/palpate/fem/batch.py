@@ -27,12 +27,12 @@ from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_vector import LANES
-from palpate.fem.contact import Profile
 from palpate.fem.contact_size import check_size, contact_range
 from palpate.fem.discretisation import GRADED_START, mesh_radii, step_times
 from palpate.fem.folding import merged, mergings
 from palpate.fem.indent import History, attraction, indent_on
 from palpate.fem.mesh import Resolution, polar_mesh
+from palpate.fem.profile import Profile
 from palpate.fem.regions import resolved
 from palpate.indenters import Indenter
 from palpate.protocol import Protocol

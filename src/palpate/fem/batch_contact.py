@@ -17,7 +17,8 @@ from numba import njit
 from palpate.fem.batch_banded import PANEL
 from palpate.fem.batch_friction import anchor, arrive, reverses, rub, set_out
 from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
-from palpate.fem.contact import PENETRATION, Profile
+from palpate.fem.contact import PENETRATION
+from palpate.fem.profile import Capped, Measured, Profile
 
 
 class Touch(NamedTuple):
@@ -27,6 +28,8 @@ class Touch(NamedTuple):
     ----------
     radius, edge, flank : ndarray, shape (LANES,)
         Radius of the cap, distance from the axis at which it ends, and slope of the cone beyond.
+    knots : ndarray, shape (m, 3, LANES)
+        Of measured tips, see `palpate.fem.profile.Measured`; zeros in the other lanes.
     slope, curvature : ndarray, shape (k, LANES)
         Slope and curvature of the profile where each surface node is.
     touching : ndarray, shape (k, LANES)
@@ -42,6 +45,7 @@ class Touch(NamedTuple):
     radius: np.ndarray
     edge: np.ndarray
     flank: np.ndarray
+    knots: np.ndarray
     slope: np.ndarray
     curvature: np.ndarray
     touching: np.ndarray
@@ -55,9 +59,45 @@ class Touch(NamedTuple):
         """Return indenters whose apex alone touches the first of `count` nodes; lengths are in units of the lanes."""
         slope, curvature, touching, gap, upward, outward = np.zeros((6, count, LANES))
         touching[0] = 1.0
-        radius, edge, flank = np.array([(p.radius, p.edge, p.flank) for p in profiles]).T.copy()
+        caps = [(p.radius, p.edge, p.flank) if isinstance(p, Capped) else (0.0, 0.0, 0.0) for p in profiles]
+        radius, edge, flank = np.array(caps).T.copy()
         joined = np.zeros(LANES, dtype=np.bool_)
-        return cls(radius, edge, flank, slope, curvature, touching, gap, upward, outward, joined)
+        return cls(radius, edge, flank, _knots(profiles), slope, curvature, touching, gap, upward, outward, joined)
+
+
+def _knots(profiles: Sequence[Profile]) -> np.ndarray:
+    """Return the knots (m, 3, LANES) of measured tips; those with fewer go on along their flank."""
+    measured = [profile.knots if isinstance(profile, Measured) else np.zeros((0, 3)) for profile in profiles]
+    most = max(map(len, measured))
+    table = np.zeros((most, 3, LANES))
+    for lane, knots in enumerate(measured):
+        if len(knots):
+            r, f, slope = knots[-1]
+            further = r * np.arange(1, most - len(knots) + 1)
+            beyond = np.column_stack([r + further, f + slope * further, np.full_like(further, slope)])
+            table[:, :, lane] = np.vstack([knots, beyond])
+    return table
+
+
+@njit(cache=True)
+def measured(knots, lane, place):
+    """Return height, slope and curvature of a measured tip at one distance, see `palpate.fem.profile.Measured`."""
+    low, high = 0, knots.shape[0] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[middle, 0, lane] < place:
+            low = middle
+        else:
+            high = middle
+    width = knots[high, 0, lane] - knots[low, 0, lane]
+    off = (place - knots[low, 0, lane]) / width
+    t = min(max(off, 0.0), 1.0)
+    rise, first, last = (knots[high, 1, lane] - knots[low, 1, lane]) / width, knots[low, 2, lane], knots[high, 2, lane]
+    square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+    slope = first + t * (2.0 * square + 3.0 * cube * t)
+    curvature = (2.0 * square + 6.0 * cube * t) / width if off < 1.0 else 0.0
+    height = knots[low, 1, lane] + width * t * (first + t * (square + cube * t)) + max(off - 1.0, 0.0) * width * slope
+    return height, slope, curvature
 
 
 @njit(cache=True)
@@ -69,7 +109,9 @@ def beneath(large, touch, lane, distance, moved):
     radius, edge = touch.radius[lane], touch.edge[lane]
     place = distance + moved if large else distance
     height, slope, curvature = touch.flank[lane] * place, touch.flank[lane], 0.0
-    if radius > 0.0:
+    if touch.knots.shape[0] > 0 and touch.knots[-1, 0, lane] > 0.0:
+        height, slope, curvature = measured(touch.knots, lane, place)
+    elif radius > 0.0:
         root = np.sqrt(radius**2 - min(place, edge) ** 2)
         height, slope = radius - root + max(place - edge, 0.0) * slope, min(place, edge) / root
         curvature = radius**2 / root**3 if place < edge else 0.0

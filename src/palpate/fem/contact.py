@@ -9,86 +9,20 @@ gap together with everything around it, so that a law with a yield stress never 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from palpate.fem.friction import Friction
 from palpate.fem.mesh import Mesh
-from palpate.indenters import Indenter
+from palpate.fem.profile import Profile
 
 if TYPE_CHECKING:
     from palpate.fem.newton import State
 
 SLOPE, CURVATURE, RATIO, RATIO_SLOPE, GAP = range(5)
 PENETRATION = 1e-9  # of the depth, below which a node counts as outside
-
-
-@dataclass(frozen=True)
-class Profile:
-    """Height f(r) of an indenter above its apex, with slope and curvature: a cap that runs tangentially into a cone.
-
-    Parameters
-    ----------
-    slope
-        df/dr of the flank; infinite for a sphere.
-    radius
-        Radius of the cap [um]; zero for a sharp cone.
-    """
-
-    slope: float
-    radius: float
-
-    @classmethod
-    def of(cls, indenter: Indenter) -> Profile:
-        """Return the profile of an indenter, in um."""
-        return cls(indenter.slope, indenter.radius * 1e-3)
-
-    def in_units_of(self, unit: float) -> Profile:
-        """Return the profile with lengths in units of so many um."""
-        return replace(self, radius=self.radius / unit)
-
-    @property
-    def junction(self) -> float:
-        """Distance from the axis at which the cap meets the flank [um]."""
-        return self.radius / math.sqrt(1.0 + self.slope**-2) if math.isfinite(self.slope) else self.radius
-
-    @property
-    def edge(self) -> float:
-        """Distance from the axis at which the cap ends: a sphere continues as a cone beyond 0.99 of its radius [um]."""
-        return min(self.junction, 0.99 * self.radius)
-
-    @property
-    def flank(self) -> float:
-        """df/dr beyond the cap."""
-        return self.slope if self.radius == 0.0 else self.edge / math.sqrt(self.radius**2 - self.edge**2)
-
-    def __call__(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return f, df/dr and d2f/dr2 at distances `r` [um]."""
-        if self.radius == 0.0:
-            return self.slope * r, np.full_like(r, self.slope), np.zeros_like(r)
-        edge = self.edge
-        root = np.sqrt(self.radius**2 - np.clip(r, -edge, edge) ** 2)
-        slope = np.minimum(r, edge) / root
-        on_cap = r < edge
-        height = self.radius - root + np.where(on_cap, 0.0, (r - edge) * slope)
-        return height, slope, np.where(on_cap, self.radius**2 / root**3, 0.0)
-
-    def beneath(self, r: np.ndarray, moved: np.ndarray, large: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return f, df/dr and d2f/dr2 for nodes that were at `r` and `moved` outwards [um], at small or large strains.
-
-        At small strains f(r + u) = f(r) + f'(r) u.
-        """
-        if large:
-            return self(r + moved)
-        height, slope, _ = self(r)
-        return height + slope * moved, slope, np.zeros_like(r)
-
-    def depth_for(self, r: float) -> float:
-        """Return f at one distance [um]."""
-        return float(self(np.array([r]))[0][0])
 
 
 @dataclass(eq=False)

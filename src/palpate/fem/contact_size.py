@@ -9,6 +9,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.fem.adhesion import GPA_UM
 from palpate.fem.mesh import Resolution
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.protocol import Protocol
@@ -56,7 +57,7 @@ def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) ->
 def _contact_range(
     coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
 ) -> tuple[float, float]:
-    radius = indenter.radius * 1e-3
+    radius, profile = indenter.radius * 1e-3, Profile.of(indenter)
     duration = float(protocol.knot_time[-1] * 0.6)
     slope = indenter.slope
     loads = protocol.sample_load
@@ -64,11 +65,14 @@ def _contact_range(
     punch = 8.0 * np.pi * plane_strain_modulus(coefficients) * GPA_UM * work
 
     def contact_radius(load: float) -> float:
-        if radius == 0.0 and work == 0.0:
+        if indenter.sharp and work == 0.0:
             return float(np.sqrt(load / (np.pi * mean_pressure(coefficients, slope, duration))))
         a = radius * 0.1 if radius else 0.1
         for _ in range(40):
-            local = min(slope, 0.7 * a / radius) if radius else slope
+            if indenter.area:
+                local = min(slope, 0.7 * float(profile(np.array([a]))[1][0]))
+            else:
+                local = min(slope, 0.7 * a / radius) if radius else slope
             borne = load + np.sqrt(punch * a**3)
             a = 0.5 * (a + np.sqrt(borne / (np.pi * mean_pressure(coefficients, local, duration))))
         return float(a)

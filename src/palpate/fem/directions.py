@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.fem.clock import Shift
-from palpate.fem.contact import Profile
+from palpate.fem.profile import Capped, Profile
 from palpate.materials.radial import HARDENING, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.specimen import Specimen
 
-SPHERE_EDGE = 0.99  # of its radius, beyond which a sphere continues flat, see `palpate.fem.contact.Profile`
+SPHERE_EDGE = 0.99  # of its radius, beyond which a sphere continues flat, see `palpate.fem.profile.Capped`
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +50,13 @@ class Directions:
 
 
 def profile_change(profile: Profile, directions: Directions, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the changes (k, p) of f and df/dr at the distances `r` (k,) [um].
+    """Return the changes (k, p) of f and df/dr at the distances `r` (k,) [um]; a measured tip has nothing to change.
 
     On the cap f = R - sqrt(R^2 - r^2); on a flank of slope s, f = s r - R (sqrt(1 + s^2) - 1).
     """
+    if not isinstance(profile, Capped):
+        unchanged = np.zeros((len(r), directions.count))
+        return unchanged, unchanged
     r, radius, slope = r[:, None], profile.radius, profile.slope
     edge = min(profile.junction, SPHERE_EDGE * radius)
     root = np.sqrt(radius**2 - np.clip(r, -edge, edge) ** 2) if radius > 0.0 else np.ones_like(r)
@@ -70,7 +73,7 @@ def profile_change(profile: Profile, directions: Directions, r: np.ndarray) -> t
 def change_beneath(
     profile: Profile, directions: Directions, r: np.ndarray, moved: np.ndarray, large: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the changes (k, p) of f and df/dr as `palpate.fem.contact.Profile.beneath` gives them."""
+    """Return the changes (k, p) of f and df/dr as `palpate.fem.profile.Profile.beneath` gives them."""
     if large:
         return profile_change(profile, directions, r + moved)
     height, inclination = profile_change(profile, directions, r)

@@ -12,7 +12,6 @@ import numpy as np
 from palpate.errors import ConvergenceError
 from palpate.fem.adhesion import Adhesion
 from palpate.fem.clock import Clock
-from palpate.fem.contact import Profile
 from palpate.fem.contact_size import check_size, contact_range, plane_strain_modulus
 from palpate.fem.directions import Directions
 from palpate.fem.discretisation import mesh_radii, step_times
@@ -20,6 +19,7 @@ from palpate.fem.folding import ever_wider
 from palpate.fem.march import march_by
 from palpate.fem.mesh import Mesh, Resolution, polar_mesh
 from palpate.fem.newton import Problem, State, Workspace, advance
+from palpate.fem.profile import Profile
 from palpate.fem.regions import laws_of, regions, resolved
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter

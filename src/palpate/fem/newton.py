@@ -10,10 +10,11 @@ import numpy as np
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
 from palpate.fem.adhesion import Adhesion
-from palpate.fem.contact import CURVATURE, Contact, Profile
+from palpate.fem.contact import CURVATURE, Contact
 from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
+from palpate.fem.profile import Profile
 from palpate.materials.radial import state_size, step_weights
 from palpate.specimen import Specimen, halfway, resisted
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from palpate.fem.contact import Profile
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.specimen import Specimen, series
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from palpate.fem.contact import Profile
+from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 
 Tip = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
