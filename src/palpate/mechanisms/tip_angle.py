@@ -14,7 +14,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
     """Put the true half-angle in place of the nominal one."""
     if not specification.indenter.half_angle:
         shape = specification.indenter.shape
-        raise InputError(f"a {shape} has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
+        raise InputError(f"shape {shape} has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
     return replace(specification, indenter=replace(specification.indenter, half_angle=values["half_angle"]))
 
 

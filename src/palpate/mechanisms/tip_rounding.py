@@ -14,7 +14,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
     """Give the cone a cap."""
     if not specification.indenter.half_angle:
         shape = specification.indenter.shape
-        raise InputError(f"a {shape} cannot be rounded", remedy="use a cone", place="mechanisms.tip_rounding")
+        raise InputError(f"shape {shape} cannot be rounded", remedy="use a cone", place="mechanisms.tip_rounding")
     rounded = replace(specification.indenter, shape="sphero_cone", radius=values["radius"])
     return replace(specification, indenter=rounded)
 
