@@ -70,7 +70,7 @@ def scale_of(study: Study) -> Scale:
     specification = study.specification(cell, largest)
     radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
     tip = study.indenter
-    slope = float(Profile.of(tip)(np.array([radius]))[1][0]) if tip.area else tip.slope
+    slope = Profile.of(tip).slope_for(radius) if tip.area else tip.slope
     slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
     return Scale(
         depth=1.2e3 * radius * slope,

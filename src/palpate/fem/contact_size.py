@@ -70,7 +70,7 @@ def _contact_range(
         a = radius * 0.1 if radius else 0.1
         for _ in range(40):
             if indenter.area:
-                local = min(slope, 0.7 * float(profile(np.array([a]))[1][0]))
+                local = min(slope, 0.7 * profile.slope_for(a))
             else:
                 local = min(slope, 0.7 * a / radius) if radius else slope
             borne = load + np.sqrt(punch * a**3)

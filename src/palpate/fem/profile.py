@@ -46,6 +46,10 @@ class Profile:
         """Return f at one distance [um]."""
         return float(self(np.array([r]))[0][0])
 
+    def slope_for(self, r: float) -> float:
+        """Return df/dr at one distance [um]."""
+        return float(self(np.array([r]))[1][0])
+
 
 @dataclass(frozen=True)
 class Capped(Profile):
