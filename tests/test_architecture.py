@@ -34,6 +34,7 @@ ORDER = [
     {"observations"},
     {"figures", "report", "grouping"},
     {"diagnosis"},
+    {"stated"},
     {"steps", "reading", "verification", "challenge", "draft"},
     {"thesis", "real", "checking"},
     {"tracking"},

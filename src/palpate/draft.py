@@ -18,11 +18,13 @@ from palpate.errors import InputError
 from palpate.grouping import Group
 from palpate.materials import LAWS
 from palpate.recording import Recording
+from palpate.stated import Stated
 
 POISSON_RATIO = 0.35
 BERKOVICH_CONE = 70.3
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
 POINTS = 128
+NOTHING = Stated()
 STUDY = Template("""\
 # A first study, drafted from recordings. Load histories and replicates are theirs; what says `guess` is not.
 # docs/study.md tells every key.
@@ -66,33 +68,36 @@ class Solid:
     hardness: float
 
     @classmethod
-    def of(cls, recordings: Sequence[Recording], radius: float | None) -> Solid:
-        """Analyse recordings under a Berkovich tip, or a sphere of a `radius` [nm].
+    def of(cls, recordings: Sequence[Recording], radius: float | None, stated: Stated = NOTHING) -> Solid:
+        """Analyse recordings under a sphere of a `radius` [nm], or a Berkovich tip, whose area function may be stated.
 
         Raises
         ------
         InputError
             When the tip has not sunk in at the largest load.
         """
-        area = None if radius is None else AreaFunction((-np.pi, 2.0 * np.pi * radius))
+        area = AreaFunction(stated.area) if stated.area else None
+        if radius is not None:
+            area = AreaFunction((-np.pi, 2.0 * np.pi * radius))
+        poisson_ratio = stated.poisson_ratio or POISSON_RATIO
         unloadings = []
         for recording in recordings:
             with suppress(InputError):
-                unloadings.append(oliver_pharr(recording.load, recording.depth, POISSON_RATIO, area=area))
+                unloadings.append(oliver_pharr(recording.load, recording.depth, poisson_ratio, area=area))
         told = [(found.modulus, found.hardness) for found in unloadings] or [(math.nan, math.nan)]
-        secant = np.median([_secant_modulus(recording, radius) for recording in recordings])
+        secant = np.median([_secant_modulus(recording, radius, poisson_ratio) for recording in recordings])
         return cls(float(secant), *(float(value) for value in np.median(told, axis=0)))
 
 
-def _secant_modulus(recording: Recording, radius: float | None) -> float:
+def _secant_modulus(recording: Recording, radius: float | None, poisson_ratio: float) -> float:
     peak = int(np.argmax(recording.load))
     depth = float(recording.depth[peak])
     if not depth > 0.0:
         remedy = "let the depth begin at contact"
         raise InputError(f"the depth is {depth:.4g} nm at the largest load", remedy=remedy, file=recording.name)
-    unit = sneddon.load(depth, 1.0, POISSON_RATIO, BERKOVICH_CONE)
+    unit = sneddon.load(depth, 1.0, poisson_ratio, BERKOVICH_CONE)
     if radius is not None:
-        unit = hertz.load(depth, 1.0, POISSON_RATIO, radius)
+        unit = hertz.load(depth, 1.0, poisson_ratio, radius)
     return float(recording.load[peak] / unit)
 
 
@@ -148,6 +153,7 @@ def study_text(
     law: str,
     solid: Solid,
     radius: float | None = None,
+    stated: Stated = NOTHING,
 ) -> str:
     """Return the YAML of a study.
 
@@ -158,7 +164,10 @@ def study_text(
     folder
         Where the recordings lie.
     radius
-        Of a spherical tip [nm]; a Berkovich tip's equivalent cone when not given.
+        Of a spherical tip [nm]; when not given, the tip of the files' area function, or a Berkovich tip's equivalent
+        cone where they state none.
+    stated
+        What the files say of tip and sample.
     """
     units = {parameter.name: parameter.unit for parameter in LAWS[law].declared({})}
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
@@ -172,18 +181,18 @@ def study_text(
         role, count = "validate" if group is judge else "calibrate", len(group.recordings)
         entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
         conditions.append(_row(entry, f"{count} test{'s' if count > 1 else ''}"))
-    cone = f"indenter: {{shape: cone, half_angle: {BERKOVICH_CONE}}}"
     return STUDY.substitute(
         name=name,
-        material=_row(f"material: {{model: {law}, poisson_ratio: {POISSON_RATIO}}}", "guess"),
+        material=_row(
+            f"material: {{model: {law}, poisson_ratio: {stated.poisson_ratio or POISSON_RATIO:g}}}",
+            "as the files state" if stated.poisson_ratio else "guess",
+        ),
         reason=f"ranges about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
         if "yield_stress" in units
         else f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa; creep asks for more",
         parameters="\n".join(parameters),
         points=POINTS,
-        indenter=_row(cone, "guess: a Berkovich tip, by its equivalent cone")
-        if radius is None
-        else _row(f"indenter: {{shape: sphere, radius: {radius:g}}}", "nm"),
+        indenter=_indenter(radius, stated.area),
         conditions="\n".join(conditions),
         recordings=folder.as_posix(),
         diagnosis=_row("diagnosis: {enabled: false}", "take this line out to ask what is missing from the model"),
@@ -193,6 +202,16 @@ def study_text(
 def study_name(folder: Path) -> str:
     """Return a name for a study after a folder."""
     return re.sub(r"[^A-Za-z0-9._-]+", "_", folder.resolve().name).lstrip("._-") or "study"
+
+
+def _indenter(radius: float | None, area: Sequence[float]) -> str:
+    if radius is not None:
+        return _row(f"indenter: {{shape: sphere, radius: {radius:g}}}", "nm")
+    if area:
+        coefficients = ", ".join(f"{value:.9g}" for value in area)
+        return _row(f"indenter: {{shape: area_function, area: [{coefficients}]}}", "nm, as the files state")
+    cone = f"indenter: {{shape: cone, half_angle: {BERKOVICH_CONE}}}"
+    return _row(cone, "guess: a Berkovich tip, by its equivalent cone")
 
 
 def _row(text: str, comment: str) -> str:

@@ -20,7 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE")
     read.reading_arguments(parser)
     parser.add_argument("--law", type=_law, default=POLYMER, help=f"material model (default: {POLYMER}, a polymer's)")
-    parser.add_argument("--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: Berkovich)")
+    parser.add_argument(
+        "--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: as files state, or Berkovich)"
+    )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
 
 
@@ -50,12 +52,13 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.grouping import grouped
     from palpate.readers import VendorTest, zeroed_each
     from palpate.recording import copies
+    from palpate.stated import Stated
 
     study, folder = arguments.output / "study.yaml", arguments.output / "recordings"
     for standing in (study, folder):
         if standing.exists():
             raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
-    recordings = []
+    recordings, metadata = [], []
     for file in arguments.files:
         try:
             tests = zeroed_each(file, read.whole_tests(file, arguments), arguments.contact)
@@ -65,17 +68,19 @@ def run(arguments: argparse.Namespace) -> int:
                     notes = (*test.recording.notes, f"from {file.name}, {test.name}")
                     begun = test.recording.from_contact()
                     recordings.append(replace(begun, name=f"{file}, {test.name}", notes=notes))
+                    metadata.append(test.metadata)
         except InputError as error:
             raise error.located(file=file) from None
     for copy, first in copies(recordings):
         print(f"palpate: {copy.notes[-1]}: the same recording {first.notes[-1]}; left out", file=sys.stderr)
         recordings.remove(copy)
     groups = grouped(recordings)
-    solid = Solid.of(recordings, arguments.sphere)
+    stated = Stated.by_all(metadata)
+    solid = Solid.of(recordings, arguments.sphere, stated)
     if arguments.law == POLYMER and solid.secant > STIFFEST_POLYMER:
         stiffness = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is no polymer's"
         print(f"palpate: {stiffness}; --law bilinear_plasticity is for metals and ceramics", file=sys.stderr)
-    text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere)
+    text = study_text(study_name(arguments.output), groups, folder, arguments.law, solid, arguments.sphere, stated)
     folder.mkdir(parents=True)
     for group in groups:
         for number, recording in enumerate(group.recordings, 1):
