@@ -23,7 +23,7 @@ def text(headings="Depth (nm)\tLoad (µN)\tTime (s)", scales=(1, 1e3, 1), count=
 
 
 def _rows(headings):
-    channels = {"Depth": DEPTH, "Load": LOAD, "Time": TIME}
+    channels = {"Depth": DEPTH, "Load": LOAD, "Time": TIME, "Disp.": 3 - (DEPTH + 2 * LOAD + 0.5 * TIME) / 900}
     return np.column_stack([channels[heading.split()[0]] for heading in headings.split("\t")])
 
 
@@ -38,6 +38,22 @@ def test_the_first_point_is_the_last_without_load(tmp_path):
     recording = read(tmp_path, text()).recording
     assert (len(recording), recording.time[0], recording.load[0]) == (301, 0, pytest.approx(-0.002))
     assert recording.depth == pytest.approx(DEPTH[100:])
+
+
+def test_the_sensor_s_volts_under_an_older_heading_give_the_raw_depth(tmp_path):
+    content = text("Depth (nm)\tLoad (µN)\tTime (s)\tDisp. Voltage(V)", (1, 1e3, 1, 1))
+    (own, raw) = (read(tmp_path, content, corrections=chosen) for chosen in (None, RAW))
+    assert float(raw.metadata["frame compliance [nm/mN]"]) == pytest.approx(2.0, abs=0.01)
+    assert float(raw.metadata["drift [nm/s]"]) == pytest.approx(0.5, abs=0.01)
+    taken_off = 2 * (LOAD[100:] - LOAD[100]) + 0.5 * (TIME[100:] - TIME[100])
+    assert raw.recording.depth - own.recording.depth == pytest.approx(taken_off, abs=0.05)
+
+
+def test_blank_lines_between_segments_are_no_points(tmp_path):
+    """As the TI Premier writes them."""
+    lines = text().split("\n")
+    apart = "\n".join([*lines[:5], "", *lines[5:150], "", *lines[150:]])
+    assert np.array_equal(read(tmp_path, apart).recording.depth, read(tmp_path, text()).recording.depth)
 
 
 @pytest.mark.parametrize("cell", ["", "nan", "inf", "1.79769e308"])

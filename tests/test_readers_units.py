@@ -131,3 +131,16 @@ def test_columns_are_found_by_whatever_micro_sign(tmp_path, name):
     file.write_text("Time [s],Load [mN],Displacement [µm]\n0,0,0\n1,1,2\n", encoding="utf-8")
     (test,) = read_vendor_file(file, columns=ColumnMap({"time": "Time [s]", "load": "Load [mN]", "depth": name}))
     assert test.recording.depth == pytest.approx([0, 2000])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "micro"),
+    [("gbk", "μ"), ("shift_jis", "μ"), ("big5", "μ"), ("euc-kr", "μ"), ("utf-8", "Âµ"), ("cp1252", "µ")],
+)
+def test_a_micro_sign_is_one_in_whatever_encoding_it_was_written(tmp_path, encoding, micro):
+    file = tmp_path / "x.txt"
+    rows = [f"{a:g}\t{b:.6f}\t{c:.6f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
+    file.write_bytes("\n".join([f"t (s)\tP ({micro}N)\th ({micro}m)", *rows]).encode(encoding))
+    (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, {}), contact="none")
+    assert test.recording.load == pytest.approx(1e-3 * FORCE, abs=1e-5)
+    assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)

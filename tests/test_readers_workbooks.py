@@ -248,3 +248,15 @@ def test_an_old_workbook_that_is_cut_gets_one_line(tmp_path, lost, capfd):
     said = capfd.readouterr().err.strip()
     assert "is no whole Excel workbook" in said or "is damaged" in said
     assert "\n" not in said
+
+
+def test_an_xp_s_channels_have_other_names_in_some_methods(tmp_path):
+    sheet = xp()
+    renamed = {"Time On Sample": "Time in Contact", "Load On Sample": "Force On Surface"}
+    other = [[renamed.get(name, name) for name in sheet[0]], *sheet[1:]]
+    usual, unusual = (
+        read_vendor_file(write_workbook(tmp_path / f"{k}.xlsx", {"Test 001": rows}))[0].recording
+        for k, rows in enumerate((sheet, other))
+    )
+    assert np.array_equal(usual.depth, unusual.depth)
+    assert np.array_equal(usual.time, unusual.time)

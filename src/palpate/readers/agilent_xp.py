@@ -11,6 +11,8 @@ Stiffness".
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from palpate.errors import InputError
@@ -22,13 +24,15 @@ from palpate.recording import Recording
 DEPTH, LOAD, TIME = "Displacement Into Surface", "Load On Sample", "Time On Sample"
 CHANNELS = {TIME: "time", LOAD: "load", DEPTH: "depth"}
 RAW = {TIME: "time", LOAD: "load", "Raw Displacement": "depth", "Raw Load": "load"}
+ALSO = {LOAD: "Force On Surface", TIME: "Time in Contact"}  # by the method of the test
 DRIFT, FRAME = "Drift Correction [nm/s]", "Frame Stiffness"
 STIFFNESS = {True: "Harmonic Contact Stiffness", False: "Harmonic Stiffness"}
 
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    return source.has_test_with(set(CHANNELS))
+    choices = [(name, ALSO.get(name, name)) for name in CHANNELS]
+    return any(source.has_test_with(set(spelt)) for spelt in itertools.product(*choices))
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
@@ -42,14 +46,16 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
     """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
-    channels = source.columns(sheet, CHANNELS if corrections is None else RAW)
+    named = {str(cell).strip() for row in source.sheet(sheet)[:1] for cell in row}
+    wanted = CHANNELS if corrections is None else RAW
+    spelt = {name if name in named else ALSO.get(name, name): unit for name, unit in wanted.items()}
+    channels = source.columns(sheet, spelt)
     kept, warnings = usable(source, sheet, *channels.values())
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
     surface = int(np.argmax(time >= 0))
     measured = STIFFNESS[corrections is None or "frame" in corrections]
-    named = {str(cell).strip() for cell in source.sheet(sheet)[0]}
     extra = {
         name: source.columns(sheet, {name: "stiffness"})[name][kept] for name in (FRAME, measured) if name in named
     }

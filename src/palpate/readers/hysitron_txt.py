@@ -21,6 +21,7 @@ COUNT = re.compile(r"Number of Points\s*[=:](.*)")
 HEADING = re.compile(r"\s*(Time|Load|Depth)\s*\((.+)\)\s*")
 DEPTH = re.compile(r"\bDepth *\((?!V)")
 VOLTS = "volts"
+SENSOR = re.compile(r"\s*(Depth|Disp\. Voltage)\s*\(V\)\s*")
 EXACT = 0.05
 HEAD = 20
 
@@ -40,8 +41,8 @@ def columns(line: str) -> dict[str, tuple[int, float]]:
             key, unit = heading[1].lower(), plain(heading[2])
             if unit in SCALES[key]:
                 found.setdefault(key, (index, SCALES[key][unit]))
-            elif (key, unit) == ("depth", "V"):
-                found[VOLTS] = (index, 1.0)
+        if SENSOR.fullmatch(cell):
+            found[VOLTS] = (index, 1.0)
     return found
 
 
@@ -56,7 +57,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         )
     if corrections is not None and VOLTS not in places:
         raise InputError(
-            "without the column Depth (V) the corrections cannot be taken off",
+            "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off",
             remedy="export the volts, or leave --raw and --correct off",
             file=source.path,
         )

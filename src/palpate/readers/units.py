@@ -13,10 +13,16 @@ SCALES = {
     "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "m": 1e9, "A": 0.1},
 }
 STIFFNESS = {"N/m": 1.0}
+MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
 
 
 def plain(unit: str) -> str:
-    """Return a unit in letters that every keyboard has: ``um`` for either of Unicode's micro signs."""
+    """Return a unit in letters that every keyboard has: ``um`` for either of Unicode's micro signs.
+
+    So it is where the sign was written in another encoding than it was read in, as Chinese and Japanese programs do.
+    """
+    for spelling in MICRO:
+        unit = unit.replace(spelling, "u")
     return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ", "uA"))
 
 
