@@ -1,26 +1,59 @@
-"""The forward model's own curves around an optimum, fitted to a design of runs: linear, and bent along a few axes.
+"""The forward model's own curves around an optimum, fitted to a design of runs: linear, and quadratic in a few axes.
 
 Where recordings leave parameters open, the curves hardly change between them. A surrogate's error, which is as rough
 as its snapshots are far apart, may exceed that change, so that its slopes make known what is not. A two-level design
 (Plackett & Burman, Biometrika 33 (1946) 305-325), in which every run moves all coordinates, tells slopes with the least
 error for its number of runs. Along the axes on which least is known the range is wide, and what was level at the
 optimum may not be so further on: runs at their ends tell by how much the curves bend (a central composite design; Box &
-Wilson, J. R. Stat. Soc. B 13 (1951) 1-45).
+Wilson, J. R. Stat. Soc. B 13 (1951) 1-45). How they twist, the slope along one such axis changing along another, is
+told by columns of the two-level design that are kept free for it; else that would pass for the slope of a third axis.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import circulant, hadamard
+from scipy.linalg import hadamard
 
 from palpate.diagnosis.plane import Plane
 
-TWELVE = np.array([1, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1])  # Plackett and Burman's first of twelve runs
-BENT = 3  # axes along which the curves may bend
+BENT = 3  # axes along which the curves may bend, and twist from one to another
 REACH = 2.0  # standard deviations from the optimum to an end; beyond it curves go on straight
 NEAR = 0.5  # standard deviations: an end nearer than that, at a bound, is not worth a run
+
+
+@dataclass(frozen=True, eq=False)
+class Straight:
+    """Coordinates in which valleys are straight: what acts as a factor counts by its logarithm.
+
+    Twice the compliance of a Voigt element that takes twice as long says nearly the same of a shorter test. Below its
+    standard deviation such a coordinate counts as it is, so that none at all is a number, too.
+
+    Parameters
+    ----------
+    scale : ndarray, shape (k,)
+        Below which each coordinate counts as it is; infinite for all that are no factors.
+    """
+
+    scale: np.ndarray
+
+    def of(self, z: np.ndarray) -> np.ndarray:
+        """Return straightened coordinates (..., k)."""
+        return np.where(np.isinf(self.scale), z, self._finite * np.log1p(z / self._finite))
+
+    def slope(self, z: np.ndarray) -> np.ndarray:
+        """Return their derivatives by the coordinates (..., k)."""
+        return np.where(np.isinf(self.scale), 1.0, 1.0 / (1.0 + z / self._finite))
+
+    def back(self, straight: np.ndarray) -> np.ndarray:
+        """Return the coordinates (..., k) of straightened ones."""
+        return np.where(np.isinf(self.scale), straight, self._finite * np.expm1(straight / self._finite))
+
+    @property
+    def _finite(self) -> np.ndarray:
+        return np.where(np.isinf(self.scale), 1.0, self.scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,81 +62,108 @@ class Local(Plane):
 
     Parameters
     ----------
-    at, value, slope
+    at, value
         See `palpate.diagnosis.plane.Plane`.
+    slope : ndarray, shape (n_all, k)
+        By straightened coordinates [nm].
     middle : ndarray, shape (k,)
-        The coordinates around which the runs lie.
+        The straightened coordinates around which the runs lie.
+    straight
+        How coordinates are straightened.
     axes : ndarray, shape (k, m)
-        Directions along which the curves bend; their products with coordinates count standard deviations.
-    bend : ndarray, shape (n_all, m)
-        Second derivative of the curves along each [nm].
+        Directions along which the curves bend; their products with straightened coordinates count standard deviations.
+    bend : ndarray, shape (n_all, m (m + 1) / 2)
+        Second derivatives of the curves along each, then along each two [nm].
     scatter : ndarray, shape (n_all, n_all)
         Covariance of what the runs depart from this [nm^2].
     """
 
     middle: np.ndarray
+    straight: Straight
     axes: np.ndarray
     bend: np.ndarray
     scatter: np.ndarray
 
     @classmethod
-    def through(cls, curve: np.ndarray, places: np.ndarray, curves: np.ndarray, axes: np.ndarray) -> Local:
+    def through(
+        cls, curve: np.ndarray, places: np.ndarray, curves: np.ndarray, axes: np.ndarray, straight: Straight
+    ) -> Local:
         """Return what fits runs with `curves` (m, n_all) at `places` (m, k), moved through a `curve` at the first."""
-        middle, scale = places[0], np.ptp(places, axis=0) + 1e-9
-        off = places - middle
-        terms = np.column_stack([np.ones(len(off)), off / scale, _risen(off @ axes)])
+        off = straight.of(places)
+        middle, scale = off[0], np.ptp(off, axis=0) + 1e-9
+        off = off - middle
+        terms = np.column_stack([np.ones(len(off)), off / scale, _second_order(off @ axes)])
         found = np.linalg.lstsq(terms, curves, rcond=1e-8)[0]
         left = curves - terms @ found
         scatter = left.T @ left / max(len(terms) - terms.shape[1], 1)
         slope, bend = np.split(found[1:], [len(middle)])
-        return cls(middle, curve, (slope / scale[:, None]).T, middle, axes, bend.T, scatter)
+        return cls(places[0], curve, (slope / scale[:, None]).T, middle, straight, axes, bend.T, scatter)
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
         """Return the curves (m, n_all) at coordinates z (m, k) [nm]."""
-        risen = _risen((z - self.middle) @ self.axes) - _risen((self.at - self.middle) @ self.axes)
-        return super().__call__(z) + risen @ self.bend.T
+        straight, at = self.straight.of(z), self.straight.of(self.at[None])
+        rise = _second_order((straight - self.middle) @ self.axes) - _second_order((at - self.middle) @ self.axes)
+        return self.value + (straight - at) @ self.slope.T + rise @ self.bend.T
 
     def slope_at(self, z: np.ndarray) -> np.ndarray:
         """Return the slope (n_all, k) of the curves at coordinates z (k,) [nm]."""
-        along = np.clip((z - self.middle) @ self.axes, -REACH, REACH)
-        return self.slope + (self.bend * along) @ self.axes.T
+        along = (self.straight.of(z) - self.middle) @ self.axes
+        return (self.slope + self.bend @ _slope_of_second_order(along) @ self.axes.T) * self.straight.slope(z)
 
     def moved(self, at: np.ndarray, curve: np.ndarray) -> Local:
         """Return the same shape through what was simulated elsewhere."""
         return replace(self, at=at, value=curve)
 
 
-def _risen(along: np.ndarray) -> np.ndarray:
-    """Return what a unit second derivative adds: half the square, and straight on beyond the ends."""
-    within = np.minimum(np.abs(along), REACH)
-    return within * (np.abs(along) - 0.5 * within)
+def _second_order(along: np.ndarray) -> np.ndarray:
+    """Return what unit second derivatives add at distances (n, m) along axes, straight on beyond the ends.
+
+    First half the square of each distance, then the product of each two.
+    """
+    within = np.clip(along, -REACH, REACH)
+    first, second = np.triu_indices(along.shape[1], 1)
+    return np.hstack([within * (along - 0.5 * within), within[:, first] * within[:, second]])
 
 
-def design(centre: np.ndarray, covariance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return places (m, k) around a centre (k,), and the axes (k, n) along which they tell how the curves bend."""
-    variances, axes = np.linalg.eigh(covariance)
-    deviations, widest = np.sqrt(variances[-BENT:]), axes[:, -BENT:]
-    return np.vstack([two_level(centre, covariance), _ends(centre, widest * deviations)]), widest / deviations
+def _slope_of_second_order(along: np.ndarray) -> np.ndarray:
+    """Return the derivatives of these by distances (m,) along axes."""
+    within, inside = np.clip(along, -REACH, REACH), np.diag(1.0 * (np.abs(along) < REACH))
+    first, second = np.triu_indices(len(along), 1)
+    return np.vstack([np.diag(within), within[second, None] * inside[first] + within[first, None] * inside[second]])
 
 
-def _ends(centre: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Return places (m, k) as far as `REACH` steps (k, n) up and down from a centre, within the unit cube."""
+def design(centre: np.ndarray, covariance: np.ndarray, straight: Straight) -> tuple[np.ndarray, np.ndarray]:
+    """Return places (m, k) around a centre (k,), and the axes (k, n) along which they tell how the curves bend.
+
+    The covariance (k, k) is that of the coordinates, the axes are those of straightened ones.
+    """
+    middle, slope = straight.of(centre), straight.slope(centre)
+    variances, axes = np.linalg.eigh(covariance * np.outer(slope, slope))
+    deviations = np.sqrt(variances)
+    widest = axes[:, -BENT:] * deviations[-BENT:]
+    ends = _ends(middle, widest, straight.of(np.zeros_like(centre)), straight.of(np.ones_like(centre)))
+    places = np.vstack([middle + _levels(len(centre)) @ (axes * deviations).T, ends])
+    return straight.back(places), axes[:, -BENT:] / deviations[-BENT:]
+
+
+def _ends(middle: np.ndarray, steps: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return places (m, k) as far as `REACH` steps (k, n) up and down from a middle, within bounds."""
     places = []
     for step in np.hstack([steps, -steps]).T:
-        room = np.where(step > 0.0, 1.0 - centre, centre) / np.maximum(np.abs(step), 1e-12)
+        room = np.where(step > 0.0, upper - middle, middle - lower) / np.maximum(np.abs(step), 1e-12)
         if (far := min(REACH, float(room.min()))) > NEAR:
-            places.append(centre + far * step)
-    return np.array(places).reshape(-1, len(centre))
-
-
-def two_level(centre: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Return a design (m, k) of one standard deviation up or down along every principal axis of a covariance (k, k)."""
-    variances, axes = np.linalg.eigh(covariance)
-    return centre + _levels(len(centre)) @ (axes * np.sqrt(variances)).T
+            places.append(middle + far * step)
+    return np.array(places).reshape(-1, len(middle))
 
 
 def _levels(factors: int) -> np.ndarray:
-    """Return orthogonal columns (m, factors) of levels -1 and 1."""
-    if 7 < factors < 12:
-        return np.vstack([circulant(TWELVE).T, -np.ones(11)])[:, :factors]
-    return hadamard(2 ** int(np.ceil(np.log2(factors + 1))))[:, 1 : factors + 1]
+    """Return orthogonal columns (m, factors) of levels -1 and 1, of which none is the product of two of the last three.
+
+    The product of two columns of a Hadamard matrix of Sylvester's is the one whose number is their exclusive or.
+    """
+    last = [2**n for n in range(min(BENT, factors))]
+    taken = {0, *last, *(a ^ b for a, b in itertools.combinations(last, 2))}
+    runs, others = 8, factors - len(last)
+    while len(free := [column for column in range(runs) if column not in taken]) < others:
+        runs *= 2
+    return hadamard(runs)[:, [*free[:others], *last]]

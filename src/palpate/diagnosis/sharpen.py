@@ -21,9 +21,10 @@ from palpate.config import Study
 from palpate.diagnosis.design import thinned
 from palpate.diagnosis.effects import interpolation
 from palpate.diagnosis.fit import Fit, minimised, spread_own_values
-from palpate.diagnosis.local import Local, design
+from palpate.diagnosis.local import Local, Straight, design
 from palpate.diagnosis.posterior import away
 from palpate.diagnosis.refine import MARGIN, RADIUS, SETTLED, depth_of, simulated_at, specification_at
+from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate_batch, smooth
 
 DESIGNS, STEPS = 3, 5  # designs at most, and steps downhill in each
@@ -42,15 +43,24 @@ def sharpen(study: Study, fit: Fit) -> Fit:
     region = replace(fit, errors=away(fit)).posterior
     fit = replace(fit, z=fit.correction.at)
     for _ in range(DESIGNS):
-        places, axes = design(fit.z, region)
+        straight = _straight(fit, region)
+        places, axes = design(fit.z, region, straight)
         places = np.vstack([fit.z, places.clip(MARGIN, 1.0 - MARGIN)])
         curves = fit.curve + changes_from(study, fit, places)
-        found = _downhill(study, fit, Local.through(fit.curve, places, curves, axes))
+        found = _downhill(study, fit, Local.through(fit.curve, places, curves, axes, straight))
         settled = _within(found.z - fit.z, found.posterior, region)
         fit, region = found, found.posterior
         if settled:
             break
     return spread_own_values(minimised(fit, RADIUS), RADIUS)
+
+
+def _straight(fit: Fit, region: np.ndarray) -> Straight:
+    """Return how to straighten coordinates: factors from their standard deviations in a region (k, k) on."""
+    scale, start = fit.problem.scale, fit.problem.space.dimensions
+    ranges = [r for key in fit.explanation for r in MECHANISMS[key].searched(scale).values()]
+    factors = np.array([False] * start + [r.factor and r.lower == 0.0 for r in ranges])
+    return Straight(np.where(factors, np.sqrt(np.diag(region)), np.inf))
 
 
 def _downhill(study: Study, fit: Fit, local: Local) -> Fit:

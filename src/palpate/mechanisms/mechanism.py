@@ -47,11 +47,14 @@ class Range:
     ----------
     lower, upper
         In the unit of the parameter.
+    factor
+        Whether the effect is in proportion to it, so that other amplitudes of the mechanism can make up for a factor.
     """
 
     lower: float
     upper: float
     log: bool = False
+    factor: bool = False
 
     def physical(self, coordinate: np.ndarray) -> np.ndarray:
         """Return the values at coordinates in [0, 1]."""
