@@ -241,8 +241,11 @@ def test_mechanisms_act_in_a_batch():
 
 
 def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
-    """Samples lie 3 s apart: one delayed load turns before the first sample after the peak, the other behind it."""
-    specs = [specification(mechanisms={"controller_lag": {"lag": lag}}) for lag in (2.9, 3.1)]
+    """Samples lie 3 s apart: one delayed load turns before the first sample after the peak, the other behind it.
+
+    Both act for 0.1 s on the first sample that they reach, so that their meshes are alike.
+    """
+    specs = [specification(mechanisms={"controller_lag": {"lag": lag}}) for lag in (2.9, 5.9)]
     cases = [case(protocol=acting(spec).protocol) for spec in specs]
     assert cases[0].kind == cases[1].kind
     assert not np.array_equal(cases[0].carries, cases[1].carries)

@@ -1,13 +1,14 @@
 """Contract of every mechanism found: neutral means nothing, an amplitude is seen, pairs run, bad values fail."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate, specification_from
+from palpate.model import simulate, smooth, specification_from
 from palpate.verification.materials import BURGERS as EPOXY
 
 BASE = {
@@ -162,3 +163,15 @@ def test_what_the_mesh_cannot_hold_is_refused_with_the_range(mechanism, place):
     with pytest.raises(InputError, match="give at") as caught:
         simulate(specification_from(BASE | {"mechanisms": mechanism}))
     assert caught.value.place.endswith(place)
+
+
+def test_a_sample_right_behind_a_lag_is_resolved():
+    """Sneddon's depth goes with the root of the load, however small the load that acts on a sample is."""
+    elastic = {"material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3}}
+    base = smooth(specification_from(BASE | elastic))
+    first = float(base.protocol.sample_time[0])
+    for behind in (0.3, 0.007):
+        found = simulate(replace(base, mechanisms={"controller_lag": {"lag": first - behind}}))
+        load = base.protocol.load_at(np.maximum(found.time[:6] - first + behind, 0.0))
+        ratio = found.depth[:6] / np.sqrt(load)
+        assert ratio == pytest.approx(np.full(6, ratio[-1]), rel=5e-3)

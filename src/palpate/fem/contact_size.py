@@ -15,6 +15,8 @@ from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPO
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen
 
+LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
+
 
 def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:
     """Estimate the mean contact pressure under a cone [GPa], for the size of the mesh alone.
@@ -61,7 +63,11 @@ def _contact_range(
     duration = float(protocol.knot_time[-1] * 0.6)
     slope = indenter.slope
     loads = protocol.sample_load
-    smallest_load = loads[loads > 0].min(initial=protocol.max_load, where=loads[loads > 0] > 0.005 * protocol.max_load)
+    least = LEAST_LOAD * protocol.max_load
+    smallest_load = loads[loads > least].min(initial=protocol.max_load)
+    rising = loads[: int(np.argmax(loads)) + 1]
+    if (rising[rising > 0] < least).any():
+        smallest_load = least
     punch = 8.0 * np.pi * plane_strain_modulus(coefficients) * GPA_UM * work
 
     def contact_radius(load: float) -> float:
