@@ -6,12 +6,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.diagnosis.plane import Plane
-
 
 @dataclass(frozen=True, eq=False)
-class Correction(Plane):
-    """Forward model less surrogates, which each run moves, and tilts by the secant between two runs."""
+class Correction:
+    """Forward model less surrogates, a plane which each run moves, and tilts by the secant between two runs.
+
+    Parameters
+    ----------
+    at : ndarray, shape (k,)
+        The coordinates.
+    value : ndarray, shape (n_all,)
+        There [nm].
+    slope : ndarray, shape (n_all, k)
+        [nm]
+    """
+
+    at: np.ndarray
+    value: np.ndarray
+    slope: np.ndarray
 
     @classmethod
     def none(cls, points: int, dimensions: int) -> Correction:
@@ -22,6 +34,10 @@ class Correction(Plane):
     def constant(cls, at: np.ndarray, value: np.ndarray) -> Correction:
         """Return the correction that is known at some coordinates (k,) alone, and the same everywhere."""
         return cls(at, value, np.zeros((len(value), len(at))))
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Return the values (m, n_all) at coordinates z (m, k) [nm]."""
+        return self.value + (z - self.at) @ self.slope.T
 
     def widened(self, dimensions: int) -> Correction:
         """Return the correction for an explanation with more coordinates, on which it does not depend."""

@@ -17,8 +17,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import hadamard
 
-from palpate.diagnosis.plane import Plane
-
 BENT = 3  # axes along which the curves may bend, and twist from one to another
 REACH = 2.0  # standard deviations from the optimum to an end; beyond it curves go on straight
 NEAR = 0.5  # standard deviations: an end nearer than that, at a bound, is not worth a run
@@ -57,13 +55,15 @@ class Straight:
 
 
 @dataclass(frozen=True, eq=False)
-class Local(Plane):
+class Local:
     """Curves near some coordinates, simulated there; the least squares over runs.
 
     Parameters
     ----------
-    at, value
-        See `palpate.diagnosis.plane.Plane`.
+    at : ndarray, shape (k,)
+        Coordinates through whose curves these go.
+    value : ndarray, shape (n_all,)
+        The curves there [nm].
     slope : ndarray, shape (n_all, k)
         By straightened coordinates [nm].
     middle : ndarray, shape (k,)
@@ -78,6 +78,9 @@ class Local(Plane):
         Covariance of what the runs depart from this [nm^2].
     """
 
+    at: np.ndarray
+    value: np.ndarray
+    slope: np.ndarray
     middle: np.ndarray
     straight: Straight
     axes: np.ndarray
