@@ -105,7 +105,7 @@ def test_stiffness_is_the_derivative_of_the_force(friction, indenter):
     mesh = polar_mesh(np.array([0.05, 0.1, 0.2, 0.4, 0.6]), 3)
     profile = Profile.of(indenter)
     law = np.zeros(len(mesh.elements), dtype=np.int64)
-    attraction = Adhesion.of(100.0, 4.0, 0.02, mesh)
+    attraction = Adhesion.of(100.0, 4.0, 0.02, nodal_areas(mesh.nodes[mesh.surface, 0]))
     problem = Problem(mesh, profile, Specimen(ELASTIC), ELASTIC[None], law, False, friction, attraction)
     state, work = State.initial(problem), Workspace.of(problem)
     diagonal = banded.diagonal(work.band, mesh.bandwidth)

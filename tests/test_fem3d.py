@@ -33,6 +33,7 @@ from palpate.verification.materials import BURGERS, HOOKE
 
 COARSE = Resolution(growth=1.2, sectors=6)
 PYRAMID, CONE = Indenter("berkovich", face_angle=65.27), Indenter("cone", 70.3)
+ROUNDED = replace(PYRAMID, radius=2e3)
 FACE = tip_of(PYRAMID)
 LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.1, 1.0, 19))
 
@@ -47,13 +48,14 @@ def posed(mesh, law, tip=FACE, friction=0.0, touching=(), large=False):
     return problem, replace(State.initial(problem), contact=np.isin(np.arange(len(mesh.nodes)), touching))
 
 
-def assembled(problem, state, displacement, depth=0.0, step=0.3):
+def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     """Return residual, the lower half of the tangent as a full matrix, border, corner, force, and what friction adds.
 
-    That is a matrix too, one row and column longer, or none.
+    That is a matrix too, one row and column longer, or none. `curved` takes the tip as large strains do.
     """
     mesh, laws = problem.mesh, problem.coefficients
     work, contact = Workspace.of(problem), Contact.resume(problem, state, state)
+    contact.large = curved
     contact.follow(displacement, depth)
     work.past[:], work.alpha[:] = 0.0, 0.0
     force, guesses = np.empty((len(mesh.nodes), 3)), np.zeros((len(mesh.elements), 8))
@@ -129,8 +131,9 @@ def test_one_constraint_an_element_at_incompressibility():
     assert np.sum(np.abs(stiffness[0]) < 1e-9) == 6
 
 
-@pytest.mark.parametrize("indenter", [PYRAMID, CONE, Indenter("sphere", 0.0, 5e3)])
-def test_the_tangent_is_the_derivative_of_the_residual(indenter):
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize("indenter", [PYRAMID, ROUNDED, CONE, Indenter("sphere", 0.0, 5e3)])
+def test_the_tangent_is_the_derivative_of_the_residual(indenter, curved):
     mesh = wedge_mesh(1.6 ** np.arange(4), shell(3))
     law, tip = LAWS["nonlinear_burgers"].coefficients(BURGERS), tip_of(indenter)
     rng = np.random.default_rng(7)
@@ -139,7 +142,8 @@ def test_the_tangent_is_the_derivative_of_the_residual(indenter):
     base[free] = 0.02 * rng.standard_normal(mesh.size)
     touching = mesh.surface[:4]
     base[mesh.surface[4:], 2] = -5.0
-    check_tangent(*posed(mesh, law, tip, touching=touching), base, depth, rng.standard_normal(mesh.size))
+    direction = rng.standard_normal(mesh.size)
+    check_tangent(*posed(mesh, law, tip, touching=touching), base, depth, direction, curved=curved)
 
 
 def test_the_tangent_with_friction_is_the_derivative_of_the_residual():
@@ -160,19 +164,19 @@ def test_the_tangent_with_friction_is_the_derivative_of_the_residual():
     check_tangent(problem, state, base, depth, rng.standard_normal(mesh.size), part=1e-7)
 
 
-def check_tangent(problem, state, base, depth, direction, change=0.7, part=1e-6):
+def check_tangent(problem, state, base, depth, direction, change=0.7, part=1e-6, curved=False):
     """Compare the tangent with differences along a direction; nodes that do not touch stay at their height."""
     mesh = problem.mesh
     free, touching = mesh.equations >= 0, np.flatnonzero(state.contact)
     apart = np.setdiff1d(mesh.surface, touching)
-    _, tangent, border, corner, _, coupled = assembled(problem, state, base.copy(), depth)
+    _, tangent, border, corner, _, coupled = assembled(problem, state, base.copy(), depth, curved=curved)
     direction[mesh.equations[mesh.surface, 2]] = 0.0
     moved = []
     for sign in (1, -1):
         there = base.copy()
         there[free] += sign * part * direction
         there[apart, 2] = base[apart, 2]
-        found = assembled(problem, state, there, depth + sign * part * change)
+        found = assembled(problem, state, there, depth + sign * part * change, curved=curved)
         moved.append(np.append(found[0], -found[4][:, 2].sum()))
     expected = (moved[0] - moved[1]) / (2 * part)
     stiffness = np.append(tangent @ direction + border * change, border @ direction + corner * change)
@@ -303,6 +307,29 @@ def test_a_sphere_presses_as_in_the_axisymmetric_solver():
     specimen, sphere = Specimen(elastic(0.34)), Indenter("sphere", 0.0, 5e3)
     found = indent_3d(specimen, sphere, LOADING, COARSE)
     assert found.depth == pytest.approx(indent(specimen, sphere, LOADING, AXISYMMETRIC["fine"]).depth, rel=0.015)
+
+
+def test_a_rounded_pyramid_is_what_a_ball_reaches():
+    """Its height is the lowest that a ball gets to, with its centre anywhere within the sharp pyramid."""
+    radius, rng = 0.2, np.random.default_rng(6)
+    slope, sharp = PYRAMID.face_slope, [np.array([np.cos(a), np.sin(a)]) for a in (0.0, 2 * WEDGE, -2 * WEDGE)]
+    distance, angle = 0.5 * np.sqrt(rng.random(60)), WEDGE * rng.random(60)
+    place = np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=-1)
+    centres = np.stack(np.meshgrid(*[np.linspace(-0.7, 0.7, 561)] * 2), axis=-1).reshape(-1, 2)
+    bottoms = slope * np.max([centres @ normal for normal in sharp], axis=0) + radius
+    found, gradient, _ = tip_of(replace(PYRAMID, radius=1e3 * radius))(*place.T)
+    for i, point in enumerate(place):
+        within = radius**2 - np.sum((centres - point) ** 2, axis=1)
+        expected = (bottoms - np.sqrt(np.maximum(within, 0.0)))[within > 0].min()
+        assert found[i] == pytest.approx(expected, abs=2e-4)
+    moved = tip_of(replace(PYRAMID, radius=1e3 * radius))(*(place + 1e-6).T)[0]
+    assert moved - found == pytest.approx(1e-6 * gradient.sum(axis=1), abs=1e-11)
+
+
+def test_a_pyramid_rounded_beyond_the_contact_is_a_sphere():
+    ball = indent_3d(Specimen(elastic(0.34)), replace(PYRAMID, radius=2e4), LOADING, COARSE)
+    sphere = indent_3d(Specimen(elastic(0.34)), Indenter("sphere", radius=2e4), LOADING, COARSE)
+    assert ball.depth == pytest.approx(sphere.depth, rel=1e-3)
 
 
 def test_a_pyramid_has_no_length():

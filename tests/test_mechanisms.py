@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from palpate import model
 from palpate.errors import InputError
+from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate, smooth, specification_from
 from palpate.verification.materials import BURGERS as EPOXY
@@ -60,6 +62,26 @@ def test_effect_is_visible(key, plain):
 @pytest.mark.parametrize("pair", list(itertools.combinations(VISIBLE, 2)), ids="+".join)
 def test_pairs_run(pair):
     depth({key: VISIBLE[key] for key in pair})
+
+
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
+    """Each alone does about what it does under the equivalent cone; all of them run at once."""
+    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))
+    spec = BASE | {"kinematics": kinematics, "protocol": BASE["protocol"] | {"points": 7}}
+    pyramid = spec | {"indenter": {"shape": "berkovich"}}
+
+    def depths(values, mechanisms):
+        simulation = simulate(specification_from(values | {"mechanisms": mechanisms}))
+        assert simulation.status == "ok", (mechanisms, simulation.reason)
+        return simulation.depth
+
+    cone, sharp = (depths(values, {}) for values in (spec, pyramid))
+    for key, values in VISIBLE.items():
+        effect, expected = (depths(tip, {key: values}) - alone for tip, alone in ((pyramid, sharp), (spec, cone)))
+        assert effect @ expected > 0.5 * expected @ expected, key
+        assert effect @ expected < 1.6 * expected @ expected, key
+    assert np.abs(depths(pyramid, VISIBLE) - sharp).max() > 1.0
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,15 +15,17 @@ from palpate.parameters import Parameter, check_values
 HALF_ANGLE = Parameter("half_angle", r"\alpha", "deg", 20.0, 89.0, "half-angle of the cone, from its axis")
 FACE_ANGLE = Parameter("face_angle", r"\theta", "deg", 20.0, 89.0, "angle between face and axis", default=65.27)
 RADIUS = Parameter("radius", "R", "nm", 1e-3, 1e9, "radius of the sphere or of the spherical cap")
+BALL = Parameter("radius", "R", "nm", 0.0, 1e9, "radius of the ball that rounds apex and edges", default=0.0)
 FRICTION = Parameter("friction", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient", default=0.0)
 MODULUS = Parameter("modulus", "E_i", "GPa", 1.0, 5000.0, "Young's modulus of the indenter", default=math.inf)
 POISSON_RATIO = Parameter("poisson_ratio", r"\nu_i", "-", 0.0, 0.4999, "its Poisson's ratio", default=0.0)
 SURFACE = (FRICTION, MODULUS, POISSON_RATIO)
+EQUAL_SECTIONS = math.sqrt(math.pi / math.sqrt(27.0))  # slope of a cone over that of the faces of a pyramid as wide
 SHAPES = {
     "cone": (HALF_ANGLE, *SURFACE),
     "sphere": (RADIUS, *SURFACE),
     "sphero_cone": (HALF_ANGLE, RADIUS, *SURFACE),
-    "berkovich": (FACE_ANGLE, *SURFACE),
+    "berkovich": (FACE_ANGLE, BALL, *SURFACE),
     "area_function": SURFACE,
 }
 AREA = "area"  # the coefficients of an area function, a list
@@ -41,7 +43,8 @@ class Indenter:
     half_angle
         Half-angle of the cone [deg]; 0 for other shapes.
     radius
-        Radius of the sphere or cap [nm]; 0 for other shapes. The cap runs tangentially into the cone.
+        Radius of the sphere or cap [nm]; 0 for other shapes. The cap runs tangentially into the cone. A
+        pyramid's is that of a ball that rolls inside the sharp one, so that edges are rounded, too.
     friction
         Coulomb coefficient.
     modulus, poisson_ratio
@@ -93,8 +96,23 @@ class Indenter:
         if self.area:
             return math.sqrt(math.pi / self.area[0]) if self.area[0] > 0.0 else math.inf
         if self.face_angle:
-            return math.sqrt(math.pi / math.sqrt(27.0)) * self.face_slope
+            return EQUAL_SECTIONS * self.face_slope
         return 1.0 / math.tan(math.radians(self.half_angle)) if self.half_angle else math.inf
+
+    def of_half_angle(self, half_angle: float) -> Indenter:
+        """Return the cone with another half-angle [deg], or the pyramid whose equivalent cone has it.
+
+        Raises
+        ------
+        InputError
+            For a shape that has none.
+        """
+        if self.face_angle:
+            face_angle = math.degrees(math.atan(EQUAL_SECTIONS * math.tan(math.radians(half_angle))))
+            return replace(self, face_angle=face_angle)
+        if not self.half_angle:
+            raise InputError(f"shape {self.shape} has no half-angle", remedy="use a cone", place="shape")
+        return replace(self, half_angle=half_angle)
 
     @property
     def face_slope(self) -> float:

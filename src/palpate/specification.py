@@ -79,8 +79,6 @@ class Specification:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
         object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
         object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
-        if self.adhesion > 0.0 and not self.indenter.of_revolution:
-            raise axisymmetric_only("adhesion", "mechanisms.adhesion")
 
     @property
     def specimen(self) -> Specimen:

@@ -30,9 +30,9 @@ def load_scaled(specification: Specification, factor: float) -> tuple[Specificat
     InputError
         For an indenter with a length, for which there is no such law.
     """
-    if specification.indenter.shape not in ("cone", "berkovich"):
+    if not specification.indenter.sharp:
         raise InputError(
-            f"a {specification.indenter.shape} has a length",
+            f"the tip, a {specification.indenter.shape}, has a length",
             remedy="use a sharp cone or pyramid",
             place="indenter.shape",
         )

@@ -19,11 +19,13 @@ Interface Sci. 150 (1992) 243-269; for the length of the zone, G. I. Barenblatt,
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from palpate.errors import ConvergenceError
 from palpate.fem.contact import RATIO, RATIO_SLOPE, Contact
 from palpate.fem.mesh import Mesh
 
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from palpate.fem.newton import Workspace
 
 ZONE = 2.0
+LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
+State = TypeVar("State")
 GPA_UM = 1e-6  # one mJ/m^2
 
 
@@ -53,7 +57,7 @@ class Adhesion:
     area: np.ndarray
 
     @classmethod
-    def of(cls, work: float, modulus: float, element: float, mesh: Mesh) -> Adhesion:
+    def of(cls, work: float, modulus: float, element: float, area: np.ndarray) -> Adhesion:
         """Return the attraction of work `work` [mJ/m^2].
 
         Parameters
@@ -62,10 +66,12 @@ class Adhesion:
             Plane strain modulus E* of the body during the test [GPa].
         element
             Length of the elements at the edge of contact [um].
+        area
+            As for the class.
         """
         w = GPA_UM * work
         strength = math.sqrt(math.pi / 8 * modulus * w / (ZONE * element))
-        return cls(strength, w / strength, nodal_areas(mesh.nodes[mesh.surface, 0]))
+        return cls(strength, w / strength, area)
 
     @property
     def hold(self) -> np.ndarray:
@@ -137,6 +143,34 @@ class Adhesion:
         if diagonal > 0:
             work.band[equations[both, 1], diagonal - 1] += coupling
         return float(stiffness.sum())
+
+
+def grown(step: Callable[[Any, State], State], problem: Any, guess: State) -> State:
+    """Return the state after a step whose attraction grows in parts, which may change the contact much.
+
+    Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
+
+    Parameters
+    ----------
+    step
+        Takes the problem, with an `adhesion` of part strength, and a guess of the state at the end of the step.
+
+    Raises
+    ------
+    ConvergenceError
+        When the smallest part does not converge either.
+    """
+    done, more = -0.25, 0.25
+    while done < 1.0:
+        part = min(done + more, 1.0)
+        try:
+            guess = step(replace(problem, adhesion=problem.adhesion.weakened(part)), guess)
+            done, more = part, 1.5 * more
+        except ConvergenceError:
+            more *= 0.5
+            if more < LEAST_PART or done < 0.0:
+                raise
+    return guess
 
 
 def nodal_areas(r: np.ndarray) -> np.ndarray:

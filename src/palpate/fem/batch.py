@@ -19,6 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from palpate.fem.adhesion import nodal_areas
 from palpate.fem.batch_adhesion import Attraction
 from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_element import Body
@@ -145,7 +146,8 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
     friction = [case.indenter.friction for case in lanes]
     upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
-    sticking = [attraction(c.specimen, resolution, c.largest, mesh) for c in lanes]
+    area = nodal_areas(mesh.nodes[mesh.surface, 0])
+    sticking = [attraction(c.specimen, resolution, c.largest, area) for c in lanes]
     pulls = Attraction.of(sticking, units, len(mesh.surface))
     march = March(large, body, bodies, pulls, protocols, units, scale, band, upper, iterations, steps)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]

@@ -10,14 +10,14 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError
-from palpate.fem.adhesion import Adhesion
+from palpate.fem.adhesion import Adhesion, grown, nodal_areas
 from palpate.fem.clock import Clock
 from palpate.fem.contact_size import check_size, contact_range, plane_strain_modulus
 from palpate.fem.directions import Directions
 from palpate.fem.discretisation import mesh_radii, step_times
 from palpate.fem.folding import ever_wider
 from palpate.fem.march import march_by
-from palpate.fem.mesh import Mesh, Resolution, polar_mesh
+from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.fem.profile import Profile
 from palpate.fem.regions import laws_of, regions, resolved
@@ -25,8 +25,6 @@ from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen
-
-LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +53,18 @@ class History:
     derivatives: np.ndarray
 
 
-def attraction(specimen: Specimen, resolution: Resolution, largest: float, mesh: Mesh) -> Adhesion | None:
-    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um]."""
+def attraction(specimen: Specimen, resolution: Resolution, largest: float, area: np.ndarray) -> Adhesion | None:
+    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um].
+
+    Parameters
+    ----------
+    area : ndarray, shape (k,)
+        Undeformed area of each surface node [um^2].
+    """
     if specimen.adhesion == 0.0:
         return None
     modulus = plane_strain_modulus(specimen.coefficients)
-    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, mesh)
+    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, area)
 
 
 def indent(
@@ -127,7 +131,7 @@ def indent_on(
     mesh = polar_mesh(radii, resolution.sectors)
     specimen = resolved(specimen, indenter, radii[0])
     law, region = laws_of(specimen), regions(specimen, mesh)
-    adhesion = attraction(specimen, resolution, largest, mesh)
+    adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh.nodes[mesh.surface, 0]))
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)
     steps_of = partial(step_times, resolution=resolution, yields=specimen.yields)
@@ -181,23 +185,10 @@ def march(
 def advance_or_ease(
     problem: Problem, state: State, time: float, load: float, scale: float, guess: State, work: Workspace
 ) -> State:
-    """Do what `advance` does; where it fails, carefully; where attraction changes the contact, let that grow in parts.
-
-    Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
-    """
+    """Do what `advance` does; where it fails, carefully, or with an attraction that grows in parts."""
     try:
         return advance(problem, state, time, load, scale, guess, work)
     except ConvergenceError:
         if problem.adhesion is None:
             return advance(problem, state, time, load, scale, guess, work, careful=True)
-    guess, done, more = state, -0.25, 0.25
-    while done < 1.0:
-        part = min(done + more, 1.0)
-        eased = replace(problem, adhesion=problem.adhesion.weakened(part))
-        try:
-            guess, done, more = advance(eased, state, time, load, scale, guess, work), part, 1.5 * more
-        except ConvergenceError:
-            more *= 0.5
-            if more < LEAST_PART or done < 0.0:
-                raise
-    return guess
+    return grown(lambda eased, guess: advance(eased, state, time, load, scale, guess, work), problem, state)

@@ -1,7 +1,8 @@
 """Contact of surface nodes with a rigid indenter, along its true normal, with friction or without.
 
-A node that touches lies on the indenter, u_z = f(x + u_x, y + u_y) - depth, and slides along it. One that an
-iteration finds inside it joins by the linearised constraint: the next change of displacements closes its gap.
+A node that touches lies on the indenter, u_z = f(x + u_x, y + u_y) - depth, and slides along it; at small strains f is
+taken along its tangent at (x, y), as in the plane (`palpate.fem.contact`). One that an iteration finds inside it joins
+by the linearised constraint: the next change of displacements closes its gap.
 """
 
 from __future__ import annotations
@@ -30,8 +31,12 @@ class Contact:
     place, start, drift : ndarray, shape (k, 2)
         Where the surface nodes lie undeformed and at the start of the step, and how far they are expected to move in
         it, along the axes of each node [um].
-    opening : ndarray, shape (k,)
-        Gaps at the start of the step [um].
+    opening, gap : ndarray, shape (k,)
+        Gaps at the start of the step, and now [um].
+    hold : ndarray, shape (k,)
+        Force along z by which adhesion holds each node [mN].
+    large
+        Whether strains are.
     touching : ndarray of bool, shape (n,)
         Nodes that touch.
     anchor : ndarray, shape (k, 2)
@@ -56,6 +61,9 @@ class Contact:
     anchor: np.ndarray
     rule: np.ndarray
     slip: np.ndarray
+    hold: np.ndarray
+    large: bool
+    gap: np.ndarray
     joined: bool = False
 
     @classmethod
@@ -65,25 +73,33 @@ class Contact:
         surface = mesh.surface
         (x, y, _), (cos, sin), u = mesh.nodes[surface].T, mesh.turn[surface].T, state.displacement[surface]
         place = np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
-        start = place + u[:, :2]
+        opening = _indenter(mesh, tip, place, u[:, :2], problem.large)[0] - state.depth - u[:, 2]
         return cls(
             mesh,
             tip,
             Friction.of(problem.friction, tip(x, y)[0], mesh.equations[surface, :2] >= 0),
             place,
-            start,
+            start=place + u[:, :2],
             drift=guess.displacement[surface, :2] - u[:, :2],
-            opening=_indenter(mesh, tip, start)[0] - state.depth - u[:, 2],
+            opening=opening,
             touching=state.contact.copy(),
             anchor=state.anchor.copy(),
             rule=np.zeros((len(mesh.nodes), 6)),
             slip=np.zeros_like(place),
+            hold=problem.hold,
+            large=problem.large,
+            gap=opening,
         )
 
     @property
     def slope(self) -> np.ndarray:
         """Slopes (k, 2) of the indenter where the surface nodes lie."""
         return self.rule[self.mesh.surface, :2]
+
+    @property
+    def curvature(self) -> np.ndarray:
+        """Its curvatures (k, 3) there: 11, 12 and 22."""
+        return self.rule[self.mesh.surface, 2:5]
 
     def follow(self, displacement: np.ndarray, depth: float) -> bool:
         """Put the nodes that touch onto the indenter, changing `displacement` (n, 3), find new ones, write the rule.
@@ -99,9 +115,8 @@ class Contact:
         touched = self.touching[surface]
         if self.friction.coefficient > 0.0:
             self._turn_back(displacement)
-        place = self.place + displacement[surface, :2]
-        height, slope, curvature = _indenter(self.mesh, self.tip, place)
-        gap = height - depth - displacement[surface, 2]
+        height, slope, curvature = _indenter(self.mesh, self.tip, self.place, displacement[surface, :2], self.large)
+        self.gap = gap = height - depth - displacement[surface, 2]
         displacement[surface, 2] += np.where(touched, gap, 0.0)
         joining = ~touched & (gap < -PENETRATION * abs(depth))
         self.touching[surface] |= joining
@@ -113,7 +128,7 @@ class Contact:
         self.rule[surface, 2:5] = curvature[:, [0, 0, 1], [0, 1, 1]]
         self.rule[surface, 5] = np.where(joining, gap, 0.0)
         slipped = self._slips(self.slip)
-        self.slip = self.friction.slip(place, self.anchor)
+        self.slip = self.friction.slip(self.place + displacement[surface, :2], self.anchor)
         return not self.joined and np.array_equal(slipped, self._slips(self.slip))
 
     def _slips(self, slip: np.ndarray) -> np.ndarray:
@@ -128,12 +143,16 @@ class Contact:
         displacement[surface[turned], :2] = (self.anchor - self.place)[turned]
 
     def pressure(self, force: np.ndarray) -> np.ndarray:
-        """Return f_i F_i - F_z (k,) [mN] of the indenter's `force` (n, 3), see `palpate.fem3d.friction`."""
+        """Return P (k,) [mN] of the contact, by the `force` (n, 3) of indenter and attraction together.
+
+        P = f_i F_i - F_z, see `palpate.fem3d.friction`, and what the attraction holds beside.
+        """
         along = self.friction.along(self.slope)
-        return np.einsum("ki,ki->k", along, force[self.mesh.surface, :2]) - force[self.mesh.surface, 2]
+        held = self.hold * (1.0 + np.sum(along**2, axis=1))
+        return np.einsum("ki,ki->k", along, force[self.mesh.surface, :2]) - force[self.mesh.surface, 2] + held
 
     def pulled(self, force: np.ndarray, tolerance: float) -> np.ndarray:
-        """Return which nodes (n,) the indenter would have to pull, by `force` (n, 3) [mN]."""
+        """Return which nodes (n,) would have to be pulled by more than they hold, by `force` (n, 3) [mN]."""
         surface, pulled = self.mesh.surface, np.zeros(len(self.touching), dtype=bool)
         steep = 1.0 + np.sum(self.friction.along(self.slope) ** 2, axis=1)
         pulled[surface] = self.touching[surface] & (self.pressure(force) < -tolerance * steep)
@@ -152,10 +171,18 @@ class Contact:
         return np.where(self.touching[self.mesh.surface, None], dragged, np.nan)
 
 
-def _indenter(mesh: Mesh, tip: Tip, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return f (k,), its slopes (k, 2) and curvatures (k, 2, 2), at places (k, 2) along the axes of the nodes."""
+def _indenter(
+    mesh: Mesh, tip: Tip, place: np.ndarray, moved: np.ndarray, large: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return f (k,), its slopes (k, 2) and curvatures (k, 2, 2), for nodes of some `place` (k, 2) that `moved` (k, 2).
+
+    All are along the axes of the nodes; small strains take f(x + u) = f(x) + f_i(x) u_i.
+    """
     cos, sin = mesh.turn[mesh.surface].T
-    one, two = place.T
+    one, two = (place + moved if large else place).T
     height, slope, curvature = tip(cos * one - sin * two, sin * one + cos * two)
     axes = np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=1)
-    return height, np.einsum("kij,kj->ki", axes, slope), axes @ curvature @ axes.transpose(0, 2, 1)
+    slope = np.einsum("kij,kj->ki", axes, slope)
+    if not large:
+        return height + np.einsum("ki,ki->k", slope, moved), slope, np.zeros_like(curvature)
+    return height, slope, axes @ curvature @ axes.transpose(0, 2, 1)

@@ -24,7 +24,6 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from palpate.fem.newton import LinearSystem
 from palpate.fem3d.contact import Contact
-from palpate.fem3d.element import CURVATURE_11, CURVATURE_22
 
 ACCURACY = 1e-6
 
@@ -79,7 +78,7 @@ class Coupling:
             here = free[:, i] & free[:, j]
             one, other = equations[here, i], equations[here, j]
             band[np.minimum(one, other), np.abs(one - other)] += stiffness[here, i, j]
-        for i, bent in enumerate(_bent(contact, nodes, force).T):
+        for i, bent in enumerate(_bent(contact, touching, force).T):
             here = free[:, i]
             rows[here, bandwidth + equations[here, i] - vertical[here]] += bent[here]
         window = np.append(np.arange(2 * bandwidth + 1), mesh.size + 2 * bandwidth)
@@ -99,10 +98,13 @@ class Coupling:
         return forces
 
 
-def _bent(contact: Contact, nodes: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Return f_ik F_k (t, 2), what the indenter's curvature gives to dP/dx_i."""
-    one, two = force[nodes, 0], force[nodes, 1] * (contact.mesh.equations[nodes, 1] >= 0)
-    first, mixed, second = contact.rule[nodes, CURVATURE_11 : CURVATURE_22 + 1].T
+def _bent(contact: Contact, touching: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return what the indenter's curvature gives to dP/dx_i (t, 2), for some surface nodes (t,)."""
+    nodes = contact.mesh.surface[touching]
+    lateral = contact.mesh.equations[nodes, 1] >= 0
+    held = 2.0 * (contact.hold[:, None] * contact.slope)[touching]
+    one, two = force[nodes, 0] + held[:, 0], (force[nodes, 1] + held[:, 1]) * lateral
+    first, mixed, second = contact.curvature[touching].T
     return np.stack([first * one + mixed * two, mixed * one + second * two], axis=1)
 
 

@@ -11,12 +11,13 @@ import numpy as np
 from palpate.errors import ConvergenceError
 from palpate.fem.contact_size import check_size, contact_range
 from palpate.fem.discretisation import mesh_radii, step_times
-from palpate.fem.indent import History
+from palpate.fem.indent import History, attraction
 from palpate.fem.march import march_by
 from palpate.fem.mesh import Resolution
 from palpate.fem.regions import resolved
+from palpate.fem3d.adhesion import nodal_areas
 from palpate.fem3d.mesh import wedge_mesh
-from palpate.fem3d.newton import Problem, State, Workspace, advance
+from palpate.fem3d.newton import Problem, State, Workspace, advance_or_ease
 from palpate.fem3d.shell import shell
 from palpate.fem3d.tip import tip_of
 from palpate.indenters import Indenter
@@ -63,13 +64,15 @@ def indent_3d(
         When the mesh cannot hold the specimen or the tip, see `palpate.fem.contact_size.check_size`.
     """
     began = clock.perf_counter()
-    check_size(specimen, indenter, resolution, contact_range(specimen, indenter, protocol)[1])
+    largest = contact_range(specimen, indenter, protocol)[1]
+    check_size(specimen, indenter, resolution, largest)
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = wedge_mesh(radii, shell(resolution.sectors))
     specimen = resolved(specimen, indenter, radii[0])
-    problem = Problem.of(mesh, tip_of(indenter), specimen, indenter.friction, large)
+    adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh))
+    problem = Problem.of(mesh, tip_of(indenter), specimen, indenter.friction, large, adhesion)
     work = Workspace.of(problem)
-    step = partial(advance, problem, work, protocol.max_load)
+    step = partial(advance_or_ease, problem, work, protocol.max_load)
     state, before = State.initial(problem), None
     depth = np.full(len(protocol.sample_time), np.nan)
     reason, steps = "", 0

@@ -8,8 +8,10 @@ import numpy as np
 
 from palpate.errors import ConvergenceError
 from palpate.fem import banded
-from palpate.fem.newton import TOLERANCE, Search, newton_direction, retreat
+from palpate.fem.adhesion import Adhesion, grown
+from palpate.fem.newton import ADHESIVE_ITERATIONS, STRIDE, TOLERANCE, Search, newton_direction, retreat
 from palpate.fem.regions import laws_of, regions
+from palpate.fem3d.adhesion import attract
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.coupled import Coupling, coupled_direction
 from palpate.fem3d.element import CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
@@ -40,6 +42,8 @@ class Problem:
         Coulomb coefficient between indenter and body.
     large : bool
         Logarithmic instead of linear strains.
+    adhesion
+        Attraction between them.
     """
 
     mesh: Mesh
@@ -49,11 +53,25 @@ class Problem:
     region: np.ndarray
     friction: float = 0.0
     large: bool = False
+    adhesion: Adhesion | None = None
 
     @classmethod
-    def of(cls, mesh: Mesh, tip: Tip, specimen: Specimen, friction: float = 0.0, large: bool = False) -> Problem:
+    def of(
+        cls,
+        mesh: Mesh,
+        tip: Tip,
+        specimen: Specimen,
+        friction: float = 0.0,
+        large: bool = False,
+        adhesion: Adhesion | None = None,
+    ) -> Problem:
         """Divide the specimen into its regions."""
-        return cls(mesh, tip, specimen, laws_of(specimen), regions(specimen, mesh), friction, large)
+        return cls(mesh, tip, specimen, laws_of(specimen), regions(specimen, mesh), friction, large, adhesion)
+
+    @property
+    def hold(self) -> np.ndarray:
+        """Force along z (k,) [mN] by which adhesion holds each surface node."""
+        return np.zeros(len(self.mesh.surface)) if self.adhesion is None else self.adhesion.hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +152,18 @@ class Workspace:
         )
 
 
+def advance_or_ease(
+    problem: Problem, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
+) -> State:
+    """Do what `advance` does; where attraction keeps it from converging, let that grow in parts."""
+    try:
+        return advance(problem, work, scale, state, time, load, guess)
+    except ConvergenceError:
+        if problem.adhesion is None:
+            raise
+    return grown(lambda eased, guess: advance(eased, work, scale, state, time, load, guess), problem, state)
+
+
 def advance(
     problem: Problem, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
 ) -> State:
@@ -158,7 +188,11 @@ def advance(
     contact = Contact.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
     free, search, geometric, coupling = mesh.equations >= 0, None, True, None
-    for iteration in range(ITERATIONS):
+    farthest, limit, delicate = np.inf, ITERATIONS, problem.adhesion is not None
+    if problem.adhesion is not None:
+        farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
+        limit = ADHESIVE_ITERATIONS
+    for iteration in range(limit):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= geometric
         corner = assemble(
@@ -173,6 +207,8 @@ def advance(
             displacement[free] += back[:-1]
             depth += back[-1]
             continue
+        if problem.adhesion is not None:
+            corner += attract(problem.adhesion, contact, work, force, geometric)
         work.border[:, 1] = work.border[:, 0]
         if problem.friction > 0.0:
             coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
@@ -193,7 +229,7 @@ def advance(
             depth += shorter * search.direction[-1]
             continue
         if coupling is None:
-            direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=False)
+            direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and delicate)
         else:
             direction = coupled_direction(work, coupling, forces, corner)
         if direction is None:
@@ -202,7 +238,9 @@ def advance(
             geometric, search = False, None
             continue
         geometric = True
+        if (largest := np.abs(direction).max()) > farthest:
+            direction *= farthest / largest
         search = Search.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
-    raise ConvergenceError(f"no equilibrium in {ITERATIONS} iterations (imbalance {norm:.1e})", time=state.time)
+    raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)

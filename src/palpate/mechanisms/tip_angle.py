@@ -11,11 +11,11 @@ from palpate.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Put the true half-angle in place of the nominal one."""
-    if not specification.indenter.half_angle:
-        shape = specification.indenter.shape
-        raise InputError(f"shape {shape} has no half-angle", remedy="use a cone", place="mechanisms.tip_angle")
-    return replace(specification, indenter=replace(specification.indenter, half_angle=values["half_angle"]))
+    """Put the true half-angle in place of the nominal one; a pyramid's is that of its equivalent cone."""
+    try:
+        return replace(specification, indenter=specification.indenter.of_half_angle(values["half_angle"]))
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, place="mechanisms.tip_angle") from None
 
 
 MECHANISM = Mechanism(

@@ -1,4 +1,7 @@
-"""Tip rounding: the apex of the cone is a spherical cap that runs tangentially into the flank."""
+"""Tip rounding: the apex of the cone is a spherical cap that runs tangentially into the flank.
+
+A pyramid's edges are rounded with the same radius.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +14,16 @@ from palpate.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Give the cone a cap."""
-    if not specification.indenter.half_angle:
-        shape = specification.indenter.shape
-        raise InputError(f"shape {shape} cannot be rounded", remedy="use a cone", place="mechanisms.tip_rounding")
-    rounded = replace(specification.indenter, shape="sphero_cone", radius=values["radius"])
-    return replace(specification, indenter=rounded)
+    """Give the cone or pyramid a cap."""
+    indenter = specification.indenter
+    if not (indenter.half_angle or indenter.face_angle):
+        raise InputError(
+            f"shape {indenter.shape} cannot be rounded",
+            remedy="use a cone or a pyramid",
+            place="mechanisms.tip_rounding",
+        )
+    shape = "sphero_cone" if indenter.half_angle else indenter.shape
+    return replace(specification, indenter=replace(indenter, shape=shape, radius=values["radius"]))
 
 
 MECHANISM = Mechanism(

@@ -1,0 +1,90 @@
+"""Adhesion in three dimensions: its own tangent, exact laws, and the axisymmetric solver on the same sphere."""
+
+import numpy as np
+import pytest
+
+from palpate.fem.adhesion import Adhesion
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.indent import indent
+from palpate.fem.mesh import Resolution
+from palpate.fem3d.adhesion import attract, nodal_areas
+from palpate.fem3d.contact import Contact
+from palpate.fem3d.indent import indent_3d
+from palpate.fem3d.mesh import wedge_mesh
+from palpate.fem3d.newton import Problem, State, Workspace
+from palpate.fem3d.shell import shell
+from palpate.fem3d.tip import tip_of
+from palpate.indenters import Indenter
+from palpate.materials import LAWS
+from palpate.protocol import trapezoid
+from palpate.specimen import Specimen
+from palpate.verification.materials import BURGERS, HOOKE
+
+COARSE = Resolution(growth=1.2, sectors=6)
+ELASTIC, EPOXY = LAWS["elastic"].coefficients(HOOKE), LAWS["nonlinear_burgers"].coefficients(BURGERS)
+TEST = trapezoid(1.0, 10.0, 2.0, 10.0, points=20)
+
+
+def test_areas_add_up_to_the_free_surface():
+    """A sixth of a disc, but for its straight edges and the nodes that the mesh holds."""
+    radii, sectors = 1.1 ** np.arange(30), 9
+    chords = np.sinc(1 / (2 * sectors) / 1.5)
+    inside = nodal_areas(wedge_mesh(radii, shell(sectors))).sum()
+    assert np.pi / 6 * radii[-2] ** 2 * chords < inside < np.pi / 6 * radii[-1] ** 2
+
+
+@pytest.mark.parametrize("curved", [False, True])
+@pytest.mark.parametrize("indenter", [Indenter("berkovich", face_angle=65.27), Indenter("sphere", radius=5e3)])
+def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
+    mesh, rng = wedge_mesh(1.6 ** np.arange(4), shell(3)), np.random.default_rng(4)
+    attraction = Adhesion.of(1e5, 4.0, 0.3, nodal_areas(mesh))
+    problem = Problem.of(mesh, tip_of(indenter), Specimen(ELASTIC), adhesion=attraction)
+    state, work, free = State.initial(problem), Workspace.of(problem), mesh.equations >= 0
+
+    def evaluate(x):
+        displacement = np.zeros((len(mesh.nodes), 3))
+        displacement[free] = x[:-1]
+        contact = Contact.resume(problem, state, state)
+        contact.large = curved
+        contact.follow(displacement, x[-1])
+        for array in (work.band, work.residual, work.border):
+            array[:] = 0.0
+        force = np.zeros((len(mesh.nodes), 3))
+        corner = attract(attraction, contact, work, force, True)
+        return np.append(work.residual, -force[:, 2].sum()), work.band.copy(), work.border[:, 0].copy(), corner
+
+    x = np.append(0.01 * rng.standard_normal(mesh.size), -0.05)
+    direction = rng.standard_normal(len(x))
+    _, band, border, corner = evaluate(x)
+    matrix = np.zeros((len(x), len(x)))
+    for j in range(mesh.size):
+        rows = band[j, : mesh.size - j]
+        matrix[j : j + len(rows), j] = rows
+    matrix = np.tril(matrix) + np.tril(matrix, -1).T
+    matrix[-1, :-1] = matrix[:-1, -1] = border
+    matrix[-1, -1] = corner
+    slope = (evaluate(x + 1e-6 * direction)[0] - evaluate(x - 1e-6 * direction)[0]) / 2e-6
+    assert matrix @ direction == pytest.approx(slope, rel=1e-5, abs=1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("large", [False, True])
+def test_a_sphere_clings_as_in_the_axisymmetric_solver(friction, large):
+    """What adhesion adds to the depth at the end of unloading, to 15 % on so coarse a mesh."""
+    sphere, gains = Indenter("sphere", radius=5e3, friction=friction), []
+    for solve, resolution in ((indent_3d, COARSE), (indent, RESOLUTIONS["standard"])):
+        dry, sticky = (solve(Specimen(EPOXY, adhesion=work), sphere, TEST, resolution, large) for work in (0.0, 100.0))
+        assert not dry.reason and not sticky.reason
+        gains.append((sticky.depth - dry.depth)[-1])
+    assert gains[0] == pytest.approx(gains[1], rel=0.15)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.25])
+def test_work_scales_with_the_depth_of_a_pyramid(friction):
+    """With the load fourfold and the work of adhesion doubled, depths double: the exact law of an energy per area."""
+    pyramid = Indenter("berkovich", face_angle=65.27, friction=friction)
+    one, other = (
+        indent_3d(Specimen(EPOXY, adhesion=work), pyramid, trapezoid(load, 30.0, 5.0, 30.0, points=20), COARSE).depth
+        for work, load in ((100.0, 1.0), (200.0, 4.0))
+    )
+    assert other == pytest.approx(2 * one, rel=1e-4)
