@@ -13,13 +13,12 @@ from palpate.challenge.cases import Case
 from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
-from palpate.laboratory import correlated_noise
+from palpate.laboratory import MESHES, correlated_noise
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate_batch
 from palpate.recording import Recording
 
 REPLICATES = 3
-MESHES = 4  # no real recording ripples as contact passes from node to node
 
 
 def body_depths(

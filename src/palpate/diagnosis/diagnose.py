@@ -24,7 +24,7 @@ from palpate.diagnosis.standing import (
     without_idle,
 )
 
-SCREENED, RIVALS, FAR = 40.0, 30.0, 200.0
+SCREENED, FAR = 40.0, 200.0
 OUTDONE = 10.0  # logarithm of the evidence behind another, from which neither rounds nor sharpening bring one back
 LEAST_REFINED, MOST_REFINED, MOST_REFINED_SETS = 3, 8, 5
 MOST_SETS = 12
@@ -109,19 +109,20 @@ def _refine_best(
 ) -> list[Candidate]:
     """Put the fits that promise most on the forward model, and some more where none passes; return all, best first.
 
-    Once one passes, only those matter that promise nearly as much. What promises far less than one that the forward
-    model has seen is left to the surrogates.
+    A promise is measured by what the forward model has shown of others, not by what these had promised: surrogates that
+    are hard to learn promise too much. What falls far behind is left to the surrogates, and once one passes, what falls
+    behind by so much that it would not stand beside it.
     """
     fits = sorted(fits, key=lambda fit: -fit.promise)
     done: list[Candidate] = []
-    near, far, least = fits[0].promise - SCREENED, -np.inf, -np.inf
+    near, far, least = -np.inf, -np.inf, -np.inf
     for k, fit in enumerate(fits):
         worth = fit.misfit < ABSURD * len(fit.residual) and fit.promise > far
         if (k < LEAST_REFINED and least == -np.inf and worth) or (k < most and fit.promise > max(near, least)):
             candidate = search.refined(fit, least)
+            near = max(near, candidate.fit.log_evidence - SCREENED)
             far = max(far, candidate.fit.log_evidence - FAR)
             if candidate.adequate(level):
-                near = max(near, fit.promise - RIVALS)
                 least = max(least, candidate.fit.log_evidence - OUTDONE)
             report(f"{'+'.join(fit.explanation)}: log evidence {fit.log_evidence:.1f}, {candidate.seen}")
         else:
