@@ -2,7 +2,11 @@
 
 import pytest
 
-from palpate.fem import similar
+from palpate.threads import one_thread_each
+
+one_thread_each()
+
+from palpate.fem import similar  # noqa: E402
 
 
 def pytest_configure(config):

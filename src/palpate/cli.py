@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 from palpate import __version__, commands
 from palpate.errors import InputError, PalpateError
+from palpate.threads import one_thread_each
 
 
 class Parser(argparse.ArgumentParser):
@@ -36,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
+    one_thread_each()
     parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
     parser.add_argument("--version", action="version", version=f"palpate {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND")

@@ -15,8 +15,10 @@ SOURCE = str(Path(workflow.basedir) / "src")
 os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [SOURCE, os.environ.get("PYTHONPATH")]))
 )
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")
+
+from palpate.threads import one_thread_each
+
+one_thread_each()
 
 from palpate import snapshots
 from palpate.checking import checked_study
