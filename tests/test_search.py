@@ -2,7 +2,9 @@
 
 from types import SimpleNamespace
 
-from palpate.diagnosis.diagnose import _sharpened
+import numpy as np
+
+from palpate.diagnosis.diagnose import _refine_best, _sharpened
 from palpate.diagnosis.search import Candidate
 
 LEVEL = 0.01
@@ -74,3 +76,35 @@ def test_what_fits_as_well_stands_though_it_could_have_explained_much_else():
     assert stand([frame, candidate("film_on_substrate", 72.0, occam=11.0)]) == ["frame_compliance", "film_on_substrate"]
     assert stand([frame, candidate("film_on_substrate", 72.0, occam=6.0)]) == ["frame_compliance"]
     assert stand([frame, candidate("film_on_substrate", 72.0, p_value=0.002, occam=11.0)]) == ["frame_compliance"]
+
+
+def refined(promises, proves):
+    """Return which keys go to the forward model, by what the surrogates promise and what it proves, if anything."""
+    fits = [
+        SimpleNamespace(explanation=(key,), promise=promise, log_evidence=promise, misfit=1.0, residual=np.zeros(10))
+        for key, promise in promises.items()
+    ]
+    asked = []
+
+    def refined(fit, least):
+        asked.append(fit.explanation[0])
+        return candidate(*fit.explanation, *proves.get(fit.explanation[0], (fit.promise, 0.0)))
+
+    found = _refine_best(SimpleNamespace(refined=refined), fits, 8, LEVEL, lambda said: None)
+    assert len(found) == len(fits)
+    return asked
+
+
+def test_a_rival_is_not_left_out_because_another_promised_too_much():
+    """A frame beside a film that is hard to learn: it promised far less than the film, yet more than that proved."""
+    promises = {"film_on_substrate": 300.0, "frame_compliance": 105.0, "friction": 80.0}
+    assert refined(promises, {"film_on_substrate": (100.0, 0.5), "frame_compliance": (104.0, 0.4)}) == [
+        "film_on_substrate",
+        "frame_compliance",
+    ]
+
+
+def test_what_falls_far_behind_is_left_to_the_surrogates():
+    promises = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
+    assert refined(promises, {}) == ["tip_angle", "tip_rounding", "friction", "adhesion"]
+    assert refined(promises, {"tip_angle": (100.0, 0.5)}) == ["tip_angle"], "it would not stand beside it"
