@@ -15,7 +15,7 @@ from palpate.errors import InputError
 from palpate.fem.mesh import Resolution
 from palpate.fem3d import newton
 from palpate.indenters import Indenter
-from palpate.model import sensitivities, simulate, simulate_batch, specification_from, states_at
+from palpate.model import sensitivities, simulate, simulate_batch, specification_from
 from palpate.snapshots import address
 
 SPEC = {
@@ -112,11 +112,9 @@ def test_what_it_does_not_know_is_refused_in_one_line(tmp_path, capsys, change, 
     assert words in lines[0]
 
 
-def test_derivatives_fields_and_decks_are_refused(tmp_path, capsys):
+def test_derivatives_and_decks_are_refused(tmp_path, capsys):
     with pytest.raises(InputError, match="derivatives"):
         sensitivities(PYRAMID, ["youngs_modulus"])
-    with pytest.raises(InputError, match="field"):
-        states_at(PYRAMID, [1.0])
     (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC))
     arguments = ["export", str(tmp_path / "spec.yaml"), "--format", "calculix", "-o", str(tmp_path / "deck.inp")]
     assert main(arguments) == 2

@@ -13,9 +13,10 @@ from palpate.fem.batch import Case
 from palpate.fem.batch_vector import LANES
 from palpate.fem.directions import Directions
 from palpate.fem.discretisation import RESOLUTIONS, ROUGH
+from palpate.fem.fields import Fields
 from palpate.fem.indent import History, indent
-from palpate.fem.newton import Problem, State
 from palpate.fem.similar import indent_distinct, length_ratio
+from palpate.fem3d.fields import fields_of
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
@@ -112,13 +113,14 @@ def _indent(
     solid: Specification,
     radii: np.ndarray | None = None,
     directions: Directions | None = None,
-    observe: Callable[[Problem, State], None] | None = None,
+    observe: Callable[[Any, Any], None] | None = None,
 ) -> History:
     large = solid.kinematics == "large"
     if not solid.indenter.of_revolution:
-        if directions or observe:
-            raise axisymmetric_only("derivatives of the depth" if directions else "a field", "indenter.shape")
-        return indent_3d(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS_3D[solid.accuracy], large, radii)
+        if directions:
+            raise axisymmetric_only("derivatives of the depth", "indenter.shape")
+        resolution = RESOLUTIONS_3D[solid.accuracy]
+        return indent_3d(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, observe)
     resolution = RESOLUTIONS[solid.accuracy]
     return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
 
@@ -178,13 +180,20 @@ def sensitivities(
     return _simulation(specification, [history]), np.stack(columns, axis=1)
 
 
-def states_at(specification: Specification, times: Iterable[float]) -> tuple[Problem, list[State]]:
+def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
+    """Simulate one indentation for displacement and stress at some times [s]; raises as `states_at`."""
+    problem, states = states_at(specification, times)
+    of = Fields.of if specification.indenter.of_revolution else fields_of
+    return [of(problem, state) for state in states]
+
+
+def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any, list[Any]]:
     """Simulate one indentation for the states of the body at some times [s].
 
     Returns
     -------
     problem
-        What does not change, such as the mesh.
+        What does not change, such as the mesh: that of `palpate.fem.newton` or of `palpate.fem3d.newton`.
     states
         One for each of the times, which are sorted.
 
@@ -203,9 +212,9 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Pro
             remedy="give times above zero, up to its end",
             place="time",
         )
-    found: list[tuple[Problem, State]] = []
+    found: list[tuple[Any, Any]] = []
 
-    def keep(problem: Problem, state: State) -> None:
+    def keep(problem: Any, state: Any) -> None:
         if np.abs(wanted - state.time).min() <= 1e-9 * protocol.knot_time[-1]:
             found.append((problem, state))
 

@@ -1,6 +1,7 @@
 """Fields in the body as files: a VTU for each moment, a PVD that lists them for ParaView, and a CSV for people.
 
-Points are undeformed, x = r and y = z in nm; ParaView's *Warp By Vector* with the displacement deforms them.
+Points are undeformed, in nm: x = r and y = z under a tip of revolution, x, y and z of the wedge under a pyramid.
+ParaView's *Warp By Vector* with the displacement deforms them.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import meshio
 import numpy as np
 import pandas as pd
 
-from palpate.fem.fields import COMPONENTS, Fields
+from palpate.fem.fields import Fields
+
+CELLS = {4: "quad", 8: "hexahedron"}  # by their corners
 
 
 def write(moments: Iterable[Fields], folder: Path) -> None:
@@ -33,17 +36,17 @@ def write(moments: Iterable[Fields], folder: Path) -> None:
 
 def mesh_of(fields: Fields) -> meshio.Mesh:
     """Return points in nm, displacement in nm, and mean stresses of the elements in GPa."""
-    flat = np.zeros(len(fields.mesh.nodes))
-    stress = fields.element_stress
+    stress, lacking = fields.element_stress, 3 - fields.displacement.shape[1]
+    nodes, displacement = (np.pad(each, ((0, 0), (0, lacking))) for each in (fields.mesh.nodes, fields.displacement))
     return meshio.Mesh(
-        np.column_stack([1e3 * fields.mesh.nodes, flat]),
-        [("quad", fields.mesh.elements)],
+        1e3 * nodes,
+        [(CELLS[fields.mesh.elements.shape[1]], fields.mesh.elements)],
         point_data={
-            "displacement_nm": np.column_stack([fields.displacement, flat]),
+            "displacement_nm": displacement,
             "contact": fields.touching.astype(np.int32),
         },
         cell_data={
             "von_mises_GPa": [fields.element_von_mises],
-            **{f"stress_{name}_GPa": [stress[:, k]] for k, name in enumerate(COMPONENTS)},
+            **{f"stress_{name}_GPa": [stress[:, k]] for k, name in enumerate(fields.components)},
         },
     )

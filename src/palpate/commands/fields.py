@@ -26,9 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate and write; exit code 1 when the solver fails."""
     from palpate import vtu
-    from palpate.fem.fields import Fields
     from palpate.figures import fields as figure
-    from palpate.model import specification_from, states_at
+    from palpate.model import fields_at, specification_from
     from palpate.yaml_file import read_yaml
 
     path = arguments.specification
@@ -36,11 +35,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output.is_file():
         raise InputError("is a file", remedy="name a folder", file=arguments.output)
     try:
-        problem, states = states_at(specification_from(values), arguments.time)
+        moments = fields_at(specification_from(values), arguments.time)
     except InputError as error:
         raise error.located(file=path) from None
     except PalpateError as error:
         raise PalpateError(f"{path}: {error}") from None
-    vtu.write([Fields.of(problem, state) for state in states], arguments.output)
+    vtu.write(moments, arguments.output)
     figure.draw(arguments.output, arguments.output / "fields.png")
     return 0

@@ -13,6 +13,7 @@ Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,24 +30,27 @@ class Fields:
 
     Attributes
     ----------
-    mesh : Mesh
+    mesh : Mesh or palpate.fem3d.mesh.Mesh
     time, depth, load : float
         [s], [nm], [mN]
-    displacement : ndarray, shape (n, 2)
-        Of the nodes, along r and z [nm].
-    stress : ndarray, shape (m, 4, 4)
-        Cauchy stress at the Gauss points of each element: rr, zz, hoop, rz [GPa].
+    displacement : ndarray, shape (n, 2) or (n, 3)
+        Of the nodes, along r and z or x, y and z [nm].
+    stress : ndarray, shape (m, g, c)
+        Cauchy stress at the Gauss points of each element: three normal components, then those of shear [GPa].
     touching : ndarray of bool, shape (n,)
         Nodes in contact.
+    components
+        Names of the components of stress.
     """
 
-    mesh: Mesh
+    mesh: Any
     time: float
     depth: float
     load: float
     displacement: np.ndarray
     stress: np.ndarray
     touching: np.ndarray
+    components: tuple[str, ...] = COMPONENTS
 
     @classmethod
     def of(cls, problem: Problem, state: State) -> Fields:
@@ -63,7 +67,7 @@ class Fields:
 
     @property
     def element_stress(self) -> np.ndarray:
-        """Mean stress of each element by volume (m, 4) [GPa]."""
+        """Mean stress of each element by volume (m, c) [GPa]."""
         weights = self.mesh.weights
         return np.einsum("eg,egi->ei", weights, self.stress) / weights.sum(axis=1)[:, None]
 
@@ -74,10 +78,10 @@ class Fields:
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
-    """Return sqrt(3/2 s:s) of stresses (..., 4) [GPa]."""
+    """Return sqrt(3/2 s:s) of stresses (..., c), three normal components before those of shear [GPa]."""
     deviator = stress.copy()
     deviator[..., :3] -= stress[..., :3].mean(axis=-1, keepdims=True)
-    return np.sqrt(1.5 * (deviator[..., :3] ** 2).sum(axis=-1) + 3.0 * deviator[..., 3] ** 2)
+    return np.sqrt(1.5 * (deviator[..., :3] ** 2).sum(axis=-1) + 3.0 * (deviator[..., 3:] ** 2).sum(axis=-1))
 
 
 def cauchy_stress(problem: Problem, state: State) -> np.ndarray:

@@ -12,9 +12,8 @@ import numpy as np
 from palpate.fem.adhesion import Adhesion
 from palpate.fem.newton import LinearSystem
 from palpate.fem3d.contact import Contact
-from palpate.fem3d.mesh import Mesh
+from palpate.fem3d.mesh import FACES, Mesh
 
-FACES = ((0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7))  # of a hexahedron
 TRIANGLES = ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))  # of a facet, divided along one diagonal or the other
 
 
