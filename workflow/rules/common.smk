@@ -15,6 +15,7 @@ SOURCE = str(Path(workflow.basedir) / "src")
 os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [SOURCE, os.environ.get("PYTHONPATH")]))
 )
+sys.path.insert(0, SOURCE)  # so that what is planned here is what scripts compute
 
 from palpate.threads import one_thread_each
 
