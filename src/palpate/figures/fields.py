@@ -71,12 +71,8 @@ def nodal(mesh: meshio.Mesh, name: str) -> np.ndarray:
 
 
 def _deformed(mesh: meshio.Mesh) -> np.ndarray:
-    """Return r and z (n, 2) of the points where they have moved to [um]."""
-    return _polar(mesh, 1e-3 * (mesh.points + mesh.point_data["displacement_nm"]))
-
-
-def _polar(mesh: meshio.Mesh, points: np.ndarray) -> np.ndarray:
-    """Return r and z (n, 2) of points (n, 3), which hold them already in a plane mesh."""
+    """Return r and z (n, 2) of the points where they have moved to [um]; a plane mesh holds them as they are."""
+    points = 1e-3 * (mesh.points + mesh.point_data["displacement_nm"])
     if mesh.cells[0].type == "quad":
         return points[:, :2]
     return np.column_stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]])
