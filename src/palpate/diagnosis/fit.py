@@ -24,6 +24,7 @@ DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense a
 STEP = 1e-4
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)
 TRIALS = 32
+PAST_KINKS = (-0.05, -0.01, 0.01, 0.05)  # of the range of a delay: from where beside an optimum a search begins again
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +166,21 @@ def solve(
     """Find the best coordinates within `radius` of any of the given starts by bounded least squares."""
     correction = correction or Correction.none(len(problem.mean), problem.dimensions(explanation))
     found = [minimised(Fit(problem, explanation, z, errors, correction, tuple(laws)), radius) for z in starts]
-    return spread_own_values(min(found, key=lambda fit: fit.misfit), radius)
+    best = min(found, key=lambda fit: fit.misfit)
+    again = [minimised(replace(best, z=z), radius) for z in _past_kinks(best, radius)]
+    return spread_own_values(min([best, *again], key=lambda fit: fit.misfit), radius)
+
+
+def _past_kinks(fit: Fit, radius: float) -> list[np.ndarray]:
+    """Return coordinates to either side of a fit's, within `radius`, where an effect delays the curve.
+
+    As the delay passes a sample, the depth there stops falling as steeply as a root begins: a kink, in which a search
+    stays that comes from one side.
+    """
+    own = fit.problem.parts(fit.explanation, np.arange(len(fit.z)))[1]
+    delays = [k for key, numbers in own.items() if MECHANISMS[key].shortcut for k in numbers]
+    steps = np.array([off * np.eye(len(fit.z))[k] for k in delays for off in PAST_KINKS if abs(off) <= radius])
+    return list(np.clip(fit.z + steps, 0.0, 1.0)) if delays else []
 
 
 def minimised(fit: Fit, radius: float) -> Fit:

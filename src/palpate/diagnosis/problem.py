@@ -196,7 +196,14 @@ class Problem:
         return np.concatenate(whole, axis=1)
 
     def jacobian(self, explanation: Explanation, z: np.ndarray, step: float = 1e-4) -> np.ndarray:
-        """Return the slope (n_all, k) of the curves by the coordinates z (k,), by central differences."""
+        """Return the slope (n_all, k) of the curves by the coordinates z (k,), by differences.
+
+        Where a curve has a kink, as where a lag passes a sample before which nothing was loaded, it is the slope of the
+        flatter side: that of the mean would be one of a wall, and keep a search from leaving along the flat side.
+        """
         steps = step * np.eye(len(z))
-        ahead, behind = np.split(self.curves(explanation, np.vstack([z + steps, z - steps])), 2)
-        return (ahead - behind).T / (2 * step)
+        here, ahead, behind = np.split(self.curves(explanation, np.vstack([z, z + steps, z - steps])), [1, 1 + len(z)])
+        ahead, behind = (ahead - here) / step, (here - behind) / step
+        flatter = np.where(np.abs(ahead) < np.abs(behind), ahead, behind)
+        smooth = np.abs(ahead - behind) <= np.abs(flatter)
+        return np.where(smooth, 0.5 * (ahead + behind), flatter).T
