@@ -76,6 +76,6 @@ def test_a_search_leaves_the_kink_of_a_sample(sample, beyond):
 def test_the_slope_in_a_kink_is_that_of_the_flatter_side():
     problem, here = task(np.zeros((1, len(TIME)))), np.array([0.4, TIME[0] / LARGEST])
     slope = problem.jacobian(LAG, here)[:, 1]
-    ahead = problem.jacobian(LAG, here + [0.0, 1e-3])[:, 1]
+    ahead = problem.jacobian(LAG, here + np.array([0.0, 1e-3]))[:, 1]
     assert slope[0] == 0.0
     assert slope[2:20] == pytest.approx(ahead[2:20], rel=0.02)
