@@ -54,14 +54,14 @@ def task(depth):
     return Problem((CONDITION,), observed, SPACE, {"a": Cone()}, effects, fine, SCALE)
 
 
-def solved(lag, start):
+def solved(lag, start, radius=0.3):
     """Return the truth's coordinates and the fit that a search from some coordinates ends at."""
     truth = np.array([0.4, lag / LARGEST])
     curve = task(np.zeros((1, len(TIME)))).curves(LAG, truth[None])
     problem = task(curve + 0.3 * np.random.default_rng(3).standard_normal((4, len(TIME))))
     none = np.zeros(len(TIME))
     found = errors(problem, LAG, none, noise_of(problem, (), none, 0.01), 0.001)
-    return truth, solve(problem, LAG, found, [np.asarray(start)], radius=0.3)
+    return truth, solve(problem, LAG, found, [np.asarray(start)], radius=radius)
 
 
 @pytest.mark.parametrize("beyond", [0.01, 0.1])
@@ -79,3 +79,8 @@ def test_the_slope_in_a_kink_is_that_of_the_flatter_side():
     ahead = problem.jacobian(LAG, here + np.array([0.0, 1e-3]))[:, 1]
     assert slope[0] == 0.0
     assert slope[2:20] == pytest.approx(ahead[2:20], rel=0.02)
+
+
+def test_a_search_within_a_small_radius_stays_there():
+    truth, fit = solved(1.0, [0.4, 0.505], radius=0.005)
+    assert fit.z == pytest.approx(truth, abs=0.006)

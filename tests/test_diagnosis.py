@@ -251,29 +251,33 @@ def test_location_points_at_the_part_that_differs():
     assert first["residual_nm"] > 0
 
 
-def test_the_sharp_tips_law_notices_an_instrument_but_no_material():
-    """The closed form here obeys the law but for its constant; two tests of one shape, one with a compliant frame."""
+def pair_of_tests(compliance, replicates):
+    """Return two tests of one shape, by a closed form that obeys the law but for its constant and a compliant frame."""
     pair = [
         Condition(name, "calibrate", trapezoid(load, 20, 10, 20, points=60)) for name, load in (("p", 1.0), ("q", 4.0))
     ]
-    rng = np.random.default_rng(4)
-    found = []
-    for compliance in (0.0, 8.0):
-        observed = {}
-        for condition in pair:
-            time, load = condition.protocol.sample_time, condition.protocol.sample_load
-            flow = np.cumsum(load * np.diff(time, prepend=0.0))
-            depth = 500 * np.sqrt(load + 0.01 * flow) + compliance * load
-            rows = [depth * (1 + 0.01 * rng.standard_normal()) + rng.standard_normal(60) for _ in range(4)]
-            observed[condition.name] = Observation(time, np.array(rows), "calibrate")
-        base, ones = {c.name: ClosedForm(c) for c in pair}, {c.name: np.ones(60) for c in pair}
-        space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
-        task = Problem(tuple(pair), observed, space, base, {c.name: {} for c in pair}, ones, SCALE)
-        (row,) = similarity(fitted(task))
-        found.append(row)
-    assert found[0]["p_value"] > 0.01
-    assert found[1]["p_value"] < 1e-3
-    assert found[1]["difference_percent"] > 0.5
+    rng, observed = np.random.default_rng(4), {}
+    for condition in pair:
+        time, load = condition.protocol.sample_time, condition.protocol.sample_load
+        flow = np.cumsum(load * np.diff(time, prepend=0.0))
+        depth = 500 * np.sqrt(load + 0.01 * flow) + compliance * load
+        rows = [depth * (1 + 0.01 * rng.standard_normal()) + rng.standard_normal(60) for _ in range(replicates)]
+        observed[condition.name] = Observation(time, np.array(rows), "calibrate")
+    base, ones = {c.name: ClosedForm(c) for c in pair}, {c.name: np.ones(60) for c in pair}
+    space = Space({"modulus": (0.7, 1.4), "fluidity": (0.0, 0.03)})
+    return Problem(tuple(pair), observed, space, base, {c.name: {} for c in pair}, ones, SCALE)
+
+
+def test_the_sharp_tips_law_notices_an_instrument_but_no_material():
+    quiet, framed = (similarity(fitted(pair_of_tests(compliance, 4)))[0] for compliance in (0.0, 8.0))
+    assert quiet["p_value"] > 0.01
+    assert framed["p_value"] < 1e-3
+    assert framed["difference_percent"] > 0.5
+
+
+def test_the_law_of_a_sharp_tip_is_tested_without_replicates_too():
+    (row,) = similarity(fitted(pair_of_tests(8.0, 1)))
+    assert 0.0 <= row["p_value"] <= 1.0
 
 
 def test_segments_of_a_trapezoid():
@@ -334,6 +338,8 @@ def test_a_set_whose_search_stopped_early_goes_on_where_a_larger_one_ended(monke
     (resumed,) = _resumed(search, standing, [*standing, stopped], lambda line: None)
     assert resumed.fit.log_likelihood > stopped.fit.log_likelihood
     assert without_idle(standing, [resumed]) == []
+    another = Candidate(search.extended(drift, "zero_offset"), p_value=1.0, confirmed=True)
+    assert len(_resumed(search, [*standing, another], [*standing, another, stopped], lambda line: None)) == 1
     found_well = Candidate(drift, p_value=1.0, confirmed=True)
     assert _resumed(search, standing, [*standing, found_well], lambda line: None) == []
 
@@ -359,3 +365,15 @@ def test_what_lies_at_the_edge_of_the_search_is_said():
     assert f"frame_compliance.compliance {0.3 * unit:.3g}" in at_edges(fitted(soft, ("frame_compliance",)))
     wide = replace(soft, scale=replace(SCALE, stated={"frame_compliance": {"compliance": [0.0, 4.0 * unit]}}))
     assert at_edges(fitted(wide, ("frame_compliance",))) == []
+
+
+@pytest.mark.parametrize(
+    ("key", "own", "said"),
+    [("tip_angle", [0.0], ["half_angle"]), ("tip_rounding", [0.0], []), ("second_voigt", [0.0, 0.5, 0.0], ["time"])],
+)
+def test_an_effect_that_does_not_vanish_at_a_lower_end_may_want_to_go_further(key, own, said):
+    fit = replace(
+        fitted(problem(recordings(np.random.default_rng(3)))), explanation=(key,), z=np.array([0.5, 0.5, *own])
+    )
+    found = at_edges(fit)
+    assert len(found) == len(said) and all(word in name for word, name in zip(said, found, strict=True))

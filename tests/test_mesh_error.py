@@ -10,7 +10,7 @@ import yaml
 from palpate import snapshots
 from palpate.config import load_study
 from palpate.diagnosis.design import amplitudes, middle, plan, refinements, scale_of
-from palpate.diagnosis.effects import fit_effects, linear
+from palpate.diagnosis.effects import depth_ratio, fit_effects, linear
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate, smooth
 
@@ -70,3 +70,7 @@ def test_yielding_comes_out_as_on_the_fine_mesh(study, tmp_path):
     off, before = (np.sqrt(np.mean((depth / true - 1.0)[deep] ** 2)) for depth in (corrected, rough))
     assert off < 0.5 * study.calibration["solver_error"]
     assert off < 0.5 * before
+
+
+def test_where_a_body_is_unloaded_no_mesh_errs():
+    assert depth_ratio(np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15])) == pytest.approx([1.01, 1.01, 1.0])

@@ -151,3 +151,18 @@ def test_a_held_out_test_that_cannot_be_simulated_is_left_out(monkeypatch):
     assert set(table["condition"]) == {"a"}
     assert failed == {"b": "no equilibrium in 40 iterations"}
     assert {row["condition"] for row in recording_values(study, observed, fit)["zero_offset.offset"]} == {"a"}
+
+
+def test_values_that_differ_between_tests_count_in_the_means_where_replicates_agree():
+    rates = dict(zip("abcd", (0.17, -0.1, -0.17, 0.1), strict=True))
+    observed = recordings(np.random.default_rng(4), lambda c, r: (0.4 + rates[c.name]) * c.protocol.sample_time)
+    fit = fitted(task(observed), ("thermal_drift",))
+    assert fit.errors.between["thermal_drift"] > 10.0 * fit.errors.noise.variances["thermal_drift"]
+    curves = fit.problem.split(fit.curve)
+    mean = fit.problem.amplitudes(fit.explanation, fit.z)["thermal_drift"]["rate"]
+    found, departed = [], []
+    for condition in CONDITIONS:
+        added = in_mean(STUDY, fit, condition, curves[condition.name], observed[condition.name])
+        found.append(added[-1] / condition.protocol.sample_time[-1])
+        departed.append(0.4 + rates[condition.name] - mean)
+    assert np.dot(found, departed) > 0.4 * np.dot(departed, departed)

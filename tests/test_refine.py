@@ -127,23 +127,42 @@ def test_a_bent_valley_is_followed_and_its_length_seen(forward):
     assert high - middle > 1.5 * (middle - low)
 
 
+def bare(condition, factor):
+    """Return a problem of one condition that knows of the mesh's error alone, and its material's space."""
+    time = condition.protocol.sample_time
+    space = Space({name: (min(levels), max(levels)) for name, levels in STUDY.levels.items()})
+    observed, none = {condition.name: Observation(time, np.zeros((1, len(time))))}, {condition.name: {}}
+    factors = {condition.name: np.full(len(time), factor)}
+    return Problem((condition,), observed, space, {}, none, factors, scale_of(STUDY)), space
+
+
 @pytest.mark.parametrize(("key", "own", "within"), [("second_voigt", 3, 0.01), ("plastic_yield", 2, 0.05)])
 def test_changes_by_a_third_of_the_points_are_those_of_all(key, own, within):
     condition = STUDY.conditions[0]
-    time = condition.protocol.sample_time
-    space = Space({name: (min(levels), max(levels)) for name, levels in STUDY.levels.items()})
-    task = Problem(
-        (condition,),
-        {condition.name: Observation(time, np.zeros((1, len(time))))},
-        space,
-        {},
-        {condition.name: {}},
-        {condition.name: np.linspace(1.02, 1.01, len(time))},
-        scale_of(STUDY),
-    )
+    task, space = bare(condition, np.linspace(1.02, 1.01, len(condition.protocol.sample_time)))
     at = np.full(space.dimensions + own, 0.4)
     place = at + np.append([0.1, -0.1, 0.05, 0.1], np.full(own, 0.1))
-    fit = Fit(task, (key,), at, None, Correction.none(len(time), len(at)))
+    fit = Fit(task, (key,), at, None, Correction.none(1, len(at)))
     there, here = (np.concatenate(refine.simulated_at(STUDY, [condition], fit, z)) for z in (place, at))
     change = sharpen.changes_from(STUDY, fit, np.array([at, place]))[1]
     assert change == pytest.approx(there - here, abs=within * np.abs(there - here).max())
+
+
+def test_an_optimum_beyond_a_grid_of_one_parameter_ends_the_search_at_its_edge(forward):
+    forward(lambda condition, z: 0.0)
+    task = problem(recordings(np.random.default_rng(11)))
+    task = replace(task, space=Space({"modulus": (1.05, 1.4), "fluidity": (0.01, 0.01)}))
+    assert refine.refine(STUDY, fitted(task), nothing).z == pytest.approx([0.0], abs=refine.MARGIN)
+
+
+def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds():
+    condition = STUDY.conditions[0]
+    task, space = bare(condition, 1.02)
+    z, key = np.append(np.full(space.dimensions, 0.4), 0.9), ("zero_offset",)
+    offset = task.amplitudes(key, z)["zero_offset"]["offset"]
+    fits = [Fit(task, found, at, None, Correction.none(1, len(at))) for found, at in (((), z[:-1]), (key, z))]
+    body, recorded = (refine.simulated_at(STUDY, [condition], fit, fit.z)[0] for fit in fits)
+    assert recorded - body == pytest.approx(np.full_like(body, offset))
+    second = np.append(z[:-1], 0.4)
+    changed = sharpen.changes_from(STUDY, fits[1], np.array([z, second]))[1]
+    assert changed == pytest.approx(np.full_like(body, task.amplitudes(key, second)["zero_offset"]["offset"] - offset))

@@ -116,7 +116,7 @@ def components_under(
 
 
 def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float) -> dict[str, float]:
-    """Return the variances that count where nothing is replicated; of a plausible range, a tenth."""
+    """Return the variances that count where most conditions are not repeated; of a plausible range, a tenth."""
     assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2, "background": (0.3 * BACKGROUND) ** 2}
     for key in keys:
         assumed[key] = (0.1 * problem.largest(key)) ** 2
@@ -124,7 +124,7 @@ def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float
 
 
 def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
-    """Fit the noise with components for `keys`; the `residual` (n_all,) serves where nothing is replicated."""
+    """Fit the noise with components for `keys`; a `residual` (n_all,) serves where most conditions are not repeated."""
     if problem.replicated:
         found = noise_between_replicates(problem, keys, site_scatter)
         return found.spread(problem.repeated, len(problem.conditions))

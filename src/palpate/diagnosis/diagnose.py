@@ -141,14 +141,18 @@ def _resumed(
     the coordinate of an effect that does nothing led.
     """
     stopped = {frozenset(each.fit.explanation): each.fit for each in reversed(tried) if each.confirmed}
-    resumed = []
+    starts: dict[frozenset[str], Fit] = {}
     for candidate in standing:
         for key in candidate.fit.explanation:
             start = search.without(candidate.fit, key)
-            fit = stopped.get(frozenset(start.explanation))
-            if fit and start.log_likelihood > fit.log_likelihood:
-                resumed.append(search.refined(start))
-                report(f"{'+'.join(start.explanation)} again: {resumed[-1].seen}")
+            members = frozenset(start.explanation)
+            best = starts.get(members, stopped.get(members))
+            if best and start.log_likelihood > best.log_likelihood:
+                starts[members] = start
+    resumed = []
+    for start in starts.values():
+        resumed.append(search.refined(start))
+        report(f"{'+'.join(start.explanation)} again: {resumed[-1].seen}")
     return resumed
 
 

@@ -20,6 +20,8 @@ from palpate.errors import PalpateError
 from palpate.mechanisms import Mechanism
 from palpate.surrogate import PODRBF
 
+NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
+
 
 @dataclass(frozen=True, eq=False)
 class Effects:
@@ -125,7 +127,7 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
         on_usual, on_fine = curve(usual), curve(fine)
         if not np.isfinite([on_usual, on_fine]).all():
             raise PalpateError(f"the middle material could not be simulated under {condition.name}")
-        return on_fine / on_usual
+        return depth_ratio(on_fine, on_usual)
 
     usual, fine = refinement(study, condition)
     factor = mesh_factor(usual, fine)
@@ -154,6 +156,12 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
             mesh=linear(*zip(*further, strict=True)) if further else None,
         )
     return Effects(fitted, factor, curve(usual))
+
+
+def depth_ratio(depth: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return one depth curve (n,) over another [nm]; one where the other has come out of the body again."""
+    deep = np.abs(other) > NO_DEPTH * np.abs(other).max()
+    return np.divide(depth, other, out=np.ones_like(depth), where=deep)
 
 
 def linear(coordinates: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:

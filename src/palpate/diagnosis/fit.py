@@ -179,8 +179,8 @@ def _past_kinks(fit: Fit, radius: float) -> list[np.ndarray]:
     """
     own = fit.problem.parts(fit.explanation, np.arange(len(fit.z)))[1]
     delays = [k for key, numbers in own.items() if MECHANISMS[key].shortcut for k in numbers]
-    steps = np.array([off * np.eye(len(fit.z))[k] for k in delays for off in PAST_KINKS if abs(off) <= radius])
-    return list(np.clip(fit.z + steps, 0.0, 1.0)) if delays else []
+    steps = [off * np.eye(len(fit.z))[k] for k in delays for off in PAST_KINKS if abs(off) <= radius]
+    return [np.clip(fit.z + step, 0.0, 1.0) for step in steps]
 
 
 def minimised(fit: Fit, radius: float) -> Fit:

@@ -11,7 +11,7 @@ trades with says why.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import unchanged_specification
 
 EVEN = 1.0 / 3.0
+SHOWN, SHOWN_BEFOREHAND = 0.75, 4.0 / 3.0  # of a range; variance of even values in units of it from the middle
 COARSE = 0.01
 REMEDIES = {
     "thermal_drift": "a hold of a minute or more at a few per cent of the load after unloading",
@@ -92,7 +93,7 @@ def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for key in filter(_only_adds, keys):
         place = names.index(key)
-        value, slope = _amplitude(fit, key, place) if key in fit.explanation else (0.0, 1.0)
+        value, slope = fit.problem.amplitude(fit.explanation, fit.z, key) if key in fit.explanation else (0.0, 1.0)
         correlation = joined.covariance[place] / (deviation * deviation[place])
         correlation[place] = 0.0
         other = int(np.argmax(np.abs(correlation)))
@@ -133,11 +134,12 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     white = fit.whiten(design)
     prior = np.append(np.full(own, 1.0 / PRIOR_VARIANCE), [1.0 / extra.variance for extra in extras])
     precision, pull = white.T @ white + np.diag(prior), white.T @ fit.white
+    every = (*fit.explanation, *(extra.key for extra in extras))
+    fit = replace(fit, laws=tuple(law for law in fit.laws if law.holds_under(every)))
     precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
     pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
-    every = (*fit.explanation, *(extra.key for extra in extras))
     for place, extra in enumerate(extras, own):
-        for law in [law for law in fit.laws if law.key == extra.key and law.holds_under(every)]:
+        for law in [law for law in fit.laws if law.key == extra.key]:
             precision[place, place] += law.weight(0.0) ** 2
             pull[place] -= law.weight(0.0) * law.departure(0.0)
     covariance = np.linalg.inv(precision)
@@ -145,25 +147,19 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
 
 
 def _extra(fit: Fit, key: str) -> Extra:
-    """Return a mechanism as an effect that joins; one that acts on the body is taken at the middle of its range."""
+    """Return a mechanism as an effect that joins; one that acts on the body is taken at three quarters of its range.
+
+    In the middle a tip of another angle, or a substrate of another modulus, may be what the base model has.
+    """
     if _only_adds(key):
-        (plausible,) = MECHANISMS[key].searched(fit.problem.scale).values()
-        return Extra(key, _unit_column(fit, key), EVEN * plausible.upper**2)
+        return Extra(key, _unit_column(fit, key), EVEN * fit.problem.largest(key) ** 2)
     u = fit.problem.parts(fit.explanation, fit.z)[0]
-    middle = np.full(mechanism_dimensions(MECHANISMS[key], fit.problem.scale), 0.5)
-    return Extra(key, fit.problem.effect(key, u, middle)[0], EVEN)
+    there = np.full(mechanism_dimensions(MECHANISMS[key], fit.problem.scale), SHOWN)
+    return Extra(key, fit.problem.effect(key, u, there)[0], SHOWN_BEFOREHAND)
 
 
 def _unit_column(fit: Fit, key: str) -> np.ndarray:
     return np.concatenate([fit.problem.unit_effect(key, condition) for condition in fit.problem.conditions])
-
-
-def _amplitude(fit: Fit, key: str, place: int) -> tuple[float, float]:
-    """Return the amplitude that an explanation gives a mechanism, and its slope by its coordinate."""
-    ends = [np.where(np.arange(len(fit.z)) == place, end, fit.z) for end in (0.0, 1.0)]
-    name = MECHANISMS[key].parameters[0].name
-    value, low, high = (fit.problem.amplitudes(fit.explanation, z)[key][name] for z in (fit.z, *ends))
-    return value, high - low
 
 
 def _coordinates(fit: Fit) -> list[str]:

@@ -167,7 +167,6 @@ def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
     covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
     if fit.laws:
         z = np.clip(z + covariance @ white.T @ fit.white, 0.0, 1.0)
+    value, slope = problem.amplitude(fit.explanation, z, law.key)
     (place,) = problem.parts(fit.explanation, np.arange(len(z)))[1][law.key]
-    ends = [np.where(np.arange(len(z)) == place, end, z) for end in (0.0, 1.0)]
-    value, low, high = (problem.amplitudes(fit.explanation, at)[law.key][law.parameter] for at in (z, *ends))
-    return value, (high - low) * float(np.sqrt(covariance[place, place]))
+    return value, slope * float(np.sqrt(covariance[place, place]))

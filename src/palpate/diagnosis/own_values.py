@@ -81,7 +81,8 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.depth), [], []
     for key in varying(fit.explanation):
-        spread = noise.variances[key] / count if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
+        shown = noise.variances[key] / count + fit.errors.between.get(key, 0.0)
+        spread = shown if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
         if spread > 0:
             columns.append(fit.problem.unit_effect(key, condition))
             spreads.append(spread)

@@ -125,20 +125,34 @@ class Problem:
         own = self.parts(explanation, z)[1]
         return {key: amplitudes(MECHANISMS[key], self.scale, x) for key, x in own.items()}
 
+    def amplitude(self, explanation: Explanation, z: np.ndarray, key: str) -> tuple[float, float]:
+        """Return the value of the only parameter of a mechanism at coordinates z (k,), and its slope by its own."""
+        (place,) = self.parts(explanation, np.arange(len(z)))[1][key]
+        (name,) = (parameter.name for parameter in MECHANISMS[key].parameters)
+        ends = [np.where(np.arange(len(z)) == place, end, z) for end in (0.0, 1.0)]
+        value, low, high = (self.amplitudes(explanation, at)[key][name] for at in (z, *ends))
+        return value, high - low
+
     def recorded_effect(self, key: str, condition: Condition, values: Mapping[str, float]) -> np.ndarray:
         """Return what a mechanism adds to the depth that the instrument writes (n_points,) [nm]."""
         protocol = condition.protocol
         none = np.zeros(len(protocol.sample_time))
         return MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, none, values)
 
+    def recorded(self, explanation: Explanation, condition: Condition, z: np.ndarray) -> np.ndarray:
+        """Return what the instrument adds to the depth under a condition (n_points,), at coordinates z (k,) [nm]."""
+        values = self.amplitudes(explanation, z)
+        effects = [self.recorded_effect(key, condition, values[key]) for key in explanation]
+        return np.sum([np.zeros(len(condition.protocol.sample_time)), *effects], axis=0)
+
     def unit_effect(self, key: str, condition: Condition) -> np.ndarray:
         """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm]."""
         return self.recorded_effect(key, condition, {p.name: 1.0 for p in MECHANISMS[key].parameters})
 
     def largest(self, key: str) -> float:
-        """Return the largest plausible value of a mechanism that varies, which has a single parameter."""
+        """Return the largest plausible value, of either sign, of a mechanism that has a single parameter."""
         (plausible,) = MECHANISMS[key].searched(self.scale).values()
-        return plausible.upper
+        return max(abs(plausible.lower), abs(plausible.upper))
 
     def effect(self, key: str, u: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the effect of one mechanism on all conditions (m, n_all).

@@ -68,13 +68,17 @@ def depth_of(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
 def on_fine_mesh(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
     """Return the curve [nm] of a simulation, with the mesh's correction for an explanation at coordinates z.
 
+    It is the body's depth that the mesh errs by, not what the instrument adds.
+
     Raises
     ------
     PalpateError
         When the solver failed.
     """
-    _, amplitudes = fit.problem.parts(fit.explanation, z)
-    return depth_of(outcome, condition, fit) * fit.problem.mesh_factor(condition, amplitudes)
+    problem = fit.problem
+    added = problem.recorded(fit.explanation, condition, z)
+    body = depth_of(outcome, condition, fit) - added
+    return body * problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1]) + added
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:
@@ -118,6 +122,8 @@ def _followed(study: Study, best: Fit, lacking: Callable[[Fit], float], least: f
         if kept * promised < WORTH * lacking(proposed):
             return best
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
+        if np.array_equal(z, best.z):
+            return proposed
         try:
             tried = replace(proposed, z=z, correction=best.correction.moved(z, missed_by_surrogates(study, best, z)))
         except PalpateError:

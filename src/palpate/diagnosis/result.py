@@ -27,6 +27,7 @@ from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 
 COARSE = 0.01
+SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 
 def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
@@ -119,7 +120,8 @@ def limits(study: Study, problem: Problem) -> list[str]:
             "There is a single condition: effects of load, rate and time cannot be told apart by comparison, so no "
             "effect but the instrument's is named alone."
         )
-    if len({round(c.protocol.max_load, 9) for c in problem.conditions}) == 1:
+    loads = [condition.protocol.max_load for condition in problem.conditions]
+    if max(loads) < SAME_LOAD * min(loads):
         said.append(
             "All tests reach the same load: an effect with a length (rounding, film, size effect) or of the frame can "
             "hide in the material's parameters."

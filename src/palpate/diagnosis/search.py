@@ -88,7 +88,7 @@ class Search:
         self._hear(quietest.residual)
 
     def _hear(self, residual: np.ndarray) -> None:
-        """Take a residual (n_all,) for noise where nothing is replicated."""
+        """Take a residual (n_all,) for noise where most conditions are not repeated."""
         self._heard = residual
         self._noise: dict[tuple[str, ...], NoiseModel] = {}
 

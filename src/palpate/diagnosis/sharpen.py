@@ -48,10 +48,13 @@ def sharpen(study: Study, fit: Fit) -> Fit:
         places = np.vstack([fit.z, places.clip(MARGIN, 1.0 - MARGIN)])
         curves = fit.curve + changes_from(study, fit, places)
         found = _downhill(study, fit, Local.through(fit.curve, places, curves, axes, straight))
-        settled = _within(found.z - fit.z, found.posterior, region)
-        fit, region = found, found.posterior
+        grew, directions = eigh(found.posterior, region)
+        moved = np.sqrt((found.z - fit.z) @ np.linalg.solve(region, found.z - fit.z) / len(fit.z))
+        settled = moved <= LEFT and grew[-1] <= GREW**2
+        fit = found
         if settled:
             break
+        region = _grown(region, grew, directions)
     return spread_own_values(minimised(fit, RADIUS), RADIUS)
 
 
@@ -68,9 +71,9 @@ def _downhill(study: Study, fit: Fit, local: Local) -> Fit:
     fit, radius = replace(fit, local=local), RADIUS
     for _ in range(STEPS):
         proposed = minimised(fit, radius)
-        if 2.0 * (proposed.log_likelihood - fit.log_likelihood) < SETTLED:
-            break
         z = np.clip(proposed.z, MARGIN, 1.0 - MARGIN)
+        if 2.0 * (proposed.log_likelihood - fit.log_likelihood) < SETTLED or np.array_equal(z, fit.z):
+            break
         curve = np.concatenate(simulated_at(study, fit.problem.conditions, fit, z))
         tried = replace(fit, z=z, local=local.moved(z, curve))
         if tried.log_likelihood > fit.log_likelihood:
@@ -80,10 +83,18 @@ def _downhill(study: Study, fit: Fit, local: Local) -> Fit:
     return fit
 
 
-def _within(step: np.ndarray, posterior: np.ndarray, region: np.ndarray) -> bool:
-    """Return whether a step (k,) stayed within a design over a region (k, k), and so does the posterior there."""
-    moved = np.sqrt(step @ np.linalg.solve(region, step) / len(step))
-    return bool(moved <= LEFT and eigh(posterior, region, eigvals_only=True)[-1] <= GREW**2)
+def _grown(region: np.ndarray, grew: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Return the extent (k, k) of the next design: what grew by more than was foreseen is taken to do so again.
+
+    Parameters
+    ----------
+    region : ndarray, shape (k, k)
+        The extent of the last one.
+    grew : ndarray, shape (k,)
+        By how much variances turned out greater than it, along `directions` (k, k), in whose coordinates it is one.
+    """
+    wider = region @ directions
+    return (wider * np.where(grew > GREW**2, grew**2, grew)) @ wider.T
 
 
 def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
@@ -99,14 +110,14 @@ def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     """
     problem = fit.problem
     short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
-    wanted = [(z, condition) for z in places for condition in short]
-    specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition in wanted]
+    wanted = [(z, *pair) for z in places for pair in zip(short, problem.conditions, strict=True)]
+    specifications = [smooth(specification_at(study, condition, fit, z)) for z, condition, _ in wanted]
     outcomes = simulate_batch(specifications, roughly=True)
     curves = []
-    for (z, condition), outcome in zip(wanted, outcomes, strict=True):
-        every = problem.observed[condition.name].time
-        spread = interpolation(condition.protocol.sample_time, every)
+    for (z, condition, whole), outcome in zip(wanted, outcomes, strict=True):
+        body = depth_of(outcome, condition, fit) - problem.recorded(fit.explanation, condition, z)
+        spread = interpolation(condition.protocol.sample_time, whole.protocol.sample_time)
         factor = problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1])
-        curves.append(depth_of(outcome, condition, fit) @ spread.T * factor)
+        curves.append(body @ spread.T * factor + problem.recorded(fit.explanation, whole, z))
     rows = np.concatenate(curves).reshape(len(places), -1)
     return rows - rows[0]

@@ -11,6 +11,7 @@ import itertools
 from typing import Any
 
 import numpy as np
+from scipy.stats import chi2
 from scipy.stats import f as variance_ratio
 
 from palpate.diagnosis.fit import Fit
@@ -32,7 +33,6 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
     """
     problem = fit.problem
     repeats = sum(len(problem.observed[c.name].depth) - 1 for c in problem.conditions)
-    freedom = repeats if problem.replicated else np.inf
     blocks = fit.errors.blocks(fit.errors.noise)
     found = []
     for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):
@@ -46,12 +46,13 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
         solved = np.linalg.solve(covariance, np.column_stack([trends, difference]))
         information, score = trends.T @ solved[:, :-1], trends.T @ solved[:, -1]
         statistic = float(score @ np.linalg.solve(information, score))
+        known = variance_ratio(DEGREE + 1, repeats) if problem.replicated else chi2(DEGREE + 1, scale=1 / (DEGREE + 1))
         deep = first > 0.05 * first.max()
         found.append(
             {
                 "conditions": [one.name, two.name],
                 "difference_percent": float(100 * np.mean(difference[deep] / first[deep])),
-                "p_value": float(variance_ratio.sf(statistic / (DEGREE + 1), DEGREE + 1, freedom)),
+                "p_value": float(known.sf(statistic / (DEGREE + 1))),
             }
         )
     return sorted(found, key=lambda row: row["p_value"])
