@@ -36,7 +36,7 @@ ORDER = [
     {"diagnosis"},
     {"stated"},
     {"steps", "reading", "verification", "challenge", "draft"},
-    {"thesis", "real", "checking"},
+    {"thesis", "real", "checking", "doubts"},
     {"tracking"},
     {"commands"},
     {"cli"},

@@ -12,12 +12,20 @@ import yaml
 
 from palpate import model
 from palpate.cli import main
+from palpate.recording import Recording
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+}
+ELASTIC = {
+    "study": "el",
+    "material": {"model": "elastic", "poisson_ratio": 0.3},
+    "parameters": {"youngs_modulus": [2.0, 4.0]},
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "conditions": [{"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
 }
 
 
@@ -61,7 +69,7 @@ def test_bad_command_lines(tmp_path, monkeypatch, refused, arguments, words):
     [
         ("a: 1\nb: [\n", "line 3"),
         ("material: {}\nindenter: {}\nmaterial: {}\n", "line 3: is not valid YAML (key 'material' is given twice)"),
-        (b"\xff\xfe\x00", "not a text file"),
+        (b"\xff\xfe\x00", "is not text in UTF-8"),
         ("? [a]\n: 1\n", "line 1: is not valid YAML (a key is no word)"),
         ("", "table of keys"),
         ("- 1\n", "table of keys"),
@@ -86,6 +94,11 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
             {"mechanisms": ["tip_rounding"], "snapshots": 8},
             "diagnosis.snapshots: 8 is too few to learn tip_",
         ),
+        (
+            "diagnosis",
+            {"reference": {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [-24.5], "uncertainty": 0.02}},
+            "diagnosis.reference.area: the area is not positive",
+        ),
         ("calibration", {"population": 202}, "calibration.subpopulations: population 202 cannot be split into 4"),
     ],
 )
@@ -94,6 +107,38 @@ def test_what_cannot_be_done_later_is_found_by_check(tmp_path, refused, section,
     file = tmp_path / "study.yaml"
     file.write_text(yaml.safe_dump(study | {section: settings}))
     assert f"{file}, {words}" in refused("check", file)
+
+
+@pytest.mark.parametrize(
+    ("concealed", "words"),
+    [
+        ({"second_voigt": {"coefficient": 0.1, "exponent": 0.3, "retardation_time": 5}}, "no Voigt element to add to"),
+        ({"controller_lag": {"lag": 100}}, "lag: lag = 100 s is not shorter than the test"),
+    ],
+)
+def test_what_a_laboratory_cannot_conceal_is_found_by_check(tmp_path, refused, concealed, words):
+    file = tmp_path / "study.yaml"
+    laboratory = {"lab": {"parameters": {"youngs_modulus": 3.2}, "mechanisms": concealed}}
+    writes = {"recordings": {"lab": "results/el/recordings/lab"}, "laboratory": laboratory}
+    file.write_text(yaml.safe_dump(ELASTIC | writes))
+    line = refused("check", file)
+    assert words in line and f"{file}, laboratory.lab.mechanisms." in line
+
+
+def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
+    """One begins far from contact; one goes on after the load has ended that the condition follows."""
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    time = np.linspace(0.0, 40.0, 81)
+    load = np.minimum(time / 20.0, 2.0 - time / 20.0)
+    for name, kept, offset in (("A_1", time <= 30.0, 0.0), ("A_2", time <= 40.0, 400.0)):
+        Recording(time[kept], load[kept], 400.0 * np.sqrt(load[kept]) + offset).write(folder / f"{name}.csv")
+    study = ELASTIC | {"conditions": [{"name": "A", "load_history": "recorded"}], "recordings": {"lab": str(folder)}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    assert main(["check", str(tmp_path / "study.yaml")]) == 0
+    said = capsys.readouterr().out
+    assert "A_2.csv begins at a depth of 400 nm, not at contact" in said
+    assert "A_2.csv lasts 40 s, the recorded load that its condition follows ends after 30 s" in said
 
 
 @pytest.mark.parametrize("folder", ["mine", ".", "results", "results/trial", "results/trial/lab"])

@@ -108,6 +108,9 @@ def test_defaults_and_order(tmp_path):
             "source",
             "no test of condition 'P2' is named",
         ),
+        ({"design": {"points": 64}}, "design.points", "add kind: sobol"),
+        ({"surrogate": {"energy": 0.99, "n_modes": 5}}, "surrogate.energy", "keep one"),
+        ({"indenter": STUDY["indenter"] | {"poisson_ratio": 0.07}}, "indenter.poisson_ratio", "add its modulus"),
         ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
     ],
 )
@@ -231,6 +234,25 @@ def test_a_load_history_that_is_none_is_refused_with_its_place(tmp_path, conditi
     with pytest.raises(InputError) as caught:
         load(tmp_path, conditions=[{"name": "P", **condition}])
     assert caught.value.place.endswith(place)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"time_s,load_mN\n0,0\n30,1,5\n60,0\n", "line 3: '30,1,5' is not two numbers"),
+        ("time_s,load_mN\n0,0\n30,1\n60,0\n".encode("utf-16"), "is not text in UTF-8"),
+    ],
+)
+def test_a_load_history_that_would_be_misread_is_refused(tmp_path, content, words):
+    (tmp_path / "load.csv").write_bytes(content)
+    with pytest.raises(InputError, match=words):
+        load(tmp_path, conditions=[{"name": "P1_T30", "load_history": str(tmp_path / "load.csv")}])
+
+
+def test_a_load_history_may_begin_with_the_mark_of_a_spreadsheet(tmp_path):
+    (tmp_path / "load.csv").write_text("time_s,load_mN\n0,0\n30,1.5\n60,0\n", encoding="utf-8-sig")
+    study = load(tmp_path, conditions=[{"name": "P1_T30", "load_history": str(tmp_path / "load.csv")}])
+    assert study.conditions[0].protocol.max_load == 1.5
 
 
 @pytest.mark.parametrize(

@@ -238,6 +238,12 @@ def test_recordings_that_were_not_fetched_are_told_before_anything_runs(tmp_path
     assert "Traceback" not in run.stderr
 
 
+def test_keys_of_a_study_are_not_given_on_the_command_line(tmp_path):
+    run = snakemake(copied(tmp_path), "--dry-run", "--config", "points=50")
+    assert run.returncode == 2
+    assert "palpate: --config points: only data=FILE may be given there" in run.stderr
+
+
 def test_a_study_under_a_pyramid_is_planned_without_a_diagnosis(tmp_path):
     pyramid = {"indenter": {"shape": "berkovich"}, "kinematics": "small", "diagnosis": {"enabled": False}}
     rules = planned(copied(tmp_path), study=TINY | pyramid)

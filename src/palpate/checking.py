@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from palpate.area_function import AreaFunction
 from palpate.config import Study, load_study
 from palpate.diagnosis.design import PAIRS_FOR_EACH, candidates, pairs
 from palpate.errors import InputError
 from palpate.observations import check_given, written_by_workflow
 from palpate.steps import settings_of
+from palpate.variation import acting
+
+UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
 
 
 def checked_study(path: str | Path, data: str | None = None) -> Study:
@@ -26,6 +33,8 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
     """
     study = load_study(path, data=data)
     _check_folders(study)
+    _check_concealed(study)
+    _check_reference(study)
     check_given(study)
     try:
         settings_of(study)
@@ -59,6 +68,33 @@ def _check_folders(study: Study) -> None:
                 remedy=f"give it results/{study.name}/recordings/{name}, or leave out what writes it",
                 file=study.file,
                 place=f"recordings.{name}",
+            )
+
+
+def _check_concealed(study: Study) -> None:
+    """Refuse what a virtual laboratory conceals where it cannot act; raises `InputError`."""
+    for name, settings in study.laboratory.items():
+        for condition in study.conditions:
+            specification = study.specification(settings["parameters"], condition)
+            try:
+                acting(replace(specification, mechanisms=settings.get("mechanisms", {})))
+            except InputError as error:
+                where = ".".join(filter(None, (f"laboratory.{name}", error.place or "mechanisms")))
+                problem = f"{error.problem} ({condition.name})"
+                raise InputError(problem, remedy=error.remedy, file=study.file, place=where) from None
+
+
+def _check_reference(study: Study) -> None:
+    """Refuse a reference whose tip has no area where tests unload; raises `InputError`."""
+    if given := study.diagnosis.get("reference"):
+        depth = np.geomspace(*UNLOADED, 100)
+        area = AreaFunction(tuple(given["area"])).area(depth)
+        if area[0] <= 0.0 or np.any(np.diff(area) <= 0.0):
+            raise InputError(
+                f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
+                remedy="give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm",
+                file=study.file,
+                place="diagnosis.reference.area",
             )
 
 

@@ -19,7 +19,7 @@ from palpate.mechanisms import checked_mechanisms
 from palpate.parameters import Parameter
 from palpate.protocol import Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
-from palpate.recording import Recording, condition_of, read_recording, recording_files
+from palpate.recording import Recording, condition_of, read_load_history, read_recording, recording_files
 from palpate.schema import check_schema, suggestion, with_defaults
 from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
@@ -170,6 +170,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(
             f"{values['study']!r} is the name of a folder of results", remedy="choose another name", place="study"
         )
+    _check_contradictions(values)
     settings = with_defaults(values, schema)
     material = dict(values["material"])
     model = material.pop("model")
@@ -263,6 +264,23 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
     return source
 
 
+def _check_contradictions(values: Mapping[str, Any]) -> None:
+    """Refuse keys that another key makes idle: what a user writes must count; raises `InputError`."""
+    design, surrogate = values.get("design", {}), values.get("surrogate", {})
+    if "points" in design and design.get("kind") != "sobol":
+        raise InputError(
+            "the grid of levels has no number of points", remedy="add kind: sobol, or leave it out",
+            place="design.points",
+        )  # fmt: skip
+    if "energy" in surrogate and surrogate.get("n_modes") is not None:
+        raise InputError("n_modes takes its place", remedy="keep one of them", place="surrogate.energy")
+    if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
+        raise InputError(
+            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
+            place="indenter.poisson_ratio",
+        )  # fmt: skip
+
+
 def _check_laboratories(study: Study) -> None:
     for key, settings in study.laboratory.items():
         place = f"laboratory.{key}"
@@ -349,7 +367,7 @@ def _load_history(
 ) -> Recording:
     """Return the recording whose load a condition follows."""
     if entry["load_history"] != "recorded":
-        return read_recording_columns(Path(entry["load_history"]))
+        return read_load_history(Path(entry["load_history"]))
     if entry["name"] in source.get("conditions", [source.get("condition")]):
         return tests()[entry["name"]][0].recording
     for folder in recordings.values():
@@ -361,24 +379,6 @@ def _load_history(
         remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
         place=place,
     )
-
-
-def read_recording_columns(path: Path) -> Recording:
-    """Read a load history: a recording, or a CSV of ``time_s,load_mN`` alone."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    body = [line for line in lines if line.strip() and not line.startswith("#")]
-    if not body or body[0].strip() != "time_s,load_mN":
-        return read_recording(path)
-    try:
-        rows = [[float(cell) for cell in line.split(",")] for line in body[1:]]
-        return Recording([row[0] for row in rows], [row[1] for row in rows], [0.0] * len(rows))  # type: ignore[arg-type]
-    except (ValueError, IndexError) as error:
-        raise InputError("has a line that is not two numbers", remedy="write time_s,load_mN", file=path) from error
-    except InputError as error:
-        raise error.located(file=path) from None
 
 
 def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:

@@ -13,6 +13,7 @@ import numpy as np
 from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
+LOAD_HISTORY = "time_s,load_mN"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3
@@ -183,23 +184,64 @@ def read_recording(path: str | Path) -> Recording:
     return replace(recording, stiffness=measured.stiffness)
 
 
+def read_load_history(path: Path) -> Recording:
+    """Read a load history: a recording, or a CSV of ``time_s,load_mN`` alone; raises `InputError` likewise."""
+    body = _body(_lines_of(path))
+    if not body or body[0][1].strip() != LOAD_HISTORY:
+        return read_recording(path)
+    time, load = _numbers(body[1:], 2, path).T
+    try:
+        return Recording(time, load, np.zeros_like(load), path.stem)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
+    return recording_in(_lines_of(path), path)
+
+
+def _lines_of(path: Path) -> list[str]:
+    """Return the lines of a text file; raises `InputError`."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        return path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
         raise InputError(
             "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
         ) from error
-    return recording_in(lines, path)
+
+
+def _body(lines: Sequence[str]) -> list[tuple[int, str]]:
+    """Return the numbered lines that are neither empty nor comments."""
+    return [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+
+
+def _numbers(body: Sequence[tuple[int, str]], width: int, path: Path) -> np.ndarray:
+    """Return the numbers (n, width) in numbered lines; raises `InputError` with the first line that holds others."""
+    rows = []
+    for number, line in body:
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != width:
+            columns = {2: "time and load", 3: "time, load and depth"}.get(width, "time, load, depth and stiffness")
+            raise InputError(
+                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[width - 2]} numbers",
+                remedy=f"write {columns} with decimal points",
+                file=path,
+                place=f"line {number}",
+            )
+        rows.append(row)
+    return np.reshape(rows, (-1, width))
 
 
 def recording_in(lines: Sequence[str], path: Path) -> Recording:
     """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
     notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
-    body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    body = _body(lines)
     if not body:
         raise InputError("the recording is empty", remedy="export the test again", file=path)
     number, header = body[0]
@@ -217,22 +259,8 @@ def recording_in(lines: Sequence[str], path: Path) -> Recording:
             file=path,
             place=f"line {number}",
         )
-    rows, width = [], len(header.split(","))
-    for number, line in body[1:]:
-        try:
-            row = [float(cell) for cell in line.split(",")]
-        except ValueError:
-            row = []
-        if len(row) != width:
-            raise InputError(
-                f"{line.strip()[:40]!r} is not {'three' if width == 3 else 'four'} numbers",
-                remedy="write time, load and depth with decimal points",
-                file=path,
-                place=f"line {number}",
-            )
-        rows.append(row)
+    time, load, depth, *stiffness = _numbers(body[1:], len(header.split(",")), path).T
     try:
-        time, load, depth, *stiffness = np.reshape(rows, (-1, width)).T
         return Recording(time, load, depth, path.stem, notes, stiffness[0] if stiffness else None)
     except InputError as error:
         raise error.located(file=path) from None

@@ -43,7 +43,7 @@ def read_yaml(path: str | Path) -> Any:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
-        raise InputError("is not a text file", remedy="give a YAML file", file=path) from error
+        raise InputError("is not text in UTF-8", remedy="save it as UTF-8, or give a YAML file", file=path) from error
     except yaml.YAMLError as error:
         mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
         raise InputError(

@@ -33,6 +33,14 @@ STUDY_FILE = (
 )
 DATA = config.get("data") if workflow.configfiles else None
 
+if others := set(workflow.config_settings.config) - {"data"}:
+    print(
+        f"palpate: --config {' '.join(sorted(others))}: only data=FILE may be given there; "
+        "write the study's keys in its file",
+        file=sys.stderr,
+    )
+    sys.exit(2)
+
 
 @functools.cache
 def checked(file, data):

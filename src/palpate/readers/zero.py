@@ -93,12 +93,17 @@ def _check_signs(name: str, recording: Recording) -> None:
 
 
 def _off_zero(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where a test begins before zero depth, or beyond it without load: contact is elsewhere."""
+    """Return a warning where contact is elsewhere than where a test begins."""
+    if not begins_off_contact(recording):
+        return ()
+    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact (--contact auto finds the touch)",)
+
+
+def begins_off_contact(recording: Recording) -> bool:
+    """Return whether a test begins before zero depth, or beyond it without load."""
     load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
     far = OFF_ZERO * (depth[peak] - depth[0])
-    if depth[0] >= -far and (depth[0] <= far or load[0] > BARELY_LOADED * load[peak]):
-        return ()
-    return (f"begins at a depth of {depth[0]:.4g} nm, not at contact (--contact auto finds the touch)",)
+    return bool(depth[0] < -far or (depth[0] > far and load[0] <= BARELY_LOADED * load[peak]))
 
 
 def _loaded_before(load: np.ndarray, begin: int) -> tuple[str, ...]:

@@ -1,0 +1,38 @@
+"""What is odd about recordings that are sound: said before anything is simulated, and left to the user."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from palpate.config import Study
+from palpate.observations import find, written_by_workflow
+from palpate.readers.zero import begins_off_contact
+from palpate.recording import Recording, read_recording
+
+LONGER = 1.05  # ratio of durations beyond which something of a test is left out
+
+
+def doubts(study: Study, name: str) -> Iterator[str]:
+    """Say where tests of set `name` begin elsewhere than at contact, or last longer than the load that is followed."""
+    if written_by_workflow(study, name):
+        return
+    for condition, files in find(study, name).items():
+        tests = [read_recording(file) for file in files]
+        for test in filter(begins_off_contact, tests):
+            yield (
+                f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
+                "(`palpate read --contact auto` finds the touch)"
+            )
+        if study.condition(condition).follows:
+            yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
+
+
+def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
+    """Say which tests go on after the load history has ended that their condition follows, after a `duration` [s]."""
+    for test in tests:
+        lasts = float(test.from_contact().time[-1])
+        if lasts > LONGER * duration:
+            yield (
+                f"{test.name}.csv lasts {lasts:.4g} s, the recorded load that its condition follows ends after "
+                f"{duration:.4g} s: what comes later does not count (the first file by name is followed)"
+            )
