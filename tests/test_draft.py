@@ -104,7 +104,7 @@ def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys)
     assert main(["draft", *files, files[0], "-o", "my study", "--law", "elastic"]) == 0
     told = capsys.readouterr()
     assert "2 of P1_T20, 2 of P2_T20, 2 of P4_T20" in told.out
-    assert "the same recording from day 1, 1.0 mN, site 1.csv" in told.err
+    assert f"the same recording as {files[0]}, day 1, 1.0 mN, site 1; left out" in told.err
     study = load_study("my study/study.yaml")
     assert study.name == "my_study"
     roles = {condition.name: condition.role for condition in study.conditions}

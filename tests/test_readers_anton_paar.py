@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from test_readers import ANON, needs_recordings
 
 from palpate.cli import main
 from palpate.errors import InputError
@@ -116,7 +117,7 @@ def test_a_test_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, s
 @pytest.mark.parametrize(
     ("spoilt", "warning", "count"),
     [
-        (blank(400, 600, 2, 3), "200 of 600 points of the load left out: the depth has none there", 400),
+        (blank(500, 600, 2, 3), "100 of 600 points of the load left out: the depth has none there", 500),
         (blank(100, 101, 3), "depth: 1 of 600 points left out: no number (point 101)", 600),
         (blank(0, 0) + 0.1 * (np.arange(600) == 100)[:, None] * [-50, 0, 0, 0], "load: 1 of 600 points left out: "
          "time goes back (point 101)", 599),
@@ -142,3 +143,45 @@ def test_a_gap_in_the_depth_is_not_bridged(tmp_path):
     gap[:300] = ONE[np.r_[:100, 400:600], 2:]
     with pytest.raises(InputError, match=r"A: the depth has no point from 9.9 to 40 s, the load has 301"):
         read_vendor_file(write(tmp_path, columns(np.hstack([ONE[:, :2], gap]), *named("A"))))
+
+
+@pytest.mark.parametrize(
+    ("points", "stated", "told"),
+    [
+        (600, ("5,00 \tmN", "500,00 nm"), []),
+        (600, ("5,05 mN", "509 nm"), []),
+        (600, ("?", "510,3 furlong"), []),
+        (600, ("5,2 mN", "0,5 \tµm"), ["the largest load is 5 mN, the file states Fmax = 5,2 mN"]),
+        (600, ("5000 µN", "600 nm"), ["the largest depth is 500 nm, the file states hmax = 600 nm"]),
+        (320, ("5,00 mN", "500,00 nm"), ["ends under 4.683 of 5 mN, not unloaded"]),
+        (500, ("5,00 mN", "500,00 nm"), []),
+        (
+            201,
+            ("5,00 mN", "500,00 nm"),
+            [
+                "the largest load is 3.333 mN, the file states Fmax = 5,00 mN",
+                "the largest depth is 333.3 nm, the file states hmax = 500,00 nm",
+                "ends under 3.333 of 3.333 mN, not unloaded",
+            ],
+        ),
+    ],
+)
+def test_a_file_that_ends_before_its_own_largest_load_or_the_unloading_is_told(tmp_path, points, stated, told):
+    results = "Fmax=\t{}\n   hmax=\t{}\nTime (s)".format(*stated)
+    (test,) = read_vendor_file(write(tmp_path, single(ONE[:points]).replace("Time (s)", results)))
+    assert test.warnings == tuple(f"{words}; the file may be cut off" for words in told)
+
+
+def test_each_of_the_tests_side_by_side_that_is_not_unloaded_is_told(tmp_path, capsys):
+    whole = np.column_stack([TIME, np.interp(TIME, [0, 15, 30], [0, 5, 0]), TIME, DEPTH])
+    file = write(tmp_path, columns(np.hstack([ONE, whole])[:350], *named("A", "B")))
+    assert main(["read", str(file), "-o", str(tmp_path)]) == 0
+    words = "ends under 4.183 of 5 mN, not unloaded; the file may be cut off"
+    assert capsys.readouterr().err == f"palpate: {file}, A: {words}\n"
+    assert words in read_recording(tmp_path / "A.csv").notes
+
+
+@needs_recordings
+@pytest.mark.parametrize("file", [ANON, *sorted(ANON.parents[1].glob("gukin94/*.TXT"))])
+def test_whole_files_are_not_told_to_be_cut_off(file):
+    assert [test.warnings for test in read_each(file) if test.warnings] == []

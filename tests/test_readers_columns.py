@@ -114,6 +114,43 @@ def test_separators_of_thousands_are_read(tmp_path, written, delimiter):
     assert test.warnings == ()
 
 
+@pytest.mark.parametrize("parting", ["'", "\u2019", "\u2009", "\u202f", "\xa0"])
+@pytest.mark.parametrize(("delimiter", "comma"), [(",", "."), (";", ","), ("\t", "."), (" ", "."), (" ", ",")])
+@pytest.mark.parametrize("decimals", [0, 1])
+def test_blanks_and_apostrophes_part_thousands(tmp_path, parting, delimiter, comma, decimals):
+    depth = np.round(3e4 * PATH, decimals)
+    signs = str.maketrans({"_": parting, ".": comma})
+    rows = [[f"{x:_.{decimals}f}".translate(signs) for x in row] for row in zip(TIME, FORCE, depth, strict=True)]
+    file = tmp_path / "x.csv"
+    file.write_text("\n".join(delimiter.join(row) for row in [["t", "P", "h"], *rows]), encoding="utf-8")
+    (test,) = read_vendor_file(file, columns=SHORT)
+    assert test.recording.depth == pytest.approx(depth)
+    assert test.recording.load == pytest.approx(np.round(FORCE, decimals))
+    assert test.warnings == ()
+
+
+def test_the_apostrophe_of_windows_parts_thousands(tmp_path):
+    file = tmp_path / "x.csv"
+    file.write_bytes("t;P;h\n0;0;0\n1;1;1’000.5\n2;2;1’234’567\n".encode("cp1252"))
+    (test,) = read_vendor_file(file, columns=SHORT)
+    assert test.recording.depth == pytest.approx([0, 1000.5, 1234567])
+
+
+@pytest.mark.parametrize("cell", ["1'00", "1''000", "0'001", "1'000’000", "12'3456", "1'000e3"])
+def test_an_apostrophe_elsewhere_makes_no_number(tmp_path, cell):
+    (tmp_path / "x.csv").write_text(f"t;P;h\n0;0;0\n1;1;{cell}\n2;2;2\n")
+    with pytest.raises(InputError, match=r"line 3: .* is not three numbers"):
+        read_vendor_file(tmp_path / "x.csv", columns=SHORT)
+
+
+@pytest.mark.parametrize("blank", ["\xa0", "\u202f"])
+def test_blanks_that_break_no_line_part_columns_where_no_others_do(tmp_path, blank):
+    lines = ["t P h", *(f"{k} {k / 2} {100 + k}" for k in range(5))]
+    (tmp_path / "x.txt").write_text("\n".join(lines).replace(" ", blank), encoding="utf-8")
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=SHORT)
+    assert test.recording.depth == pytest.approx(100 + np.arange(5))
+
+
 @pytest.mark.parametrize("row", ["2;2;1.143", "2;2;1,143"])
 def test_a_decimal_sign_that_the_table_does_not_tell_is_refused(tmp_path, row):
     file = tmp_path / "x.csv"
@@ -156,8 +193,8 @@ def test_rows_are_left_out_with_a_word(tmp_path, changes, warning, capsys):
     ("changes", "words"),
     [
         (
-            {k: f"{k},{100 - k},1'000" for k in range(90, 101)},
-            r"line 92: .90, 10, 1.000. is not three numbers; 11 of 101",
+            {k: f"{k},{100 - k},1'00" for k in range(90, 101)},
+            r"line 92: .90, 10, 1.00. is not three numbers; 11 of 101",
         ),
         ({k: f"{k - 50},1,1" for k in range(60, 70)}, r"line 62: .10, 1, 1. does not come later .* 10 of 101 rows"),
         (dict.fromkeys(range(1, 101), "a,b,c"), "line 2: is the only row of numbers"),

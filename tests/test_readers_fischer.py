@@ -66,3 +66,11 @@ def test_a_spoilt_test_costs_only_itself(tmp_path):
 def test_a_series_without_tests_is_refused_in_one_line(tmp_path, bodies, capsys):
     assert main(["read", str(export(tmp_path, *bodies)), "-o", str(tmp_path / "out")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_series_that_is_cut_off_in_its_last_test_says_so(tmp_path):
+    file = export(tmp_path, body(), body())
+    file.write_bytes(b"".join(file.read_bytes().splitlines(keepends=True)[:-250]))
+    whole, cut = read_each(file)
+    assert whole.warnings == ()
+    assert cut.warnings == ("ends under 255.9 of 300 mN, not unloaded; the file may be cut off",)

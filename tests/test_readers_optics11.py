@@ -58,3 +58,12 @@ def test_without_contact_of_the_instrument_the_load_tells_it(tmp_path):
 def test_the_vendors_channels_are_final(tmp_path):
     with pytest.raises(InputError, match="final channels only"):
         read_vendor_file(export(tmp_path), corrections=frozenset())
+
+
+def test_a_file_that_ends_before_the_retreat_is_told_to_be_cut_off(tmp_path):
+    file = export(tmp_path)
+    file.write_text("".join(file.read_text().splitlines(keepends=True)[:300]))
+    (test,) = read_vendor_file(file)
+    assert test.warnings[0].startswith("ends under")
+    assert test.warnings[0].endswith("not unloaded; the file may be cut off")
+    assert read_vendor_file(export(tmp_path))[0].warnings == ()

@@ -1,11 +1,11 @@
 """Tables that hold several tests below one another."""
 
 import pytest
-from tables import FORCE, PATH, SHORT, TIME
+from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
 from palpate.errors import InputError
-from palpate.readers import read_each, read_vendor_file
+from palpate.readers import ColumnMap, read_each, read_vendor_file
 from palpate.readers.vendor import Unreadable
 
 
@@ -22,16 +22,19 @@ ONE = (TIME, FORCE / 1e3, 1e3 * PATH)
 OTHER = (TIME[:40], FORCE[:40] / 2e3, 900 * PATH[:40])
 
 
+@pytest.mark.parametrize("columns", [SHORT, NUMBERED])
 @pytest.mark.parametrize("workbook", [False, True])
-def test_tests_below_one_another_under_the_same_header_are_read_each(tmp_path, workbook):
+def test_tests_below_one_another_under_the_same_header_are_read_each(tmp_path, workbook, columns):
     file = tmp_path / "x.csv"
-    lines = below_one_another(ONE, OTHER, ONE).splitlines()
+    lines = below_one_another(ONE, OTHER, ONE, heading="t (s),P (mN),h (nm)").splitlines()
+    if columns is SHORT:
+        lines = [line.replace(" (s)", "").replace(" (mN)", "").replace(" (nm)", "") for line in lines]
     if workbook:
         cells = [[cell if not cell[:1].isdigit() else float(cell) for cell in line.split(",")] for line in lines]
         write_workbook(file, {"x": cells})
     else:
         file.write_text("\n".join(lines))
-    tests = read_vendor_file(file, columns=SHORT)
+    tests = read_vendor_file(file, columns=columns)
     assert [test.name for test in tests] == ["x_1", "x_2", "x_3"]
     for test, (time, load, depth) in zip(tests, (ONE, OTHER, ONE), strict=True):
         assert test.warnings == ()
@@ -52,11 +55,12 @@ def test_one_spoilt_test_of_those_below_one_another_costs_only_itself(tmp_path):
     assert second.recording.time == pytest.approx(TIME)
 
 
-def test_a_header_repeated_within_a_test_parts_nothing(tmp_path):
+@pytest.mark.parametrize("columns", [SHORT, ColumnMap(NUMBERED.names, SHORT.units)])
+def test_a_header_repeated_within_a_test_parts_nothing(tmp_path, columns):
     file = tmp_path / "x.csv"
     first, second = (tuple(channel[half] for channel in ONE) for half in (slice(30), slice(30, None)))
     file.write_text(below_one_another(first, second))
-    (test,) = read_vendor_file(file, columns=SHORT)
+    (test,) = read_vendor_file(file, columns=columns)
     assert test.recording.time == pytest.approx(TIME)
 
 
@@ -65,3 +69,13 @@ def test_tests_below_one_another_under_other_headers_are_refused(tmp_path):
     file.write_text(below_one_another(ONE) + below_one_another(OTHER, heading="t,P,H"))
     with pytest.raises(InputError, match="write each of several tests to a file of its own"):
         read_vendor_file(file, columns=SHORT)
+
+
+@pytest.mark.parametrize("heading", ["t (s),P (mN),h (nm)", "s,mN,nm"])
+def test_by_number_the_names_above_the_numbers_alone_part_tests(tmp_path, heading):
+    """A line of units parts nothing, nor does a header that first comes below numbers."""
+    file = tmp_path / "x.csv"
+    text = below_one_another(ONE, OTHER, heading=heading).splitlines()
+    file.write_text("\n".join(["0,0,0", *text] if "t" in heading else text))
+    with pytest.raises(InputError, match=r"rows cannot be used.*write each of several tests to a file of its own"):
+        read_vendor_file(file, columns=NUMBERED)

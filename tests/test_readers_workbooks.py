@@ -1,16 +1,17 @@
 """Workbooks: the order and the units of their sheets, spoilt sheets beside good ones, contact without a marker."""
 
+import zipfile
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_readers import XP, needs_recordings
+from test_readers import KLA, XP, needs_recordings
 from workbooks import write_workbook
 
 from palpate.cli import main
 from palpate.errors import InputError
 from palpate.observations import convert_source
-from palpate.readers import read_each, read_vendor_file, select
+from palpate.readers import ColumnMap, read_each, read_source, read_vendor_file, select
 from palpate.recording import read_recording
 
 TIME = np.linspace(-20, 60, 801)
@@ -168,6 +169,51 @@ def test_a_unit_of_another_quantity_is_refused(tmp_path, channels, name, unit, k
         read_vendor_file(file)
 
 
+def test_what_the_workbook_says_is_copied_as_it_was_meant(tmp_path):
+    """A heading torn at its comma is one again, and units whose UTF-8 was read as Latin-1 are mended."""
+    said = [
+        ["Test", "Rate", "Drift? (1-Y", "0-N)", "X", "Area", "Prüfung (A) of", "B)"],
+        ["", "Hz", " Integer", "Âµm", "nmÂ²", "Î¼m", "", ""],
+        ["1", 10, 1, 0.5, 7, 8, 9, ""],
+    ]
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": kla(), "Results": said})
+    (test,) = read_vendor_file(file)
+    assert test.metadata == {
+        "Rate [Hz]": "10", "Drift? (1-Y, 0-N) [Integer]": "1", "X [µm]": "0.5", "Area [nm²]": "7",
+        "Prüfung (A) of [μm]": "8", "B)": "9",
+    }  # fmt: skip
+
+
+@needs_recordings
+def test_the_comments_of_a_kla_workbook_are_whole():
+    facts = read_vendor_file(KLA)[0].metadata
+    assert facts["Drift Correction? (1-Y, 0-N) [Integer]"] == "1"
+    assert facts["Poisson's Ratio of Sample [None]"] == "0.188"
+    assert facts["X_Position [µm]"] == "129010.98"
+
+
+@pytest.mark.parametrize(
+    ("sheets", "words"),
+    [
+        ({"Test 1": KLA_UNITS, "Test 2": KLA_UNITS}, "holds no stiffness by oscillation; no column is added"),
+        ({"Test 1": XP_UNITS}, None),
+    ],
+)
+def test_a_stiffness_that_is_asked_for_and_not_measured_is_told_once(tmp_path, sheets, words, capsys):
+    tables = {name: counting(units) for name, units in sheets.items()}
+    assert run(tmp_path, tables)[0] == 0
+    assert "no stiffness" not in capsys.readouterr().err
+    assert run(tmp_path, tables, "--stiffness")[0] == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "no stiffness" in line]
+    assert lines == ([f"palpate: {tmp_path / 'x.xlsx'}: {words}"] if words else [])
+
+
+def test_the_tests_without_the_stiffness_that_others_have_are_named(tmp_path, capsys):
+    without = {name: unit for name, unit in XP_UNITS.items() if not name.startswith("Harmonic")}
+    assert run(tmp_path, {"Test 1": counting(XP_UNITS), "Test 2": counting(without)}, "--stiffness")[0] == 0
+    assert "holds no stiffness by oscillation in Test 2; no column is added" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "units", "header"),
     [
@@ -200,6 +246,9 @@ def test_a_sheet_without_rows_does_no_harm_to_the_others(tmp_path, head, capsys)
     assert main(["read", str(file), *columns]) == 0
     assert main(["read", str(file), "--test", "B", *columns]) == 0
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["B.csv"]
+    said = f"palpate: {file}, sheet A: holds no row of numbers in the columns t, P, h; export it again, or name other"
+    lines = [line for line in capsys.readouterr().err.splitlines() if "no unit" not in line]
+    assert lines == [f"{said} columns for it; the sheet is left out"]
     for rows in (named, []):
         write_workbook(file, {"A": rows})
         assert main(["read", str(file), *columns]) == 2
@@ -228,6 +277,73 @@ def test_a_table_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, 
     assert capsys.readouterr().err == ""
     assert run(tmp_path, {"A": spoilt}, *by_name)[0] == 2
     assert words in capsys.readouterr().err
+
+
+GOOD = [["Time (s)", "Load (mN)", "Depth (nm)"], *([k, k, k] for k in range(40))]
+NAMED = {"time": "Time (s)", "load": "Load (mN)", "depth": "Depth (nm)"}
+NUMBERED = {"time": "1", "load": "2", "depth": "3"}
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "words"),
+    [
+        (
+            [*GOOD[:1], *[["x", "y", "z"]] * 20],
+            NAMED,
+            "holds no row of numbers in the columns Time (s), Load (mN), Dep",
+        ),
+        ([*GOOD[:1], *[["1 s", "y", "z"]] * 20], NAMED, "(sheet B, row 2: '1 s, y, z')"),
+        ([*GOOD[:1], *[["x", "y", "z"]] * 20], NUMBERED, "holds no row of numbers in the columns 1, 2, 3"),
+        (
+            [["Time (s)", "Force (N)", "Depth (nm)"], *GOOD[1:]],
+            NAMED,
+            "has no column Load (mN); read it in a call of its",
+        ),
+        (
+            [["Time (s)", "Force (N)", "Depth (um)"], *GOOD[1:]],
+            NAMED,
+            "by its own names (Time (s), Force (N), Depth (um",
+        ),
+        ([["Time (s)", "Force (N)", "Path (um)"], *GOOD[1:]], NAMED, "has no columns Load (mN), Depth (nm); read it"),
+        ([], NAMED, None),
+        ([["This workbook holds"], ["two tests", "of glass"]], NAMED, None),
+        ([["operator", "A. Smith"], ["a", "b", "c"]], NUMBERED, None),
+    ],
+)
+def test_a_sheet_that_gives_no_test_is_named_unless_it_holds_no_table(tmp_path, rows, columns, words, capsys):
+    chosen = ["--columns", ",".join(f"{key}={name}" for key, name in columns.items())]
+    sheets = {"A": GOOD, "B": rows, "C": GOOD}
+    assert run(tmp_path, sheets, *chosen) == (0, {"A": 39, "C": 39})
+    said = [line for line in capsys.readouterr().err.splitlines() if "no unit" not in line]
+    assert len(said) == (words is not None)
+    for line in said:
+        assert line.startswith(f"palpate: {tmp_path / 'x.xlsx'}, sheet B: ")
+        assert words in line
+        assert line.endswith("; the sheet is left out")
+    assert run(tmp_path, sheets, *chosen, "--test", "2") == (0, {"A": 39, "C": 39})
+    assert "sheet B" not in capsys.readouterr().err
+    assert len(read_vendor_file(tmp_path / "x.xlsx", columns=ColumnMap(columns))) == 2
+    source = {"file": str(tmp_path / "x.xlsx"), "condition": "all", "columns": columns}
+    assert [test.name for test in read_source(source)["all"]] == ["A", "C"]
+
+
+@pytest.mark.parametrize("cell", ["<f>A1</f><v/>", "<f>A1</f><v></v>", "<f>A1</f>", '<f t="shared" si="0"/><v />'])
+def test_formulas_without_stored_values_are_told(tmp_path, cell, capsys):
+    columns = ["--columns", "time=1,load=2,depth=3", "-o", str(tmp_path / "out")]
+    file = write_workbook(tmp_path / "x.xlsx", {"A": [[*row[:2], "@"] for row in GOOD[1:]]})
+    text = '<is><t xml:space="preserve">@</t></is>'
+    with zipfile.ZipFile(file) as archive:
+        parts = {name: archive.read(name).decode() for name in archive.namelist()}
+    for told, value in ((True, cell), (False, "<f>A1</f><v>7</v>")):
+        with zipfile.ZipFile(file, "w") as archive:
+            for name, part in parts.items():
+                archive.writestr(name, part.replace(text, value).replace(' t="inlineStr"', ""))
+        status = main(["read", str(file), *columns, "--contact", "none"])
+        line = capsys.readouterr().err
+        assert status == (2 if told else 0)
+        problem = f"palpate: {file}, sheet A: the columns 1, 2, 3 hold formulas without stored values; "
+        assert line.startswith(problem) is told
+        assert ("open the workbook in a spreadsheet program and save it there first" in line) is told
 
 
 def test_sheets_whose_names_look_alike_are_all_written(tmp_path):

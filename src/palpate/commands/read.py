@@ -129,6 +129,8 @@ def run(arguments: argparse.Namespace) -> int:
     applied = f"corrections in depth: {named}"
     arguments.output.mkdir(parents=True, exist_ok=True)
     say_what_is_wrong(arguments.file, begun)
+    if arguments.stiffness:
+        _say_where_stiffness_lacks(arguments.file, [test for _, test in readable])
     for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*test.recording.notes, applied, *test.warnings, *facts)
@@ -174,10 +176,18 @@ def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> N
 
     for test in tests:
         if isinstance(test, Unreadable):
-            print(f"palpate: {test.error}; the test is left out", file=sys.stderr)
+            print(f"palpate: {test.error}; the {'test' if test.sought else 'sheet'} is left out", file=sys.stderr)
     for test in tests:
         for warning in () if isinstance(test, Unreadable) else test.warnings:
             print(f"palpate: {file}, {test.name}: {warning}", file=sys.stderr)
+
+
+def _say_where_stiffness_lacks(file: Path, tests: Sequence[VendorTest]) -> None:
+    """Print, in one line, which tests get no column of the stiffness that was asked for."""
+    without = [test.name for test in tests if test.recording.stiffness is None]
+    if without:
+        names = "" if len(without) == len(tests) else f" in {', '.join(without)}"
+        print(f"palpate: {file}: holds no stiffness by oscillation{names}; no column is added", file=sys.stderr)
 
 
 def _paths(folder: Path, names: list[str]) -> list[Path]:

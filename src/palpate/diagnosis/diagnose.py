@@ -11,7 +11,7 @@ from palpate.config import Study
 from palpate.diagnosis.detect import gains
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.refine import ABSURD
+from palpate.diagnosis.refine import ABSURD, SETTLED
 from palpate.diagnosis.search import Candidate, LawsBeside, Search
 from palpate.diagnosis.standing import (
     best_evidence,
@@ -137,17 +137,17 @@ def _resumed(
 ) -> list[Candidate]:
     """Return sets, each on the forward model again from where a larger one that stands ended without its mechanism.
 
-    Those that fit better there than where their own search had stopped: in a valley of the surrogates, out of which
-    the coordinate of an effect that does nothing led.
+    Those that fit better there, once the others make up for the mechanism, than where their own search had stopped: in
+    a valley of the surrogates, out of which the coordinate of an effect that does nothing led.
     """
     stopped = {frozenset(each.fit.explanation): each.fit for each in reversed(tried) if each.confirmed}
     starts: dict[frozenset[str], Fit] = {}
     for candidate in standing:
         for key in candidate.fit.explanation:
-            start = search.without(candidate.fit, key)
+            start = search.settled(search.without(candidate.fit, key))
             members = frozenset(start.explanation)
             best = starts.get(members, stopped.get(members))
-            if best and start.log_likelihood > best.log_likelihood:
+            if best and 2.0 * (start.log_likelihood - best.log_likelihood) > SETTLED:
                 starts[members] = start
     resumed = []
     for start in starts.values():

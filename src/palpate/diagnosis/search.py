@@ -127,6 +127,10 @@ class Search:
         errors_there = self._errors(smaller, self._problem.mean - curve, z).exact
         return Fit(self._problem, smaller, z, errors_there, correction, tuple(self._laws))
 
+    def settled(self, fit: Fit) -> Fit:
+        """Return a fit at its optimum, by the surrogates' slopes: what it can make up for is made up for."""
+        return solve(self._problem, fit.explanation, fit.errors, [fit.z], fit.correction, laws=self._laws)
+
     def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
         """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
         try:

@@ -11,9 +11,10 @@ from typing import Any
 
 from palpate.discovery import discover
 from palpate.errors import InputError
-from palpate.readers.columns import ColumnMap, lacking, read_columns
+from palpate.readers.column_map import ColumnMap
+from palpate.readers.columns import lacking, read_columns
 from palpate.readers.source import Source, number_of
-from palpate.readers.units import CHANNELS
+from palpate.readers.units import CHANNELS, mended
 from palpate.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -21,6 +22,7 @@ from palpate.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
+    all_sound,
     refuse_corrections,
     sound,
 )
@@ -71,7 +73,7 @@ def read_vendor_file(
         When the file is missing, of no known format, cut off, or not the one expected, or one of its tests cannot be
         read.
     """
-    return [sound(test) for test in read_each(path, sha256, corrections, contact, columns)]
+    return all_sound(read_each(path, sha256, corrections, contact, columns))
 
 
 def read_each(
@@ -147,7 +149,7 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
     tests = read_each(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
     if "condition" in source:
-        return {source["condition"]: [sound(test) for test in tests]}
+        return {source["condition"]: all_sound(tests)}
     found: dict[str, list[VendorTest]] = {}
     owners: dict[str, str] = {}
     for condition, names in source["conditions"].items():
@@ -193,11 +195,16 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
 
 
 def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test with bytes of its file's name that are no letters written as numbers, so that it can be printed."""
+    """Return a test that can be printed: bytes of its file's name that are no letters are written as numbers.
+
+    What the file says of it is mended where it was read in another encoding than it was written in.
+    """
     if isinstance(test, Unreadable):
         return test
     name, *notes = (text.encode(errors="backslashreplace").decode() for text in (test.name, *test.recording.notes))
-    return replace(test, name=name, recording=replace(test.recording, name=name, notes=tuple(notes)))
+    recording = replace(test.recording, name=name, notes=tuple(notes))
+    facts = {mended(key): mended(value) for key, value in test.metadata.items()}
+    return replace(test, name=name, recording=recording, metadata=facts)
 
 
 def select(

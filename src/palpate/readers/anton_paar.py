@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from contextlib import suppress
 
 from palpate.errors import InputError
 from palpate.readers.anton_paar_columns import KEYS
 from palpate.readers.source import Source
-from palpate.readers.text import require_tabs, table
-from palpate.readers.units import scale
-from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
+from palpate.readers.text import number, require_tabs, table
+from palpate.readers.units import CHANNELS, scale
+from palpate.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, unfinished, usable
 from palpate.recording import Recording
 
 HEADING = re.compile(rf"\s*({'|'.join(KEYS)})\s*[(\[](.+)[)\]]\s*")
+LARGEST = {"load": "Fmax", "depth": "hmax"}  # among the results above the values
+SHORT = 0.02  # of these
 
 
 def matches(source: Source) -> bool:
@@ -38,7 +42,22 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in KEYS.values())
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
-    return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings)]
+    facts = metadata(lines[:start])
+    told = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
+    return [VendorTest(path.stem, recording, facts, told)]
+
+
+def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a warning for each of load and depth whose largest value falls short of the file's own."""
+    told = []
+    for key, values in (("load", recording.load), ("depth", recording.depth)):
+        name = LARGEST[key]
+        with suppress(InputError, ValueError):
+            value, unit = facts.get(name, "").rsplit(maxsplit=1)
+            if values.max() < (1 - SHORT) * number(value) * scale(key, unit):
+                found = f"the largest {key} is {values.max():.4g} {CHANNELS[key]}"
+                told.append(f"{found}, the file states {name} = {facts[name]}; the file may be cut off")
+    return tuple(told)
 
 
 def names_all(line: str) -> bool:

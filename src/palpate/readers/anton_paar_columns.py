@@ -17,6 +17,7 @@ from palpate.readers.vendor import (
     VendorTest,
     attempt,
     refuse_corrections,
+    unfinished,
     unless_all_fail,
     usable,
 )
@@ -77,10 +78,8 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
     if not common.all():
         warnings.append(f"{(~common).sum()} of {len(time)} points of the load left out: the depth has none there")
     time, force = time[common], force[common]
-    notes = (f"from {source.path.name}",)
-    return VendorTest(
-        name, Recording(time, force, np.interp(time, moments, path), name, notes), warnings=tuple(warnings)
-    )
+    recording = Recording(time, force, np.interp(time, moments, path), name, (f"from {source.path.name}",))
+    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)))
 
 
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -13,101 +11,22 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.readers.clock import seconds
+from palpate.readers.column_map import ColumnMap, columns_of
 from palpate.readers.decimals import numbers
 from palpate.readers.headings import channel_of, is_row_of_units, is_word, stated
+from palpate.readers.left_out import left_out, nothing_found
 from palpate.readers.source import Source
-from palpate.readers.units import CHANNELS, plain, scale
-from palpate.readers.vendor import MOST_LEFT_OUT, PLACES, Unreadable, VendorTest, attempt, increasing, unless_all_fail
+from palpate.readers.tables import NAME_WITH_UNIT, Table, tables_of
+from palpate.readers.units import CHANNELS, scale
+from palpate.readers.vendor import MOST_LEFT_OUT, Unreadable, VendorTest, attempt, increasing, unless_all_fail
 from palpate.recording import Recording
-
-DELIMITERS = ("\t", ";", ",")
-WORD = re.compile(r"[^\W\d_]")
-LISTED = 12
-NUMBER = r"[-+]?(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?"
-NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
-NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
-
-
-@dataclass(frozen=True)
-class ColumnMap:
-    """Which columns hold what.
-
-    Parameters
-    ----------
-    names
-        Name of the column, or its number from 1, for each of ``time``, ``load`` and ``depth``.
-    units
-        Their units, where the table states none or wrong ones; ``-mN`` turns the sign. s, mN and nm where neither
-        says more.
-    """
-
-    names: Mapping[str, str]
-    units: Mapping[str, str] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for key in CHANNELS:
-            if key not in self.names:
-                raise InputError(
-                    f"no column is named for {key}",
-                    remedy=f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed",
-                    place="columns",
-                )
-        for given, place in ((self.names, "columns"), (self.units, "units")):
-            for key in given:
-                if key not in CHANNELS:
-                    raise InputError(f"{key!r} is no channel", remedy="use time, load and depth", place=place)
-        owners: dict[str, str] = {}
-        for key, name in self.names.items():
-            if name in owners:
-                raise InputError(
-                    f"{owners[name]} and {key} are both {name!r}", remedy="name a column for each", place="columns"
-                )
-            owners[name] = key
-        for key, unit in self.units.items():
-            scale(key, unit)
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows of cells, and where they stand.
-
-    Parameters
-    ----------
-    source, name
-        The file, and the table's name: its sheet's, or the file's own.
-    rows, numbers
-        Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
-    delimiter
-        What parts the cells of a text, where a blank stands for any number of them; None in a workbook.
-    """
-
-    source: Source
-    name: str
-    rows: Sequence[Sequence[Any]]
-    numbers: Sequence[int]
-    delimiter: str | None = None
-
-    def place(self, *rows: int) -> str:
-        """Return where the first few of `rows` stand, and how many more there are."""
-        named = ", ".join(str(self.numbers[row]) for row in rows[:PLACES])
-        more = f" and {len(rows) - PLACES} more" if len(rows) > PLACES else ""
-        return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named + more
-
-    def at(self, kept: Sequence[int]) -> Table:
-        """Return the table of some of its rows."""
-        return replace(self, rows=[self.rows[k] for k in kept], numbers=[self.numbers[k] for k in kept])
-
-    def body(self, header: int | None, indices: Sequence[int]) -> Table:
-        """Return some columns of the rows below the header, or of all rows where there is none."""
-        start = 0 if header is None else header + 1
-        rows = [[row[k] if k < len(row) else "" for k in indices] for row in self.rows[start:]]
-        return Table(self.source, self.name, rows, self.numbers[start:])
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Read the table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    A table that repeats its header, and begins its time anew there, holds several tests.
+    A table that repeats its header, and begins its time anew there, holds several tests. Sheets that give none, and
+    hold a table, come last, with what is wrong with them: so the tests keep their numbers.
 
     The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
     Rows without any number, of units and remarks, do no harm before and after the numbers; other rows without three, or
@@ -119,17 +38,14 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
         When no table has the columns, or none that has them can be read: it has several of a name, more than a
         twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
-    tables = _tables(source)
-    found = [test for table in tables for test in _tests(table, columns)]
-    tests = [test for test in found if test is not None]
+    tables = tables_of(source)
+    found = [[test for test in _tests(table, columns) if test is not None] for table in tables]
+    tests = [test for of_table in found for test in of_table]
     if not tests:
-        raise InputError(
-            f"holds no table with numbers in the columns {', '.join(columns.names[key] for key in CHANNELS)}"
-            f"{_no_numbers(tables, columns)}",
-            remedy=f"name columns of its header ({_header(tables)}), or give their numbers from 1",
-            file=source.path,
-        )
-    return unless_all_fail(tests)
+        raise nothing_found(tables, columns)
+    unused = [table for table, of_table in zip(tables, found, strict=True) if source.workbook and not of_table]
+    without = [left_out(table, columns) for table in unused]
+    return [*unless_all_fail(tests), *(sheet for sheet in without if sheet)]
 
 
 def lacking(source: Source) -> str | None:
@@ -165,10 +81,13 @@ def _parts(table: Table, columns: ColumnMap) -> list[Table]:
 
     Where time goes on, the header is repeated within a test.
     """
-    found = _columns_of(table.rows, columns)
-    if found is None or found[0] is None:
+    found = columns_of(table.rows, columns)
+    if found is None:
         return [table]
-    header, indices = found[0], found[1]
+    indices = found[1]
+    header = _header_above(table, indices) if found[0] is None else found[0]
+    if header is None:
+        return [table]
     repeated = [k for k, row in enumerate(table.rows) if k > header and [*row] == [*table.rows[header]]]
     if not repeated:
         return [table]
@@ -182,9 +101,16 @@ def _parts(table: Table, columns: ColumnMap) -> list[Table]:
     return [table.at([*range(header), *range(*part)]) for part in pairwise([*cuts, len(table.rows)])]
 
 
+def _header_above(table: Table, indices: Sequence[int]) -> int | None:
+    """Return the header's row of columns that are given by their numbers; None where numbers come before any."""
+    first = next((k for k, row in enumerate(table.rows) if _numeric(row, indices)), 0)
+    rows = table.body(None, indices).rows[:first]
+    return _names([[str(cell).strip() for cell in row] for row in rows])
+
+
 def _test(name: str, table: Table, columns: ColumnMap) -> VendorTest | None:
     """Return the test of a name in a table, or None when it has no such columns or no numbers in them."""
-    found = _columns_of(table.rows, columns)
+    found = columns_of(table.rows, columns)
     if found is None:
         return None
     named, indices = found
@@ -290,76 +216,3 @@ def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]
     ]
     left_out = int((spoilt | late).sum())
     return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
-
-
-def _tables(source: Source) -> list[Table]:
-    """Return a workbook's sheets, or the one table of a text file.
-
-    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of, but not at the decimal
-    commas of numbers between blanks; else at blanks.
-    """
-    if source.workbook:
-        sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
-        return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
-    lines = {number: line for number, line in enumerate(source.lines, 1) if line.strip()}
-    at_blanks = {number: len(line.split()) for number, line in lines.items() if NUMBERS_AT_BLANKS.fullmatch(line)}
-    for delimiter in DELIMITERS:
-        holding = {number for number, line in lines.items() if line.count(delimiter) >= 2}
-        if len(holding - at_blanks.keys()) > len(lines) / 2:
-            split = [_cells(line, delimiter) for line in lines.values()]
-            return [Table(source, source.path.stem, split, list(lines), delimiter)]
-    width = max(at_blanks.values(), default=0)
-    split = [_at_blanks(line, width) for line in lines.values()]
-    return [Table(source, source.path.stem, split, list(lines), " ")]
-
-
-def _at_blanks(line: str, width: int) -> list[str]:
-    """Return the cells of a line without # before it; units in brackets join their names where that gives `width`."""
-    cells = NAME_WITH_UNIT.findall(line.removeprefix("#"))
-    return cells if len(cells) == width else line.removeprefix("#").split()
-
-
-def _cells(line: str, delimiter: str) -> list[str]:
-    """Return the cells of a line; one in double quotes may hold the delimiter."""
-    try:
-        (cells,) = csv.reader([line], delimiter=delimiter, skipinitialspace=True)
-    except csv.Error:
-        return line.split(delimiter)
-    return [cell.strip() for cell in cells]
-
-
-def _columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int | None, list[int]] | None:
-    """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
-    given = [columns.names[key].strip() for key in CHANNELS]
-    if all(name.isdecimal() and int(name) > 0 for name in given):
-        return None, [int(name) - 1 for name in given]
-    wanted = [plain(name) for name in given]
-    for number, row in enumerate(rows):
-        cells = [plain(str(cell)) for cell in row]
-        if all(name in cells for name in wanted):
-            for name in wanted:
-                if cells.count(name) > 1:
-                    raise InputError(
-                        f"several columns are called {name!r}", remedy="give the columns by their numbers, from 1"
-                    )
-            return number, [cells.index(name) for name in wanted]
-    return None
-
-
-def _no_numbers(tables: Sequence[Table], columns: ColumnMap) -> str:
-    """Return, for a message, the first row with digits of a table that has the columns but no numbers in them."""
-    for table in tables:
-        found = _columns_of(table.rows, columns)
-        body = table.body(*found) if found else None
-        for k, row in enumerate(body.rows if body else ()):
-            cells = ", ".join(str(cell) for cell in row)
-            if body and all(map(str, row)) and re.search(r"\d", cells):
-                return f" ({body.place(k)}: {cells!r})"
-    return ""
-
-
-def _header(tables: Sequence[Table]) -> str:
-    """Return the names in the row that looks most like a header: the first with most words."""
-    rows = [[cell for cell in row if isinstance(cell, str) and WORD.search(cell)] for t in tables for row in t.rows]
-    names = max(rows, key=len, default=[])
-    return ", ".join(names[:LISTED]) + (", ..." if len(names) > LISTED else "") if names else "none is found"

@@ -1,4 +1,7 @@
-"""Numbers of a table whose decimal sign nobody states: a point or a comma, and the other one may part thousands."""
+"""Numbers of a table whose decimal sign nobody states: a point or a comma; the other one may part thousands.
+
+So may a narrow, a thin or another blank that breaks no line, and an apostrophe, straight or curved.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,11 @@ from palpate.errors import InputError
 LARGEST = 1e300
 MISSING = ("", "nan", "-nan", "inf", "-inf")
 OTHER = {".": ",", ",": "."}
+PARTING = "'\u2019\x92\u2009\u202f\xa0"  # the third is the second of Windows-1252, read as Latin-1
 WRITTEN = {
     sign: re.compile(
-        rf"[-+]?(?:(?:\d+[{sign}]?\d*|[{sign}]\d+)(?:[eE][-+]?\d+)?|[1-9]\d{{0,2}}(?:[{other}]\d{{3}})+(?:[{sign}]\d*)?)"
+        rf"[-+]?(?:(?:\d+[{sign}]?\d*|[{sign}]\d+)(?:[eE][-+]?\d+)?"
+        rf"|[1-9]\d{{0,2}}([{other}{PARTING}])\d{{3}}(?:\1\d{{3}})*(?:[{sign}]\d*)?)"
     )
     for sign, other in OTHER.items()
 }
@@ -24,8 +29,8 @@ WRITTEN = {
 def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.ndarray:
     """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
 
-    ``1,143.74`` and ``1.143,74`` are one number; ``1,200`` may be two. The sign that makes numbers of more of the
-    table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e300 stand for "invalid".
+    ``1,143.74``, ``1.143,74`` and ``1'143.74`` are one number; ``1,200`` may be two. The sign that makes numbers of
+    more of the table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e300 stand for "invalid".
 
     Parameters
     ----------
@@ -60,7 +65,8 @@ def _number(cell: Any, sign: str) -> float:
         text = str(cell).strip()
         if text.lower() in MISSING:
             return np.inf
-        if not WRITTEN[sign].fullmatch(text):
+        written = WRITTEN[sign].fullmatch(text)
+        if not written:
             return np.nan
-        value = float(text.replace(OTHER[sign], "").replace(sign, "."))
+        value = float(text.replace(written[1] or "", "").replace(sign, "."))
     return value if abs(value) <= LARGEST else np.inf

@@ -17,6 +17,7 @@ from palpate.readers.vendor import (
     VendorTest,
     attempt,
     refuse_corrections,
+    unfinished,
     unless_all_fail,
     usable,
 )
@@ -65,7 +66,8 @@ def _test(source: Source, name: str, start: int, end: int, program: dict[str, st
     recording = Recording(time[kept], load[kept], depth, name, (f"from {source.path.name}",))
     entries = [[cell.strip() for cell in line.split("\t")] for line in lines[:header]]
     results = {f"{entry[0]} {entry[1]}": entry[2] for entry in entries if len(entry) > 2}
-    return VendorTest(name, recording, program | {"test": lines[0].strip()} | results, warnings)
+    facts = program | {"test": lines[0].strip()} | results
+    return VendorTest(name, recording, facts, (*warnings, *unfinished(recording.load)))
 
 
 READER = Reader("fischer", "Fischer HM2000/Picodentor export", matches, read)

@@ -15,7 +15,7 @@ import numpy as np
 from palpate.readers.source import Source
 from palpate.readers.text import table
 from palpate.readers.units import scale
-from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, refuse_corrections, usable
+from palpate.readers.vendor import Corrections, Reader, VendorTest, contact, refuse_corrections, unfinished, usable
 from palpate.recording import Recording
 
 COLUMNS = {"Time": "time", "Load": "load", "Indentation": "depth", "Cantilever": "depth", "Piezo": "depth"}
@@ -57,7 +57,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         zero = float(depth[begin])
     free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
     recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))
-    return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings)]
+    return [VendorTest(path.stem, recording, metadata(lines[:start]), (*warnings, *unfinished(recording.load)))]
 
 
 def metadata(lines: list[str]) -> dict[str, str]:

@@ -6,7 +6,7 @@ import codecs
 import io
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -189,12 +189,13 @@ class Source:
         if sheet not in self.sheets:
             return {}
         rows = self.sheet(sheet)
+        names = _headings(rows[0][1:]) if rows else []
         entries = {}
         for row in rows[2:]:
             entries[_text(row[0])] = {
-                f"{_text(name)} [{_text(unit)}]" if _text(unit) else _text(name): _text(cell)
-                for name, unit, cell in zip(rows[0][1:], rows[1][1:], row[1:], strict=False)
-                if _text(name) and _text(cell)
+                f"{name} [{_text(unit)}]" if _text(unit) else name: _text(cell)
+                for name, unit, cell in zip(names, rows[1][1:], row[1:], strict=False)
+                if name and _text(cell)
             }
         return entries
 
@@ -203,6 +204,17 @@ def number_of(name: str) -> int | None:
     """Return the number of a sheet such as ``Test 010``, or None for another name."""
     found = TEST.match(name)
     return int(found[1]) if found else None
+
+
+def _headings(cells: Sequence[Any]) -> list[str]:
+    """Return headings as text; one that the vendor tore at a comma, ``On? (1-Y`` and ``0-N)``, counts as one."""
+    headings: list[str] = []
+    for text in map(_text, cells):
+        if headings and "(" in headings[-1].rpartition(")")[2] and ")" in text.partition("(")[0]:
+            headings[-1] += f", {text}"
+        else:
+            headings.append(text)
+    return headings
 
 
 def _text(cell: Any) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 from palpate.errors import InputError
@@ -14,6 +15,7 @@ SCALES = {
 }
 STIFFNESS = {"N/m": 1.0}
 MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
+TORN = re.compile("[ÂÃÎ][\x80-\xbf]")  # two bytes that begin as those of µ, ² or °, of ü, and of the Greek mu
 
 
 def plain(unit: str) -> str:
@@ -24,6 +26,11 @@ def plain(unit: str) -> str:
     for spelling in MICRO:
         unit = unit.replace(spelling, "u")
     return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ", "uA"))
+
+
+def mended(text: str) -> str:
+    """Return text in which UTF-8 was read as Latin-1, such as ``Âµm`` or ``PrÃ¼fung``, as it was meant."""
+    return TORN.sub(lambda torn: torn[0].encode("latin-1").decode("utf-8"), text)
 
 
 def scale(key: str, unit: str) -> float:

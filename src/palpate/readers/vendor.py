@@ -54,10 +54,13 @@ class Unreadable:
         The test's name in the file.
     error
         What is wrong with it.
+    sought
+        Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
     """
 
     name: str
     error: InputError
+    sought: bool = True
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,11 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
     if isinstance(test, Unreadable):
         raise test.error
     return test
+
+
+def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
+    """Return the tests of a file, all of which can be read; raises what is wrong with the first that cannot."""
+    return [sound(test) for test in tests if isinstance(test, VendorTest) or test.sought]
 
 
 def refuse_corrections(source: Source, corrections: Corrections) -> None:
@@ -159,6 +167,13 @@ def contact(load: np.ndarray, depth: np.ndarray) -> int:
     if level - np.median(free[: half + 1]) > 2 * noise:
         level = max(0.0, float(free.min()))
     return first + int(np.flatnonzero(force <= level)[-1])
+
+
+def unfinished(load: np.ndarray) -> tuple[str, ...]:
+    """Return a warning where a test, its `load` (n,) [mN], ends under more than half of its largest load."""
+    if load[-1] <= load.max() / 2:
+        return ()
+    return (f"ends under {load[-1]:.4g} of {load.max():.4g} mN, not unloaded; the file may be cut off",)
 
 
 def increasing(time: np.ndarray) -> np.ndarray:

@@ -1,0 +1,22 @@
+"""A first study of recordings: what they say is written down, what they do not say is guessed and marked as such."""
+
+from palpate.draft.drafted import Drafted, assumed
+from palpate.draft.guesses import ranges
+from palpate.draft.solid import Solid, check_units, unlike
+from palpate.draft.takeback import taken_back_if_unsound
+from palpate.draft.text import study_name, study_text
+from palpate.draft.told import not_taken, stated_by
+
+__all__ = [
+    "Drafted",
+    "Solid",
+    "assumed",
+    "check_units",
+    "not_taken",
+    "ranges",
+    "stated_by",
+    "study_name",
+    "study_text",
+    "taken_back_if_unsound",
+    "unlike",
+]

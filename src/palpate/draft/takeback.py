@@ -1,0 +1,27 @@
+"""What a draft has written is taken back when it turns out that it cannot be read."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+@contextmanager
+def taken_back_if_unsound(study: Path, folder: Path) -> Iterator[None]:
+    """Remove a study, its `folder` of recordings and the folders made for them when the block ends with an error.
+
+    Neither of the two may stand there before; what else lies in an output folder stays.
+    """
+    made = [path for path in folder.parents if not path.exists()]
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            study.unlink(missing_ok=True)
+        shutil.rmtree(folder, ignore_errors=True)
+        for path in made:
+            with suppress(OSError):
+                path.rmdir()
+        raise
