@@ -34,7 +34,6 @@ ORDER = [
     {"observations"},
     {"figures", "report", "grouping"},
     {"diagnosis"},
-    {"stated"},
     {"steps", "reading", "verification", "challenge", "draft"},
     {"thesis", "real", "checking", "doubts"},
     {"tracking"},

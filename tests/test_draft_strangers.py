@@ -11,7 +11,7 @@ from test_readers import ANON, HLD, XP, needs_recordings
 
 from palpate.cli import main
 from palpate.config import load_study
-from palpate.draft import Solid, not_taken, ranges, stated_by, study_name
+from palpate.draft import Solid, Stated, not_taken, ranges, study_name
 from palpate.draft.text import scalar
 from palpate.materials import LAWS
 from palpate.recording import read_recording
@@ -151,7 +151,7 @@ def test_no_range_leaves_that_of_its_parameter(modulus):
     ],
 )  # fmt: skip
 def test_poisson_s_ratio_is_taken_whatever_the_vendor(key, value):
-    assert stated_by([{key: "0,30"}] * 2).poisson_ratio == value
+    assert Stated.by_all([{key: "0,30"}] * 2).poisson_ratio == value
 
 
 def test_poisson_s_ratio_of_a_header_is_taken_and_kept_through_read(capsys):
@@ -197,7 +197,7 @@ def test_files_that_disagree_are_told(capsys):
     ids=["none", "ideal", "cube corner", "unlike", "taken"],
 )
 def test_a_tip_is_told_where_it_is_stated_and_not_taken(tips, words):
-    told = not_taken([(str(number), tip) for number, tip in enumerate(tips)], stated_by(tips), None)
+    told = not_taken([(str(number), tip) for number, tip in enumerate(tips)], Stated.by_all(tips), None)
     assert len(told) == (words is not None)
     assert words is None or words in told[0]
 

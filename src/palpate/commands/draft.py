@@ -53,7 +53,7 @@ def _length(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; check it, say what it does."""
-    from palpate.draft import Solid, assumed, check_units, not_taken, stated_by, study_name, study_text, unlike
+    from palpate.draft import Solid, Stated, assumed, check_units, not_taken, study_name, study_text, unlike
     from palpate.errors import InputError
     from palpate.grouping import grouped
 
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
     tests = _without_copies(_readable(arguments))
     recordings = [test.recording for test in tests]
-    stated, sphere = stated_by([test.facts for test in tests]), arguments.sphere
+    stated, sphere = Stated.by_all([test.facts for test in tests]), arguments.sphere
     check_units(recordings, sphere, stated)
     groups, solid = grouped(recordings), Solid.of(recordings, sphere, stated)
     remarks = not_taken([(test.recording.name, test.facts) for test in tests], stated, sphere)

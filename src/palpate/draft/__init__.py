@@ -3,18 +3,19 @@
 from palpate.draft.drafted import Drafted, assumed
 from palpate.draft.guesses import ranges
 from palpate.draft.solid import Solid, check_units, unlike
+from palpate.draft.stated import Stated
 from palpate.draft.takeback import taken_back_if_unsound
 from palpate.draft.text import study_name, study_text
-from palpate.draft.told import not_taken, stated_by
+from palpate.draft.told import not_taken
 
 __all__ = [
     "Drafted",
     "Solid",
+    "Stated",
     "assumed",
     "check_units",
     "not_taken",
     "ranges",
-    "stated_by",
     "study_name",
     "study_text",
     "taken_back_if_unsound",

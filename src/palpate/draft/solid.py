@@ -11,9 +11,9 @@ import numpy as np
 
 from palpate.analytic import hertz, sneddon
 from palpate.classical import AreaFunction, oliver_pharr
+from palpate.draft.stated import Stated
 from palpate.errors import InputError
 from palpate.recording import Recording
-from palpate.stated import Stated
 
 POISSON_RATIO = 0.35
 BERKOVICH_CONE = 70.3

@@ -15,9 +15,9 @@ import yaml
 from palpate.config import SHARED
 from palpate.draft.guesses import ranges
 from palpate.draft.solid import BERKOVICH_CONE, NOTHING, POISSON_RATIO, Solid
+from palpate.draft.stated import Stated
 from palpate.grouping import Group
 from palpate.materials import LAWS
-from palpate.stated import Stated
 
 POINTS = 128
 WIDTH = 116  # of a comment, without its sign

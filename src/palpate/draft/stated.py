@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -13,7 +14,7 @@ from palpate.indenters import Indenter
 from palpate.readers.text import number
 
 COEFFICIENTS = {"Area Coefficient {}": 1, "Tip C{}": 0}  # MTS/Agilent XP, Hysitron; number of the first
-POISSON_RATIOS = re.compile(r"poisson'?s ratio( of sample)?( \[.*\])?", re.IGNORECASE)
+OF_SAMPLE = re.compile(r"(?!.*(indenter|tip|probe|diamond)).*poisson['’]?s? ratio", re.IGNORECASE)
 Value = TypeVar("Value")
 
 
@@ -36,9 +37,8 @@ class Stated:
     @classmethod
     def by_all(cls, metadata: Sequence[Mapping[str, Any]]) -> Stated:
         """Return what the metadata of tests, one mapping each, agree on."""
-        return cls(
-            _shared([_area(each) for each in metadata], ()), _shared([_poisson(each) for each in metadata], None)
-        )
+        ratios = [ratio if ratio is not None and 0.0 < ratio < 0.5 else None for ratio in map(poisson_ratio, metadata)]
+        return cls(_shared([_area(each) for each in metadata], ()), _shared(ratios, None))
 
 
 def _shared(values: Sequence[Value], otherwise: Value) -> Value:
@@ -46,27 +46,37 @@ def _shared(values: Sequence[Value], otherwise: Value) -> Value:
 
 
 def _area(metadata: Mapping[str, Any]) -> tuple[float, ...]:
-    for name, first in COEFFICIENTS.items():
-        area: list[float] = []
-        while (value := _value(metadata.get(name.format(first + len(area))))) is not None:
-            area.append(value)
-        while area and area[-1] == 0.0:
-            area.pop()
-        if len(area) > 1:
-            with suppress(InputError):
-                return Indenter.from_mapping({"shape": "area_function", "area": area}).area
+    """Return the coefficients of a tip that is not ideal and can be simulated."""
+    area = coefficients(metadata)
+    if len(area) > 1:
+        with suppress(InputError):
+            return Indenter.from_mapping({"shape": "area_function", "area": list(area)}).area
     return ()
 
 
-def _poisson(metadata: Mapping[str, Any]) -> float | None:
-    values = [_value(said) for name, said in metadata.items() if POISSON_RATIOS.fullmatch(name)]
-    found = [value for value in values if value is not None and 0.0 < value < 0.5]
-    return found[0] if found else None
+def coefficients(metadata: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the coefficients of an area function as a file states them, without zeros at the end."""
+    for name, first in COEFFICIENTS.items():
+        area: list[float] = []
+        while (value := _number(metadata.get(name.format(first + len(area))))) is not None:
+            area.append(value)
+        while area and area[-1] == 0.0:
+            area.pop()
+        if area:
+            return tuple(area)
+    return ()
 
 
-def _value(said: object) -> float | None:
-    """Return the number with which an entry begins, before its unit."""
+def poisson_ratio(metadata: Mapping[str, Any]) -> float | None:
+    """Return what a file states as its sample's Poisson's ratio, whatever that is; None where it states none."""
+    said = [_number(value) for name, value in metadata.items() if OF_SAMPLE.match(name)]
+    return next((value for value in said if value is not None), None)
+
+
+def _number(said: object) -> float | None:
+    """Return the number with which an entry begins, before its unit; None where there is none."""
     try:
-        return number(str(said).split()[0])
+        value = number(str(said).split()[0])
     except (ValueError, IndexError):
         return None
+    return value if math.isfinite(value) else None
