@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     figure = plt.figure(figsize=(DOUBLE_COLUMN, 2.6 + 1.5 * rows))
     top, bottom = figure.subfigures(2, 1, height_ratios=[2.3, 1.5 * rows], squeeze=False)[:, 0]
     left, right = top.subplots(1, 2, gridspec_kw={"width_ratios": [1.5, 1]})
-    _map(content, left)
+    _map(content, names, left)
     _candidates(content, right)
     axes = bottom.subplots(rows, columns, squeeze=False).ravel()
     for blank in axes[len(names) :]:
@@ -50,9 +50,10 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     save(figure, path)
 
 
-def _map(content: Mapping[str, Any], axis) -> None:
-    """Colour each part of each test by its mean misfit; a dot marks what is not chance."""
-    conditions = sorted({row["condition"] for row in content["location"]})
+def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
+    """Colour each part of each test by its mean misfit, in the order of the study; a dot marks what is not chance."""
+    located = {row["condition"] for row in content["location"]}
+    conditions = [name for name in names if name in located]
     found = {(row["segment"], row["part"]) for row in content["location"]}
     parts = [part for part in PARTS if part in found]
     values = np.full((len(conditions), len(parts)), np.nan)
