@@ -3,9 +3,12 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
+from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.diagnose import _refine_best, _sharpened
 from palpate.diagnosis.search import Candidate
+from palpate.diagnosis.standing import not_told_from_none
 
 LEVEL = 0.01
 
@@ -108,3 +111,10 @@ def test_what_falls_far_behind_is_left_to_the_surrogates():
     promises = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
     assert refined(promises, {}) == ["tip_angle", "tip_rounding", "friction", "adhesion"]
     assert refined(promises, {"tip_angle": (100.0, 0.5)}) == ["tip_angle"], "it would not stand beside it"
+
+
+@pytest.mark.parametrize(("mean", "found"), [(0.0, ["thermal_drift"]), (0.6, [])])
+def test_an_effect_that_differs_from_test_to_test_about_none_is_not_told_from_none(mean, found):
+    own = dict(zip("abcd", (0.2, -0.2, 0.2, -0.2), strict=True))
+    observed = recordings(np.random.default_rng(5), lambda c, r: (mean + own[c.name]) * c.protocol.sample_time)
+    assert not_told_from_none(fitted(problem(observed), ("thermal_drift",))) == found

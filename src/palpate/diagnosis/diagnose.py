@@ -18,6 +18,7 @@ from palpate.diagnosis.standing import (
     best_first,
     judged,
     may_be_named,
+    not_told_from_none,
     of_instrument,
     standing_of,
     tested,
@@ -71,7 +72,7 @@ def diagnose(
     name given alone should be wrong in less than one case of a hundred. While none stands, sets with one mechanism more
     are tried in the same way, up to the study's ``diagnosis.largest_set``. One that contradicts an exact law never
     passes.
-    A name is given alone only where the recordings bear it, see `may_be_named`.
+    A name is given alone only where the recordings bear it, see `may_be_named` and `not_told_from_none`.
 
     Parameters
     ----------
@@ -99,8 +100,10 @@ def diagnose(
             tried, again = _sharpened(search, resumed, resumed + tried, level)
             standing = standing_of([*again, *without_idle(standing, again)], tried, level)
     verdict, probabilities = judged(standing)
-    if verdict == "identified" and not may_be_named(problem, standing[0].fit.explanation):
-        verdict = "ambiguous"
+    if verdict == "identified":
+        best = standing[0].fit
+        if not may_be_named(problem, best.explanation) or not_told_from_none(best):
+            verdict = "ambiguous"
     return Diagnosis(verdict, base, standing, probabilities, tried)
 
 

@@ -23,6 +23,7 @@ from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
+from palpate.diagnosis.standing import not_told_from_none
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 
@@ -229,6 +230,12 @@ def to_mapping(
             if not candidate.confirmed
         ]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
+        + [
+            f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
+            "differ, and it is not named alone."
+            for candidate in diagnosis.standing[:1]
+            for key in not_told_from_none(candidate.fit)
+        ]
         + too_narrow(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),
     }

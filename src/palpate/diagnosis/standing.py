@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.law import NORMAL_95
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.search import Candidate
 from palpate.mechanisms import MECHANISMS
@@ -43,6 +45,19 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
     law: what an effect on the body does to one curve, a law that is in no library may do, too.
     """
     return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
+
+
+def not_told_from_none(fit: Fit) -> list[str]:
+    """Return the instrument's effects of an explanation whose mean amplitude may as well be none, at 95 %.
+
+    What they explain is then that single recordings differ, which chance, or another law, may do, too.
+    """
+    open_ones, own = [], fit.problem.parts(fit.explanation, np.arange(len(fit.z)))[1]
+    for key in [key for key in fit.explanation if not MECHANISMS[key].needs_learning]:
+        (place,), (value, slope) = own[key], fit.problem.amplitude(fit.explanation, fit.z, key)
+        if abs(value) <= NORMAL_95 * abs(slope) * np.sqrt(fit.posterior[place, place]):
+            open_ones.append(key)
+    return open_ones
 
 
 def of_instrument(explanation: Explanation) -> bool:
