@@ -13,6 +13,7 @@ from palpate.config import Study
 from palpate.errors import InputError
 from palpate.figures.recording import draw
 from palpate.readers import read_source
+from palpate.readers.vendor import in_words
 from palpate.survey import Survey, survey, table
 
 
@@ -43,11 +44,8 @@ def write_reading(study: Study, folder: Path) -> None:
             pieces += [f"<p>{html.escape(warning)}</p>" for warning in test.warnings]
     rows = table(found)
     rows.to_csv(folder / "survey.csv", index=False)
-    corrections = study.source.get("corrections")
-    applied = "those of the vendor" if corrections is None else ", ".join(corrections) or "none"
-    facts = (
-        f"<p>Corrections in the depth: {applied}. Contact that the study uses: {study.source.get('contact', 'file')}."
-    )
+    applied, contact = in_words(study.source.get("corrections")), study.source.get("contact", "file")
+    facts = f"<p>Corrections in the depth: {applied}. Contact that the study uses: {contact}."
     frame = frame_of([(s.recording.load - s.contact.load, s.recording.depth, s.parts) for s in found])
     if frame is not None:
         facts += (

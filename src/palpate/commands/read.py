@@ -111,6 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.errors import InputError
     from palpate.output import spared
     from palpate.readers import VendorTest, select, sound, zeroed_each
+    from palpate.readers.vendor import in_words
 
     try:
         tests = whole_tests(arguments.file, arguments)
@@ -124,9 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         raise error.located(file=arguments.file) from None
     paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
-    chosen = arguments.corrections
-    named = "those of the vendor" if chosen is None else ", ".join(sorted(chosen)) or "none"
-    applied = f"corrections in depth: {named}"
+    applied = f"corrections in depth: {in_words(arguments.corrections)}"
     arguments.output.mkdir(parents=True, exist_ok=True)
     say_what_is_wrong(arguments.file, begun)
     if arguments.stiffness:

@@ -21,7 +21,6 @@ from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS
-from palpate.mechanisms.mechanism import unchanged_specification
 
 EVEN = 1.0 / 3.0
 SHOWN, SHOWN_BEFOREHAND = 0.75, 4.0 / 3.0  # of a range; variance of even values in units of it from the middle
@@ -172,7 +171,7 @@ def _coordinates(fit: Fit) -> list[str]:
 
 
 def _only_adds(key: str) -> bool:
-    return MECHANISMS[key].simulate is unchanged_specification
+    return not MECHANISMS[key].needs_learning
 
 
 def _named(key: str) -> str:

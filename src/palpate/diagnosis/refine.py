@@ -68,17 +68,23 @@ def depth_of(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
 def on_fine_mesh(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
     """Return the curve [nm] of a simulation, with the mesh's correction for an explanation at coordinates z.
 
-    It is the body's depth that the mesh errs by, not what the instrument adds.
-
     Raises
     ------
     PalpateError
         When the solver failed.
     """
-    problem = fit.problem
-    added = problem.recorded(fit.explanation, condition, z)
-    body = depth_of(outcome, condition, fit) - added
-    return body * problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1]) + added
+    return corrected(body_of(outcome, condition, fit, z), condition, fit, z)
+
+
+def body_of(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
+    """Return the body's own depth [nm] in a simulation that did not fail, without what the instrument adds."""
+    return depth_of(outcome, condition, fit) - fit.problem.recorded(fit.explanation, condition, z)
+
+
+def corrected(body: np.ndarray, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
+    """Return what is recorded of a body's depth (n_points,) [nm]: the mesh errs by that, not by what is added to it."""
+    factor = fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])
+    return body * factor + fit.problem.recorded(fit.explanation, condition, z)
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:

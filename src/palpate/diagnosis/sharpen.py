@@ -23,7 +23,7 @@ from palpate.diagnosis.effects import interpolation
 from palpate.diagnosis.fit import Fit, minimised, spread_own_values
 from palpate.diagnosis.local import Local, Straight, design
 from palpate.diagnosis.posterior import away
-from palpate.diagnosis.refine import MARGIN, RADIUS, SETTLED, depth_of, simulated_at, specification_at
+from palpate.diagnosis.refine import MARGIN, RADIUS, SETTLED, body_of, corrected, simulated_at, specification_at
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate_batch, smooth
 
@@ -115,9 +115,7 @@ def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     outcomes = simulate_batch(specifications, roughly=True)
     curves = []
     for (z, condition, whole), outcome in zip(wanted, outcomes, strict=True):
-        body = depth_of(outcome, condition, fit) - problem.recorded(fit.explanation, condition, z)
         spread = interpolation(condition.protocol.sample_time, whole.protocol.sample_time)
-        factor = problem.mesh_factor(condition, problem.parts(fit.explanation, z)[1])
-        curves.append(body @ spread.T * factor + problem.recorded(fit.explanation, whole, z))
+        curves.append(corrected(spread @ body_of(outcome, condition, fit, z), whole, fit, z))
     rows = np.concatenate(curves).reshape(len(places), -1)
     return rows - rows[0]

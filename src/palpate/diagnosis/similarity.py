@@ -33,6 +33,8 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
     """
     problem = fit.problem
     repeats = sum(len(problem.observed[c.name].depth) - 1 for c in problem.conditions)
+    terms = DEGREE + 1
+    under_noise = variance_ratio(terms, repeats) if problem.replicated else chi2(terms, scale=1 / terms)
     blocks = fit.errors.blocks(fit.errors.noise)
     found = []
     for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):
@@ -42,17 +44,16 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
         first, second = (problem.observed[c.name].mean for c in (one, two))
         difference = second / np.sqrt(k) - first
         covariance = blocks[i] + blocks[j] / k
-        trends = np.vander(np.linspace(-1, 1, len(first)), DEGREE + 1) * first[:, None]
+        trends = np.vander(np.linspace(-1, 1, len(first)), terms) * first[:, None]
         solved = np.linalg.solve(covariance, np.column_stack([trends, difference]))
         information, score = trends.T @ solved[:, :-1], trends.T @ solved[:, -1]
         statistic = float(score @ np.linalg.solve(information, score))
-        known = variance_ratio(DEGREE + 1, repeats) if problem.replicated else chi2(DEGREE + 1, scale=1 / (DEGREE + 1))
         deep = first > 0.05 * first.max()
         found.append(
             {
                 "conditions": [one.name, two.name],
                 "difference_percent": float(100 * np.mean(difference[deep] / first[deep])),
-                "p_value": float(known.sf(statistic / (DEGREE + 1))),
+                "p_value": float(under_noise.sf(statistic / terms)),
             }
         )
     return sorted(found, key=lambda row: row["p_value"])

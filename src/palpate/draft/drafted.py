@@ -13,6 +13,7 @@ from palpate.draft.solid import peak_of
 from palpate.draft.text import printable
 from palpate.errors import InputError
 from palpate.readers import VendorTest
+from palpate.readers.vendor import in_words
 from palpate.recording import BARELY_LOADED, Recording
 from palpate.segments import segments
 
@@ -93,7 +94,6 @@ def _provenance(file: Path, test: VendorTest, corrections: frozenset[str] | None
     """Return the comments of `palpate read`, with the file as it was given."""
     said = [note for note in test.recording.notes if note != f"from {file.name}"]
     if not any(note.startswith(CORRECTED) for note in said):
-        named = "those of the vendor" if corrections is None else ", ".join(sorted(corrections)) or "none"
-        said.append(CORRECTED + named)
+        said.append(CORRECTED + in_words(corrections))
     facts = (f"{key}: {value}" for key, value in test.metadata.items())
     return (printable(f"from {file}, {test.name}"), *said, *test.warnings, *facts)

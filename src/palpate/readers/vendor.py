@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -99,6 +99,11 @@ def unless_all_fail(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest
     if all(isinstance(test, Unreadable) for test in tests):
         sound(tests[0])
     return list(tests)
+
+
+def in_words(corrections: Iterable[str] | None) -> str:
+    """Return which of the vendor's corrections are in a depth: chosen ones, or, where none were chosen, all."""
+    return "those of the vendor" if corrections is None else ", ".join(sorted(corrections)) or "none"
 
 
 def sound(test: VendorTest | Unreadable) -> VendorTest:
