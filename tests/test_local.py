@@ -128,3 +128,18 @@ def test_a_valley_of_factors_is_straight():
     local = Local.through(curves(at[None])[0], places, curves(places), axes, straight)
     far = np.array([[0.4, 0.5 + 0.5 * np.log10(4.0)]])
     assert local(far) == pytest.approx(curves(far), abs=0.05)
+
+
+def test_what_no_run_moves_has_the_slope_that_is_known():
+    rng = np.random.default_rng(8)
+    at, moved = rng.uniform(0.3, 0.7, 5), np.array([True, True, False, True, True])
+    places, axes = design(at, 0.01 * np.eye(5) + 0.003, unbent(5), moved)
+    assert len(places) == 8 + 2 * BENT, "one coordinate less takes half the runs"
+    assert np.all(places[:, 2] == at[2])
+    places, slope = np.vstack([at, places]), rng.standard_normal((30, 5))
+    curves = (places - at) @ slope.T
+    local = Local.through(curves[0], places, curves, axes, unbent(5), np.where(moved, 0.0, slope))
+    assert local.slope == pytest.approx(slope)
+    assert np.abs(local.scatter).max() < 1e-20
+    elsewhere = rng.random((3, 5))
+    assert local(elsewhere) == pytest.approx((elsewhere - at) @ slope.T)

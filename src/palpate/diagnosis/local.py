@@ -19,6 +19,7 @@ from scipy.linalg import hadamard
 
 BENT = 3  # axes along which the curves may bend, and twist from one to another
 REACH = 2.0  # standard deviations from the optimum to an end; beyond it curves go on straight
+STILL = 1e-9  # coordinates that vary by no more are not moved
 NEAR = 0.5  # standard deviations: an end nearer than that, at a bound, is not worth a run
 
 
@@ -89,18 +90,27 @@ class Local:
 
     @classmethod
     def through(
-        cls, curve: np.ndarray, places: np.ndarray, curves: np.ndarray, axes: np.ndarray, straight: Straight
+        cls,
+        curve: np.ndarray,
+        places: np.ndarray,
+        curves: np.ndarray,
+        axes: np.ndarray,
+        straight: Straight,
+        known: np.ndarray | float = 0.0,
     ) -> Local:
-        """Return what fits runs with `curves` (m, n_all) at `places` (m, k), moved through a `curve` at the first."""
+        """Return what fits runs with `curves` (m, n_all) at `places` (m, k), moved through a `curve` at the first.
+
+        Slopes by coordinates that no run moves are `known` (n_all, k).
+        """
         off = straight.of(places)
-        middle, scale = off[0], np.ptp(off, axis=0) + 1e-9
-        off = off - middle
+        middle, extent = off[0], np.ptp(off, axis=0)
+        off, scale = off - middle, np.where(extent > STILL, extent, np.inf)
         terms = np.column_stack([np.ones(len(off)), off / scale, _second_order(off @ axes)])
-        found = np.linalg.lstsq(terms, curves, rcond=1e-8)[0]
+        found, _, rank, _ = np.linalg.lstsq(terms, curves, rcond=1e-8)
         left = curves - terms @ found
-        scatter = left.T @ left / max(len(terms) - terms.shape[1], 1)
+        scatter = left.T @ left / max(len(terms) - rank, 1)
         slope, bend = np.split(found[1:], [len(middle)])
-        return cls(places[0], curve, (slope / scale[:, None]).T, middle, straight, axes, bend.T, scatter)
+        return cls(places[0], curve, (slope / scale[:, None]).T + known, middle, straight, axes, bend.T, scatter)
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
         """Return the curves (m, n_all) at coordinates z (m, k) [nm]."""
@@ -135,17 +145,21 @@ def _slope_of_second_order(along: np.ndarray) -> np.ndarray:
     return np.vstack([np.diag(within), within[second, None] * inside[first] + within[first, None] * inside[second]])
 
 
-def design(centre: np.ndarray, covariance: np.ndarray, straight: Straight) -> tuple[np.ndarray, np.ndarray]:
+def design(
+    centre: np.ndarray, covariance: np.ndarray, straight: Straight, moved: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return places (m, k) around a centre (k,), and the axes (k, n) along which they tell how the curves bend.
 
-    The covariance (k, k) is that of the coordinates, the axes are those of straightened ones.
+    The covariance (k, k) is that of the coordinates, the axes are those of straightened ones. Only those coordinates
+    vary that are to be `moved` (k,); by default all.
     """
     middle, slope = straight.of(centre), straight.slope(centre)
-    variances, axes = np.linalg.eigh(covariance * np.outer(slope, slope))
-    deviations = np.sqrt(variances)
+    among = np.eye(len(centre))[:, np.ones(len(centre), dtype=bool) if moved is None else moved]
+    variances, axes = np.linalg.eigh(among.T @ (covariance * np.outer(slope, slope)) @ among)
+    deviations, axes = np.sqrt(variances), among @ axes
     widest = axes[:, -BENT:] * deviations[-BENT:]
     ends = _ends(middle, widest, straight.of(np.zeros_like(centre)), straight.of(np.ones_like(centre)))
-    places = np.vstack([middle + _levels(len(centre)) @ (axes * deviations).T, ends])
+    places = np.vstack([middle + _levels(len(deviations)) @ (axes * deviations).T, ends])
     return straight.back(places), axes[:, -BENT:] / deviations[-BENT:]
 
 

@@ -145,6 +145,25 @@ class Problem:
         effects = [self.recorded_effect(key, condition, values[key]) for key in explanation]
         return np.sum([np.zeros(len(condition.protocol.sample_time)), *effects], axis=0)
 
+    def acts_on_body(self, explanation: Explanation) -> np.ndarray:
+        """Return which coordinates (k,) change the body's depth; curves are linear in the others, the instrument's."""
+        acts = np.ones(self.dimensions(explanation), dtype=bool)
+        for key, places in self.parts(explanation, np.arange(len(acts)))[1].items():
+            acts[places] = MECHANISMS[key].needs_learning
+        return acts
+
+    def slope_by_instrument(self, explanation: Explanation) -> np.ndarray:
+        """Return the slope (n_all, k) of the curves by the coordinates that act on the instrument alone, else zero."""
+        instrument = ~self.acts_on_body(explanation)
+        none, *ends = np.vstack([np.zeros(len(instrument)), np.diag(1.0 * instrument)])
+        return np.concatenate(
+            [
+                np.transpose([self.recorded(explanation, condition, z) for z in ends])
+                - self.recorded(explanation, condition, none)[:, None]
+                for condition in self.conditions
+            ]
+        )
+
     def unit_effect(self, key: str, condition: Condition) -> np.ndarray:
         """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm]."""
         return self.recorded_effect(key, condition, {p.name: 1.0 for p in MECHANISMS[key].parameters})
