@@ -126,9 +126,10 @@ def test_what_a_laboratory_cannot_conceal_is_found_by_check(tmp_path, refused, c
 
 
 def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
-    """One begins far from contact; one goes on after the load has ended that the condition follows."""
+    """One begins far from contact; one outlasts the load that the condition follows; one is no .csv file."""
     folder = tmp_path / "lab"
     folder.mkdir()
+    (folder / "A_3.txt").write_text("time,load,depth")
     time = np.linspace(0.0, 40.0, 81)
     load = np.minimum(time / 20.0, 2.0 - time / 20.0)
     for name, kept, offset in (("A_1", time <= 30.0, 0.0), ("A_2", time <= 40.0, 400.0)):
@@ -138,6 +139,7 @@ def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     assert main(["check", str(tmp_path / "study.yaml")]) == 0
     said = capsys.readouterr().out
     assert "A_2.csv begins at a depth of 400 nm, not at contact" in said
+    assert "A_3.txt is not read" in said
     assert "A_2.csv lasts 40 s, the recorded load that its condition follows ends after 30 s" in said
 
 

@@ -77,13 +77,14 @@ def test_a_fit_that_cannot_pass_is_simulated_once(forward):
 def test_excess_is_what_chi_square_lacks():
     rng = np.random.default_rng(1)
     assert excess(fitted(problem(recordings(rng))), RECORD_ONLY, rng, 200, 0.01) == 0.0
-    strong = {}
-    for size in (2.0, 4.0):
-        bent = recordings(np.random.default_rng(1), lambda c, r, size=size: size * np.sin(c.protocol.sample_time))
-        fit = fitted(problem(bent))
-        strong[size] = excess(fit, RECORD_ONLY, rng, 200, 0.01)
-        assert 0.0 < strong[size] < fit.misfit
-    assert strong[4.0] > strong[2.0]
+    misfits, lacking = [], []
+    for rate in (0.3, 0.5):
+        drifting = recordings(np.random.default_rng(1), lambda c, r, rate=rate: rate * c.protocol.sample_time)
+        fit = fitted(problem(drifting))
+        misfits.append(fit.misfit)
+        lacking.append(excess(fit, RECORD_ONLY, rng, 200, 0.01))
+    assert 0.0 < lacking[0] < misfits[0]
+    assert np.diff(lacking) == pytest.approx(np.diff(misfits), rel=0.1), "a filter sees all of a drift"
 
 
 def test_a_promise_leaves_out_what_errors_of_surrogates_cost():

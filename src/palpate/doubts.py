@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from palpate.config import Study
 from palpate.observations import find, written_by_workflow
 from palpate.readers.zero import begins_off_contact
-from palpate.recording import Recording, read_recording
+from palpate.recording import Recording, read_recording, recording_files
 
 LONGER = 1.05  # ratio of durations beyond which something of a test is left out
 
 
 def doubts(study: Study, name: str) -> Iterator[str]:
-    """Say where tests of set `name` begin elsewhere than at contact, or last longer than the load that is followed."""
+    """Say what is odd about set `name`.
+
+    Files that are not read, tests that begin elsewhere than at contact, or last longer than the load that is followed.
+    """
     if written_by_workflow(study, name):
         return
+    yield from _passed_over(study.recordings[name])
     for condition, files in find(study, name).items():
         tests = [read_recording(file) for file in files]
         for test in filter(begins_off_contact, tests):
@@ -25,6 +30,14 @@ def doubts(study: Study, name: str) -> Iterator[str]:
             )
         if study.condition(condition).follows:
             yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
+
+
+def _passed_over(folder: Path) -> Iterator[str]:
+    """Say which files of a folder of recordings are not read."""
+    files = sorted(file for file in folder.iterdir() if file.is_file() and not file.name.startswith("."))
+    for file in files:
+        if file not in recording_files(folder):
+            yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 
 def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
