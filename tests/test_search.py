@@ -8,7 +8,7 @@ from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.diagnose import _refine_best, _sharpened
 from palpate.diagnosis.search import Candidate
-from palpate.diagnosis.standing import not_told_from_none
+from palpate.diagnosis.standing import likeliest_of_each, not_told_from_none
 
 LEVEL = 0.01
 
@@ -118,3 +118,8 @@ def test_an_effect_that_differs_from_test_to_test_about_none_is_not_told_from_no
     own = dict(zip("abcd", (0.2, -0.2, 0.2, -0.2), strict=True))
     observed = recordings(np.random.default_rng(5), lambda c, r: (mean + own[c.name]) * c.protocol.sample_time)
     assert not_told_from_none(fitted(problem(observed), ("thermal_drift",))) == found
+
+
+def test_a_set_that_was_tried_again_is_listed_once():
+    stopped, found, other = candidate("friction", 5.0), candidate("friction", 9.0), candidate("adhesion", 7.0)
+    assert likeliest_of_each([stopped, other, found]) == [found, other]

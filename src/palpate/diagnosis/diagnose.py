@@ -17,6 +17,7 @@ from palpate.diagnosis.standing import (
     best_evidence,
     best_first,
     judged,
+    likeliest_of_each,
     may_be_named,
     not_told_from_none,
     of_instrument,
@@ -46,7 +47,7 @@ class Diagnosis:
     probabilities
         Theirs, were there no others.
     tried
-        Every explanation tried, best first.
+        Every explanation tried, best first; one that was tried again as it came out better.
     """
 
     verdict: str
@@ -104,7 +105,7 @@ def diagnose(
         best = standing[0].fit
         if not may_be_named(problem, best.explanation) or not_told_from_none(best):
             verdict = "ambiguous"
-    return Diagnosis(verdict, base, standing, probabilities, tried)
+    return Diagnosis(verdict, base, standing, probabilities, likeliest_of_each(tried))
 
 
 def _refine_best(

@@ -84,3 +84,11 @@ def best_evidence(tried: list[Candidate]) -> float:
 def best_first(candidates: list[Candidate]) -> list[Candidate]:
     """Sort by evidence."""
     return sorted(candidates, key=lambda candidate: -candidate.fit.log_evidence)
+
+
+def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
+    """Return one candidate for each set of mechanisms, best first: a set that was tried again is listed once."""
+    likeliest: dict[frozenset[str], Candidate] = {}
+    for candidate in best_first(candidates):
+        likeliest.setdefault(frozenset(candidate.fit.explanation), candidate)
+    return list(likeliest.values())
