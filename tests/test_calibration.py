@@ -205,6 +205,26 @@ def test_a_forward_model_that_fails_where_the_surrogates_lead_is_told():
         confirmed_before(fine_edge=0.8, cheap_edge=1.5)
 
 
+def test_a_held_out_condition_that_cannot_be_simulated_is_told_and_left_out():
+    class Curves(dict):
+        def __missing__(self, name):
+            raise PalpateError(f"{name}: no equilibrium")
+
+        def __iter__(self):
+            return iter(("slow", "fast", "check"))
+
+    def confirm(points):
+        return [Curves(curves) for curves in forward()(points)]
+
+    data = observed(np.random.default_rng(5))
+    data |= {"check": Observation(T, data["slow"].depth, role="validate")}
+    told, options = [], {"settings": QUICK, "confirm": confirm}
+    found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), report=told.append, **options)
+    assert set(found.fe_curves) == set(found.conditions) == set(FAMILIES)
+    assert told[-1] == "check is not judged: check: no equilibrium"
+    assert found.confirmed_by == "fe"
+
+
 def test_surrogate_error_widens_the_intervals():
     data = observed(np.random.default_rng(5))
     error = {name: 5.0 * np.random.default_rng(0).standard_normal((30, 1)) * T for name in FAMILIES}

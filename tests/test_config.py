@@ -87,6 +87,8 @@ def test_defaults_and_order(tmp_path):
         ({"parameters": STUDY["parameters"] | {"youngs_modulus": [float("nan")]}}, "parameters.youngs_modulus", "nan"),
         ({"recordings": {"snapshots": "x"}}, "recordings", "another name"),
         ({"recordings": {"effects": "x"}}, "recordings", "another name"),
+        ({"recordings": {"report.html": "x"}}, "recordings", "another name"),
+        ({"study": "mlflow.db"}, "study", "another name"),
         ({"study": "store"}, "study", "another name"),
         ({"conditions": [CONDITION | {"name": "a__b"}]}, "conditions[0].name", "single underscores between"),
         ({"laboratory": {"lab": {"parameters": TRUTH}}}, "laboratory.lab", "recordings"),

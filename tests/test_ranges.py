@@ -30,6 +30,16 @@ def test_a_study_states_where_an_effect_is_searched():
     candidates(ranged({"frame_compliance": frame}))
 
 
+def test_a_held_out_test_does_not_decide_what_is_considered():
+    study = load_study(CHALLENGE)
+    usual = study.conditions[0].protocol
+    brief = replace(usual, knot_time=usual.knot_time * 1e-2, sample_time=usual.sample_time * 1e-2)
+    held_out = replace(study.conditions[0], name="brief", role="validate", protocol=brief)
+    first, last = ((held_out, *study.conditions), (*study.conditions, held_out))
+    assert "controller_lag" in candidates(replace(study, conditions=first))
+    assert set(candidates(replace(study, conditions=first))) == set(candidates(replace(study, conditions=last)))
+
+
 @pytest.mark.parametrize(
     ("ranges", "words"),
     [

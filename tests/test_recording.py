@@ -62,6 +62,33 @@ def test_a_clock_that_starts_at_a_first_point_under_load_is_set_back():
     assert recorded(begun.time, begun.load).knot_load[0] == 0.0
 
 
+@pytest.mark.parametrize("approach", [0.3, 1.0, 3.0])
+def test_an_approach_before_the_clocks_zero_is_left_out(approach):
+    touched = ramp()
+    before = np.arange(-approach, -0.01, 0.05)
+    time, load = np.append(before, touched.time), np.append(0.0 * before, touched.load)
+    begun = Recording(time, load, np.append(20.0 * before, touched.depth)).from_contact()
+    assert np.array_equal(begun.time, touched.time) and np.array_equal(begun.depth, touched.depth)
+
+
+def test_times_of_a_clock_that_counts_from_1970_are_told_apart_when_written(tmp_path):
+    recording = ramp(clock=1.6e9, n=41)
+    recording.write(tmp_path / "A_1.csv")
+    assert read_recording(tmp_path / "A_1.csv").time == pytest.approx(recording.time, abs=1e-5)
+
+
+@pytest.mark.parametrize("mark", ["\x0b", "\x0c", "\x85", "\u2028"])
+def test_a_comment_may_hold_any_character(tmp_path, mark):
+    file = tmp_path / "A_1.csv"
+    file.write_text(f"# page{mark}1\ntime_s,load_mN,depth_nm\n0,0,0\n1,1,100\n", encoding="utf-8")
+    assert len(read_recording(file)) == 2
+
+
+def test_what_is_no_file_is_not_written_over(tmp_path):
+    with pytest.raises(InputError, match="no file"):
+        ramp().write(tmp_path)
+
+
 def test_a_load_that_never_rises_is_refused():
     t = np.linspace(0, 10, 50)
     with pytest.raises(InputError, match="does not rise"):

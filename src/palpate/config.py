@@ -24,8 +24,8 @@ from palpate.schema import check_schema, suggestion, with_defaults
 from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
 
-SHARED = ("store", "thesis", "verification")  # folders of results that belong to no study
-RESERVED = ("effects", "figures", "logs", "recordings", "snapshots", "surrogates")
+SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
+RESERVED = ("effects", "figures", "logs", "recordings", "report.html", "snapshots", "snapshots.csv", "surrogates")
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     check_schema(values, schema)
     if values["study"] in SHARED:
         raise InputError(
-            f"{values['study']!r} is the name of a folder of results", remedy="choose another name", place="study"
+            f"{values['study']!r} is what other results are called", remedy="choose another name", place="study"
         )
     _check_contradictions(values)
     settings = with_defaults(values, schema)
@@ -189,7 +189,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     for name in recordings:
         if name in RESERVED:
             raise InputError(
-                f"{name!r} is the name of a folder of results", remedy="choose another name", place="recordings"
+                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
             )
     conditions = tuple(
         _condition(k, entry, settings["points"], recordings, source, tests)

@@ -17,6 +17,7 @@ LOAD_HISTORY = "time_s,load_mN"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3
+DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not tell apart
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -80,9 +81,10 @@ class Recording:
     def from_contact(self) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.
 
-        A recording that begins under load (its first points cut off, or taken after the start) is extended back to
-        zero load and depth at the rate of its first loading, after a hold at a preload if there is one. The clock's own
-        zero is kept when loading began within one sampling interval of it, and no point under load stands there.
+        What stands before the clock's zero without load is the approach, and is left out. A recording that begins under
+        load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
+        its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
+        within one sampling interval of it, and no point under load stands there.
 
         Raises
         ------
@@ -90,6 +92,9 @@ class Recording:
             When the recording begins under load that does not rise.
         """
         peak = int(np.argmax(self.load))
+        approach = self.time < 0.0
+        if 0 < approach.sum() < len(self) and np.all(self.load[approach] <= BARELY_LOADED * self.load[peak]):
+            return self.at(~approach).from_contact()
         begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
         loaded = self.load[0] > BARELY_LOADED * self.load[peak]
         if loaded:
@@ -114,15 +119,24 @@ class Recording:
         return replace(self, time=time, load=load, depth=depth, stiffness=stiffness)
 
     def write(self, path: str | Path) -> None:
-        """Write the recording as CSV; the file appears whole or not at all."""
-        path = Path(path)
+        """Write the recording as CSV; the file appears whole or not at all.
+
+        Raises
+        ------
+        InputError
+            When something stands there that is no file.
+        """
+        if Path(path).exists() and not Path(path).is_file():
+            raise InputError("the output is no file", remedy="name a file", file=path)
+        path = Path(path).resolve()
         text = io.StringIO()
         for note in self.notes:
             text.write(f"# {' '.join(note.split())}\n")
         channels = [self.time, self.load, self.depth]
         text.write((HEADER if self.stiffness is None else WITH_STIFFNESS) + "\n")
         channels += [] if self.stiffness is None else [self.stiffness]
-        np.savetxt(text, np.column_stack(channels), fmt="%.9g", delimiter=",")
+        digits = [DIGITS if _told_apart(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
         partial = path.with_name(path.name + ".partial")
         partial.write_text(text.getvalue(), encoding="utf-8")
         partial.replace(path)
@@ -139,6 +153,11 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def _told_apart(time: np.ndarray) -> bool:
+    """Return whether times (n,) [s] still increase as they are usually written."""
+    return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
 
 
 def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:
@@ -204,7 +223,7 @@ def _recording_at(path: Path) -> Recording:
 def _lines_of(path: Path) -> list[str]:
     """Return the lines of a text file; raises `InputError`."""
     try:
-        return path.read_text(encoding="utf-8-sig").splitlines()
+        return path.read_text(encoding="utf-8-sig").split("\n")
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:

@@ -131,7 +131,7 @@ def run_calibration(
                     "recorded_nm": item.mean,
                     "spread_nm": item.depth.std(axis=0, ddof=1) if count > 1 else blank,
                     "surrogate_nm": result.surrogate_curves.get(condition.name, blank),
-                    "simulated_nm": result.fe_curves[condition.name],
+                    "simulated_nm": result.fe_curves.get(condition.name, blank),
                 }
             )
         )

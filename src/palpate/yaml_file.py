@@ -24,6 +24,13 @@ class _Loader(yaml.SafeLoader):
             seen.add(key.value)
         return super().construct_mapping(node, deep)
 
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, KeyError, AttributeError) as error:
+            problem = f"{str(node.value)[:40]!r} is not what it looks like: a number, a date or what its tag says"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark) from error
+
 
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
@@ -44,6 +51,8 @@ def read_yaml(path: str | Path) -> Any:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
         raise InputError("is not text in UTF-8", remedy="save it as UTF-8, or give a YAML file", file=path) from error
+    except RecursionError as error:
+        raise InputError("is nested too deeply", remedy="correct the brackets or indentation", file=path) from error
     except yaml.YAMLError as error:
         mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
         raise InputError(

@@ -1,5 +1,10 @@
 # Real recordings, read and diagnosed: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
-REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
+from palpate.yaml_file import read_yaml
+
+REAL = {
+    path.stem: read_yaml(path)["source"]["recordings"]
+    for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))
+}
 
 
 rule reading:
@@ -25,14 +30,15 @@ rule real_study:
         study=f"{workflow.basedir}/config/real/{{real}}.yaml",
         recordings=vendor_file,
     output:
-        result="results/{real}/diagnosis/diagnosis.json",
-        curves="results/{real}/diagnosis/diagnosis.curves.csv",
-        figure="results/{real}/diagnosis/diagnosis.png",
-        page="results/{real}/diagnosis/diagnosis.html",
+        result="results/{real}/{recordings}/diagnosis.json",
+        curves="results/{real}/{recordings}/diagnosis.curves.csv",
+        figure="results/{real}/{recordings}/figures/diagnosis.png",
+        page="results/{real}/{recordings}/diagnosis.html",
     log:
-        "results/{real}/logs/real_study.log",
+        "results/{real}/logs/real_study_{recordings}.log",
     wildcard_constraints:
-        real="|".join(REAL),
+        real="|".join(name for name in REAL if name != STUDY.name),
+        recordings="|".join(REAL.values()),
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -45,4 +51,4 @@ rule real_study:
 rule real:
     input:
         expand("results/{real}/reading/reading.html", real=REAL),
-        expand("results/{real}/diagnosis/diagnosis.html", real=REAL),
+        [f"results/{name}/{recorded}/diagnosis.html" for name, recorded in REAL.items()],

@@ -16,7 +16,7 @@ from palpate.calibration.measures import OBJECTIVES, check_indents, check_measur
 from palpate.calibration.noise import complete_noise, model_covariance
 from palpate.calibration.observation import Observation
 from palpate.calibration.polish import Predictor, WeightedFit
-from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted
+from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted, reached
 from palpate.calibration.result import Calibration
 from palpate.calibration.space import Space
 from palpate.errors import InputError
@@ -136,13 +136,14 @@ def calibrate(
         settled = confirmation.settled
     found = intervals(fit, u, noise, fitted)
     curves = predicted(surrogates, observations, space.physical(u))
+    solved = reached(observations, confirmed, report)
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
     return Calibration(
         parameters=estimates(space, u, found),
-        conditions=judged(observations, curves, confirmed),
+        conditions=judged(observations, curves, solved),
         surrogate_curves=curves,
-        fe_curves=dict(confirmed),
-        confirmed_by="fe" if confirmed else "surrogate",
+        fe_curves=solved,
+        confirmed_by="fe" if solved else "surrogate",
         confirmations=runs,
         settled=settled,
         misfit_ratio=found.misfit_ratio,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from palpate.calibration.observation import Observation
 from palpate.calibration.polish import Predictor
 from palpate.calibration.result import Estimate
 from palpate.calibration.space import Space
+from palpate.errors import PalpateError
 
 
 def predicted(
@@ -22,6 +23,27 @@ def predicted(
 ) -> dict[str, np.ndarray]:
     """Surrogate curves at parameters x (1, p) of all observed conditions that have a surrogate."""
     return {name: surrogates[name].predict(x)[0] for name in observations if name in surrogates}
+
+
+def reached(
+    observations: Mapping[str, Observation], confirmed: Mapping[str, np.ndarray], report: Callable[[str], None]
+) -> dict[str, np.ndarray]:
+    """Return the forward model's curves; what took no part and cannot be simulated is told and left out.
+
+    Raises
+    ------
+    PalpateError
+        When a condition cannot be simulated that took part.
+    """
+    found = {}
+    for name in confirmed:
+        try:
+            found[name] = confirmed[name]
+        except PalpateError as error:
+            if name not in observations or observations[name].role == "calibrate":
+                raise
+            report(f"{name} is not judged: {error}")
+    return found
 
 
 def judged(

@@ -109,7 +109,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
-    specification, scale = study.specification(study.cells[0], study.conditions[0]), scale_of(study)
+    first = next(condition for condition in study.conditions if condition.role == "calibrate")
+    specification, scale = study.specification(study.cells[0], first), scale_of(study)
     _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
     _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
     for key in scale.stated:
