@@ -146,6 +146,20 @@ def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     assert "A_2.csv lasts 40 s, the recorded load that its condition follows ends after 30 s" in said
 
 
+def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
+    time = np.linspace(0.0, 60.0, 81)
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    for number, scale in enumerate((1.0, 1.02, 10.0), 1):
+        Recording(time, load, scale * 400.0 * np.sqrt(load)).write(tmp_path / f"A_{number}.csv")
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "hold_time": 0, "unloading_time": 30}
+    study = ELASTIC | {"conditions": [condition], "recordings": {"lab": str(tmp_path)}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    assert main(["check", str(tmp_path / "study.yaml")]) == 0
+    said = capsys.readouterr().out
+    assert "A_3.csv is 4000 nm deep, the median of its condition's tests 408 nm" in said
+    assert "A_1.csv is" not in said
+
+
 @pytest.mark.parametrize("folder", ["mine", ".", "results", "results/trial", "results/trial/lab"])
 @pytest.mark.parametrize("writer", ["laboratory", "source"])
 def test_a_folder_of_the_user_s_is_not_given_to_the_workflow_to_empty(tmp_path, monkeypatch, refused, writer, folder):

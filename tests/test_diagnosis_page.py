@@ -3,7 +3,8 @@
 import pandas as pd
 
 from palpate import report
-from palpate.diagnosis.page import effect, located
+from palpate.diagnosis.page import _material, effect, located
+from palpate.materials import LAWS
 
 
 def test_parameters_of_effects_carry_their_units():
@@ -24,3 +25,14 @@ def test_tables_show_nothing_where_nothing_is_known():
     shown = report.table(pd.DataFrame([{"lower": None, "held": True}, {"lower": 1.23456, "held": False}]))
     cells = [line.strip() for line in shown.splitlines() if "<td>" in line]
     assert cells == ["<td></td>", "<td>yes</td>", "<td>1.235</td>", "<td>no</td>"]
+
+
+def test_nothing_comes_after_a_base_model_that_nothing_joined():
+    found = {"youngs_modulus": {"estimate": 3.0, "lower": 2.9, "upper": 3.1}}
+    content = {"parameters": {"before": found, "after": found}, "candidates": [], "verdict": "unexplained"}
+    declared = {parameter.name: parameter for parameter in LAWS["elastic"].parameters}
+    title, pieces = _material(content, declared)
+    assert title == "Material parameters of the base model"
+    assert "which it is not" in pieces[0] and "after" not in pieces[-1]
+    title, pieces = _material(content | {"candidates": [{}], "verdict": "identified"}, declared)
+    assert title == "Material parameters before and after" and "<th>after</th>" in pieces[-1]

@@ -236,3 +236,10 @@ def test_recordings_survive_writing(tmp_path):
     assert other.depth == pytest.approx(one.depth, rel=1e-8)
     assert other.notes == ("hello",)
     assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_a_sphere_with_its_radius_in_micrometres_is_told(tmp_path):
+    write(tmp_path / "P1_T30_1.csv", *curve())
+    sphere = {"indenter": {"shape": "sphere", "radius": 50}}
+    with pytest.raises(InputError, match="under a sphere of 50 nm; is the radius in um"):
+        check(load(tmp_path, recordings={"lab": str(tmp_path)}, **sphere), "lab")

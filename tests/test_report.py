@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from palpate.report import confirmation_sentences, misfit_sentence, table
+from palpate.report import bound_sentence, confirmation_sentences, misfit_sentence, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -36,3 +36,9 @@ def test_the_surrogates_error_is_that_at_the_estimate():
 def test_a_share_close_to_one_is_not_rounded_to_one():
     assert "<td>0.99997</td>" in table(pd.DataFrame({"r2": [0.99997]}))
     assert "<td>1</td>" in table(pd.DataFrame({"r2": [1.0]}))
+
+
+def test_an_estimate_at_an_end_of_its_range_is_told():
+    parameters = {"youngs_modulus": {"at_bound": False}, "hardening": {"at_bound": True}}
+    assert bound_sentence({"parameters": parameters}).startswith("At an end of its range: hardening.")
+    assert bound_sentence({"parameters": {"youngs_modulus": {"at_bound": False}}}) == ""

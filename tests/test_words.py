@@ -108,3 +108,10 @@ def test_only_what_stands_far_from_zero_is_suspected():
 
 def test_an_error_that_rises_is_told():
     assert "rises from 5.2 to 6.2 nm" in sentence(content("identified", DRIFT, held_out=(5.2, 6.2)))
+
+
+def test_a_suspicion_names_the_effect_that_may_be_none():
+    spread = {"estimate": 0.3, "lower": -0.6, "upper": 1.1}
+    shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
+    said = sentence(content("ambiguous", shifted))
+    assert "it stays a suspicion, as the zero offset may be none on average" in said

@@ -23,6 +23,7 @@ LOAD_TOLERANCE = 0.05
 LEAST_POSITIVE = 0.05
 SHALLOWEST = 0.2
 DEEPEST = 30.0
+DEEPEST_IN_SPHERE = 3.0  # radii; a zero point that is off by a radius is not a mistaken unit
 
 
 def find(study: Study, name: str) -> dict[str, list[Path]]:
@@ -141,12 +142,18 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
     check_load(condition.protocol, recording)
+    radius, depth = study.indenter.radius, recording.depth.max()
+    if study.indenter.shape == "sphere" and depth > DEEPEST_IN_SPHERE * radius:
+        raise InputError(
+            f"the largest depth is {depth:.4g} nm, under a sphere of {radius:g} nm; is the radius in um?",
+            remedy="write indenter.radius in nm",
+            place="depth_nm",
+        )
     elastic = [
         depth
         for modulus in _moduli(study)
         for depth in elastic_depths(study.indenter, condition.protocol.max_load, modulus)
     ]
-    depth = recording.depth.max()
     for wrong, words in (
         (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
         (depth > DEEPEST * max(elastic), "are depths in pm, or loads in N?"),

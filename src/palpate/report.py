@@ -96,6 +96,17 @@ def misfit_sentence(calibration: Mapping) -> str:
     )
 
 
+def bound_sentence(calibration: Mapping) -> str:
+    """Say which estimates lie at an end of their range."""
+    names = [name for name, entry in calibration["parameters"].items() if entry["at_bound"]]
+    if not names:
+        return ""
+    return (
+        f"At an end of its range: {', '.join(names)}. Widen it in `parameters`, unless the law itself ends there; the "
+        "other estimates may make up for it."
+    )
+
+
 def confirmation_sentences(calibration: Mapping) -> str:
     """Say how far the surrogates are off at the estimate, and whether it settled.
 

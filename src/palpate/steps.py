@@ -187,6 +187,7 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
         pieces = [
             f"<p>{report.misfit_sentence(calibration)}</p>",
             report.paragraph(report.confirmation_sentences(calibration)),
+            report.paragraph(report.bound_sentence(calibration)),
             report.table(pd.read_csv(found / "errors.csv")),
             report.table(
                 with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})
@@ -199,7 +200,9 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
             diagnosis = read_json(found / "diagnosis.json")
             link = f'<p>More in <a href="{recordings}/diagnosis.html">the diagnosis</a>.</p>'
             picture = report.image(found / "figures/diagnosis.png", "diagnosis")
-            pieces = [report.paragraph(diagnosis["sentence"]), picture, link, *pieces]
+            without = "What follows is the base model's fit, without what the diagnosis found."
+            apart = [report.paragraph(without)] if diagnosis["candidates"] else []
+            pieces = [report.paragraph(diagnosis["sentence"]), picture, link, *apart, *pieces]
         sections.append((f"Recordings: {recordings}", pieces))
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))

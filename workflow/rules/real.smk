@@ -5,6 +5,10 @@ REAL = {
     path.stem: read_yaml(path)["source"]["recordings"]
     for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))
 }
+OTHERS = [
+    name for name in REAL if name != STUDY.name
+]  # than the study itself, which has rules of its own
+NOTHING = "(?!)"  # matches no text
 
 
 rule reading:
@@ -37,8 +41,8 @@ rule real_study:
     log:
         "results/{real}/logs/real_study_{recordings}.log",
     wildcard_constraints:
-        real="|".join(name for name in REAL if name != STUDY.name),
-        recordings="|".join(REAL.values()),
+        real="|".join(OTHERS) or NOTHING,
+        recordings="|".join(REAL.values()) or NOTHING,
     conda:
         "../../envs/palpate.yaml"
     params:

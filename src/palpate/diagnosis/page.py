@@ -35,13 +35,7 @@ def sections(
     ]
     if rows:
         found.append(("Explanations that stand", [report.table(pd.DataFrame(rows))]))
-    before, after = content["parameters"]["before"], content["parameters"]["after"]
-    material = [
-        {"parameter": name, "unit": declared[name].unit, "before": before[name]["estimate"]}
-        | {"after": after[name]["estimate"], "lower": after[name]["lower"], "upper": after[name]["upper"]}
-        for name in after
-    ]
-    found.append(("Material parameters before and after", [report.table(pd.DataFrame(material))]))
+    found.append(_material(content, declared))
     if content["discriminating_test"]:
         test = content["discriminating_test"]
         words = (
@@ -91,6 +85,30 @@ def sections(
         found.append(("Zero points by the law of the sharp tip", [report.paragraph(words), table]))
     found.append(("Where the base model fails", [located(content["location"])]))
     return found
+
+
+def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> tuple[str, list[str]]:
+    """Return the section on the material's parameters; before and after where anything joined the base model."""
+    before, after = content["parameters"]["before"], content["parameters"]["after"]
+    joined = bool(content["candidates"])
+    rows = [
+        {"parameter": name, "unit": declared[name].unit}
+        | (
+            {"before": before[name]["estimate"], "after": found["estimate"]}
+            if joined
+            else {"estimate": found["estimate"]}
+        )
+        | {"lower": found["lower"], "upper": found["upper"]}
+        for name, found in after.items()
+    ]
+    table = report.table(pd.DataFrame(rows))
+    if joined:
+        return "Material parameters before and after", [table]
+    words = "The intervals hold if the base model is right, which it is not."
+    return "Material parameters of the base model", [
+        *([report.paragraph(words)] if content["verdict"] == "unexplained" else []),
+        table,
+    ]
 
 
 def effect(name: str) -> dict[str, str]:

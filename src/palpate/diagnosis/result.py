@@ -28,6 +28,7 @@ from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 
 COARSE = 0.01
+ROUGH = 3.0  # ratio of the surrogates' error to the noise from which a search may be misled
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 
@@ -150,6 +151,19 @@ def too_narrow(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
+def learnt_roughly(diagnosis: Diagnosis) -> list[str]:
+    """Say that surrogates may have misled the search, when nothing tried explains the recordings."""
+    problem, noise = diagnosis.base.fit.problem, diagnosis.base.fit.errors
+    missed = float(np.sqrt(np.mean([np.mean(problem.base[c.name].loo_error_ ** 2) for c in problem.conditions])))
+    left = float(np.sqrt(np.mean(np.concatenate([np.diag(block) for block in noise.blocks(noise.noise)]))))
+    if diagnosis.verdict != "unexplained" or missed < ROUGH * left:
+        return []
+    return [
+        f"The surrogates err by {missed:.2g} nm (leave-one-out), the mean recordings by {left:.2g} nm: the search may "
+        "have ended beside what explains them. Simulate more snapshots (`design`) before other physics is sought."
+    ]
+
+
 def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
     """Say which effect of single recordings fits only with a value for each test, when nothing tried explains them."""
     if diagnosis.verdict != "unexplained":
@@ -237,6 +251,7 @@ def to_mapping(
             for key in not_told_from_none(candidate.fit)
         ]
         + too_narrow(diagnosis)
+        + learnt_roughly(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),
     }
     return content, table

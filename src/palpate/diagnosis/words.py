@@ -30,8 +30,10 @@ def sentence(content: Mapping[str, Any]) -> str:
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
-        best = f"What explains it best: {names}"
-        return f"{start} {best}. From these recordings alone it stays a suspicion; {_gain(content)}."
+        best, (only,) = f"What explains it best: {names}", content["candidates"]
+        doubtful = _may_be_none(only)
+        why = f", as the {doubtful} may be none on average" if doubtful else ""
+        return f"{start} {best}. From these recordings alone it stays a suspicion{why}; {_gain(content)}."
     test = content["discriminating_test"]
     further = (
         f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
@@ -40,6 +42,16 @@ def sentence(content: Mapping[str, Any]) -> str:
         else ""
     )
     return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
+
+
+def _may_be_none(candidate: Mapping[str, Any]) -> str:
+    """Return the effects of the instrument whose interval holds none, in words."""
+    found = []
+    for key in candidate["mechanisms"]:
+        spans = [candidate["parameters"][f"{key}.{parameter.name}"] for parameter in MECHANISMS[key].parameters]
+        if not MECHANISMS[key].needs_learning and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
+            found.append(MECHANISMS[key].title)
+    return " and the ".join(found)
 
 
 def _percent(probability: float) -> str:

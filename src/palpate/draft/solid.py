@@ -13,6 +13,7 @@ from palpate.analytic import hertz, sneddon
 from palpate.classical import AreaFunction, oliver_pharr
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
+from palpate.readers.zero import begins_off_contact
 from palpate.recording import Recording
 
 POISSON_RATIO = 0.35
@@ -106,7 +107,12 @@ def check_units(recordings: Sequence[Recording], radius: float | None, stated: S
 
 
 def unlike(recordings: Sequence[Recording], radius: float | None, stated: Stated = NOTHING) -> list[str]:
-    """Return a remark when tests of one draft seem to be of different materials, else none."""
+    """Return a remark when tests of one draft seem to be of different materials, else none.
+
+    Where one begins off contact, its depth is not the body's, and says nothing.
+    """
+    if any(map(begins_off_contact, recordings)):
+        return []
     moduli = [secant_modulus(recording, radius, stated) for recording in recordings]
     soft, stiff = int(np.argmin(moduli)), int(np.argmax(moduli))
     if moduli[stiff] <= UNLIKE * moduli[soft]:

@@ -50,4 +50,6 @@ def scale(key: str, unit: str) -> float:
 
 def to_turn(key: str) -> str:
     """Return the remedy where a channel has the wrong sign."""
-    return f"turn it (`palpate read --columns ... --units {key}=-{CHANNELS[key]}`)"
+    return (
+        f"turn it (`palpate read --columns ... --units {key}=-{CHANNELS[key]}`, with the file's unit after the minus)"
+    )
