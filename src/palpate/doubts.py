@@ -51,10 +51,9 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
 
 def _passed_over(folder: Path) -> Iterator[str]:
     """Say which files of a folder of recordings are not read."""
-    files = sorted(file for file in folder.iterdir() if file.is_file() and not file.name.startswith("."))
-    for file in files:
-        if file not in recording_files(folder):
-            yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
+    visible = {file for file in folder.iterdir() if file.is_file() and not file.name.startswith(".")}
+    for file in sorted(visible.difference(recording_files(folder))):
+        yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 
 def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:

@@ -126,9 +126,10 @@ class Recording:
         InputError
             When something stands there that is no file.
         """
-        if Path(path).exists() and not Path(path).is_file():
+        path = Path(path)
+        if path.exists() and not path.is_file():
             raise InputError("the output is no file", remedy="name a file", file=path)
-        path = Path(path).resolve()
+        path = path.resolve()
         text = io.StringIO()
         for note in self.notes:
             text.write(f"# {' '.join(note.split())}\n")

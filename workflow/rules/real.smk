@@ -1,14 +1,16 @@
 # Real recordings, read and diagnosed: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
 from palpate.yaml_file import read_yaml
 
-REAL = {
-    path.stem: read_yaml(path)["source"]["recordings"]
-    for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))
-}
-OTHERS = [
-    name for name in REAL if name != STUDY.name
-]  # than the study itself, which has rules of its own
+REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
+OTHERS = [name for name in REAL if name != STUDY.name]  # it has rules of its own
 NOTHING = "(?!)"  # matches no text
+
+
+def real_pages(wildcards):
+    """The pages of all studies in config/real, which are read when they are asked for."""
+    for name in REAL:
+        source = read_yaml(f"{workflow.basedir}/config/real/{name}.yaml")["source"]
+        yield f"results/{name}/{source['recordings']}/diagnosis.html"
 
 
 rule reading:
@@ -42,7 +44,7 @@ rule real_study:
         "results/{real}/logs/real_study_{recordings}.log",
     wildcard_constraints:
         real="|".join(OTHERS) or NOTHING,
-        recordings="|".join(REAL.values()) or NOTHING,
+        recordings="[^/]+",
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -55,4 +57,4 @@ rule real_study:
 rule real:
     input:
         expand("results/{real}/reading/reading.html", real=REAL),
-        [f"results/{name}/{recorded}/diagnosis.html" for name, recorded in REAL.items()],
+        real_pages,

@@ -90,25 +90,17 @@ def sections(
 def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> tuple[str, list[str]]:
     """Return the section on the material's parameters; before and after where anything joined the base model."""
     before, after = content["parameters"]["before"], content["parameters"]["after"]
-    joined = bool(content["candidates"])
-    rows = [
-        {"parameter": name, "unit": declared[name].unit}
-        | (
-            {"before": before[name]["estimate"], "after": found["estimate"]}
-            if joined
-            else {"estimate": found["estimate"]}
-        )
-        | {"lower": found["lower"], "upper": found["upper"]}
+    table = pd.DataFrame(
+        {"parameter": name, "unit": declared[name].unit, "before": before[name]["estimate"]}
+        | {"after": found["estimate"], "lower": found["lower"], "upper": found["upper"]}
         for name, found in after.items()
-    ]
-    table = report.table(pd.DataFrame(rows))
-    if joined:
-        return "Material parameters before and after", [table]
+    )
+    if content["candidates"]:
+        return "Material parameters before and after", [report.table(table)]
+    alone = report.table(table.drop(columns="before").rename(columns={"after": "estimate"}))
     words = "The intervals hold if the base model is right, which it is not."
-    return "Material parameters of the base model", [
-        *([report.paragraph(words)] if content["verdict"] == "unexplained" else []),
-        table,
-    ]
+    warning = [report.paragraph(words)] if content["verdict"] == "unexplained" else []
+    return "Material parameters of the base model", [*warning, alone]
 
 
 def effect(name: str) -> dict[str, str]:

@@ -153,10 +153,12 @@ def too_narrow(diagnosis: Diagnosis) -> list[str]:
 
 def learnt_roughly(diagnosis: Diagnosis) -> list[str]:
     """Say that surrogates may have misled the search, when nothing tried explains the recordings."""
-    problem, noise = diagnosis.base.fit.problem, diagnosis.base.fit.errors
+    if diagnosis.verdict != "unexplained":
+        return []
+    problem, errors = diagnosis.base.fit.problem, diagnosis.base.fit.errors
     missed = float(np.sqrt(np.mean([np.mean(problem.base[c.name].loo_error_ ** 2) for c in problem.conditions])))
-    left = float(np.sqrt(np.mean(np.concatenate([np.diag(block) for block in noise.blocks(noise.noise)]))))
-    if diagnosis.verdict != "unexplained" or missed < ROUGH * left:
+    left = float(np.sqrt(np.mean(np.concatenate([np.diag(block) for block in errors.blocks(errors.noise)]))))
+    if missed < ROUGH * left:
         return []
     return [
         f"The surrogates err by {missed:.2g} nm (leave-one-out), the mean recordings by {left:.2g} nm: the search may "

@@ -30,8 +30,8 @@ def sentence(content: Mapping[str, Any]) -> str:
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     if len(content["candidates"]) == 1:
-        best, (only,) = f"What explains it best: {names}", content["candidates"]
-        doubtful = _may_be_none(only)
+        best = f"What explains it best: {names}"
+        doubtful = _may_be_none(content["candidates"][0])
         why = f", as the {doubtful} may be none on average" if doubtful else ""
         return f"{start} {best}. From these recordings alone it stays a suspicion{why}; {_gain(content)}."
     test = content["discriminating_test"]
