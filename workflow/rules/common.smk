@@ -27,6 +27,7 @@ from palpate.diagnosis import design
 from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import files_of
+from palpate.yaml_file import read_yaml
 
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
@@ -56,6 +57,13 @@ def vendor_file(wildcards):
     """The file behind a study of config/real, which is checked first."""
     file = f"{workflow.basedir}/config/real/{wildcards.real}.yaml"
     return checked(file, config.get("data")).source["file"]
+
+
+def real_pages(wildcards):
+    """The pages of all studies in config/real, which are read when they are asked for."""
+    for name in REAL:
+        source = read_yaml(f"{workflow.basedir}/config/real/{name}.yaml")["source"]
+        yield f"results/{name}/{source['recordings']}/diagnosis.html"
 
 
 STUDY = checked(STUDY_FILE, DATA)

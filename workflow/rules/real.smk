@@ -1,16 +1,7 @@
 # Real recordings, read and diagnosed: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
-from palpate.yaml_file import read_yaml
-
 REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
 OTHERS = [name for name in REAL if name != STUDY.name]  # it has rules of its own
 NOTHING = "(?!)"  # matches no text
-
-
-def real_pages(wildcards):
-    """The pages of all studies in config/real, which are read when they are asked for."""
-    for name in REAL:
-        source = read_yaml(f"{workflow.basedir}/config/real/{name}.yaml")["source"]
-        yield f"results/{name}/{source['recordings']}/diagnosis.html"
 
 
 rule reading:
