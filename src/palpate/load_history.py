@@ -1,4 +1,4 @@
-"""Load histories by the words of a configuration: a trapezoid, a constant strain rate, or cycles.
+"""What is prescribed, by the words of a configuration: a trapezoid, a constant strain rate, or cycles.
 
 - ``max_load, loading_time, hold_time, unloading_time``: linear loading, hold, linear unloading.
 - ``max_load, strain_rate, hold_time, unloading_time``: loading at a constant indentation strain rate. Under a sharp
@@ -10,6 +10,10 @@
   t_0 = 1 / (2 r) earlier. Source: B. N. Lucas and W. C. Oliver, Metall. Mater. Trans. A 30 (1999) 601-610.
 - ``times, loads``: corners of any piecewise linear history, such as several cycles; it begins at zero time and load,
   whether that corner is listed or not.
+
+With ``drive: displacement`` the same is said of the displacement of a transducer, with ``max_displacement`` in place of
+``max_load`` and ``displacements`` in place of ``loads``; ``spring`` is the transducer's stiffness, and it is rigid
+without.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.parameters import Parameter, check_values
-from palpate.protocol import Protocol, sampled, trapezoid
+from palpate.protocol import DISPLACEMENT, LOAD, Protocol, sampled, trapezoid
 
 MAX_LOAD = Parameter("max_load", "P", "mN", 1e-9, 1e6, "largest load")
 HOLD_TIME = Parameter("hold_time", "t_h", "s", 0.0, 1e9, "duration of the hold at the largest load", default=0.0)
@@ -33,9 +37,16 @@ START_FRACTION = Parameter(
     "start_fraction", "P_0/P", "-", 1e-4, 0.5, "part of the largest load at which constant strain rate sets in",
     default=0.01,
 )  # fmt: skip
+MAX_DISPLACEMENT = Parameter("max_displacement", "z", "nm", 1e-6, 1e9, "largest displacement of the transducer")
+SPRING = Parameter("spring", "k", "mN/nm", 1e-12, 1e6, "stiffness of the transducer")
 TRAPEZOID = (MAX_LOAD, LOADING_TIME, HOLD_TIME, UNLOADING_TIME, POINTS)
+RAMP = (MAX_DISPLACEMENT, LOADING_TIME, HOLD_TIME, UNLOADING_TIME, POINTS)
 EXPONENTIAL = (MAX_LOAD, STRAIN_RATE, START_FRACTION, HOLD_TIME, UNLOADING_TIME, POINTS)
-KEYS = ("max_load", "loading_time", "hold_time", "unloading_time", "strain_rate", "start_fraction", "times", "loads")
+SHAPES = (
+    "max_load", "max_displacement", "loading_time", "hold_time", "unloading_time", "strain_rate", "start_fraction",
+    "times", "loads", "displacements",
+)  # fmt: skip
+KEYS = ("drive", "spring", *SHAPES)
 CHORD = 1e-3
 
 
@@ -47,12 +58,43 @@ def protocol_from(values: Mapping[str, Any]) -> Protocol:
     InputError
         When a key is unknown, missing, out of range, or belongs to another kind of history.
     """
-    if "times" in values or "loads" in values:
-        return cycles(*_corners(values), _whole(check_values([POINTS], _only(values, "points"), "protocol")["points"]))
+    control, compliance, values = control_from(values)
+    if {"times", "loads", "displacements"} & set(values):
+        points = _whole(check_values([POINTS], _only(values, "points"), "protocol")["points"])
+        return cycles(*_corners(values, f"{control}s"), points, control, compliance)
+    if control == DISPLACEMENT:
+        checked = check_values(RAMP, values, "protocol")
+        largest, points = checked.pop("max_displacement"), _whole(checked.pop("points"))
+        return trapezoid(largest, **checked, points=points, control=control, compliance=compliance)
     declared = EXPONENTIAL if "strain_rate" in values else TRAPEZOID
     checked = check_values(declared, values, "protocol")
     points = _whole(checked.pop("points"))
-    return (constant_strain_rate if "strain_rate" in values else trapezoid)(**checked, points=points)
+    if "strain_rate" in values:
+        return constant_strain_rate(**checked, points=points)
+    return trapezoid(checked.pop("max_load"), **checked, points=points)
+
+
+def control_from(values: Mapping[str, Any]) -> tuple[str, float, dict[str, Any]]:
+    """Return what is prescribed, the compliance of the transducer [nm/mN], and the keys that say neither.
+
+    Raises
+    ------
+    InputError
+        When a load is asked for through a spring, or the spring is out of range.
+    """
+    rest = {key: value for key, value in values.items() if key not in ("drive", "spring")}
+    control = values.get("drive", LOAD)
+    if control not in (LOAD, DISPLACEMENT):
+        raise InputError(f"drive is {control!r}", remedy=f"use one of: {LOAD}, {DISPLACEMENT}", place="drive")
+    if control == LOAD:
+        for key in ("spring", "max_displacement", "displacements"):
+            if key in values:
+                raise InputError(
+                    f"{key} is given, but the load is prescribed", remedy="add drive: displacement", place=key
+                )
+        return control, 0.0, rest
+    spring = check_values([SPRING], _only(values, "spring"), "protocol")["spring"] if "spring" in values else np.inf
+    return control, 1.0 / spring, rest
 
 
 def constant_strain_rate(
@@ -87,21 +129,29 @@ def constant_strain_rate(
     load = max_load * np.exp(logarithm)
     ends = [time[-1]] + [time[-1] + hold_time] * (hold_time > 0) + [time[-1] + hold_time + unloading_time]
     knot_time = np.concatenate([[0.0], time, ends[1:]])
-    knot_load = np.concatenate([[0.0], load, [max_load] * (hold_time > 0), [0.0]])
-    return Protocol(knot_time, knot_load, sampled(ends, points))
+    knot_drive = np.concatenate([[0.0], load, [max_load] * (hold_time > 0), [0.0]])
+    return Protocol(knot_time, knot_drive, sampled(ends, points))
 
 
-def cycles(times: Sequence[float], loads: Sequence[float], points: int = 100) -> Protocol:
-    """Follow straight lines through corners, from zero load at time zero.
+def cycles(
+    times: Sequence[float],
+    drive: Sequence[float],
+    points: int = 100,
+    control: str = LOAD,
+    compliance: float = 0.0,
+) -> Protocol:
+    """Follow straight lines through corners, from zero at time zero.
 
     Parameters
     ----------
-    times, loads
-        Corners [s], [mN], in order; all are sampled.
+    times, drive
+        Corners [s], [mN] or [nm], in order; all are sampled.
     points
         Number of samples, shared among the segments as in `palpate.protocol.trapezoid`.
+    control, compliance
+        See `palpate.protocol.Protocol`.
     """
-    return Protocol(np.append(0.0, times), np.append(0.0, loads), sampled(times, points))
+    return Protocol(np.append(0.0, times), np.append(0.0, drive), sampled(times, points), control, compliance)
 
 
 def _whole(points: float) -> int:
@@ -110,31 +160,34 @@ def _whole(points: float) -> int:
     return int(points)
 
 
-def _corners(values: Mapping[str, Any]) -> tuple[list[float], list[float]]:
+def _corners(values: Mapping[str, Any], drives: str) -> tuple[list[float], list[float]]:
     for key in values:
-        if key not in ("times", "loads", "points"):
-            raise InputError(f"times and loads exclude {key}", remedy="keep one kind of load history", place=str(key))
+        if key not in ("times", drives, "points"):
+            raise InputError(f"times and {drives} exclude {key}", remedy="keep one kind of history", place=str(key))
     found = []
-    for key in ("times", "loads"):
+    for key in ("times", drives):
         given = values.get(key)
         numbers = isinstance(given, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in given)
         if not numbers or not given or not np.all(np.isfinite(given)):
             raise InputError(f"{key} is {given!r}, expected a list of numbers", remedy="list the corners", place=key)
         found.append([float(number) for number in given])
-    times, loads = found
-    if len(times) != len(loads):
+    times, drive = found
+    one = drives.removesuffix("s")
+    if len(times) != len(drive):
         raise InputError(
-            f"{len(times)} times and {len(loads)} loads are given", remedy="give a load for each time", place="loads"
+            f"{len(times)} times and {len(drive)} {drives} are given",
+            remedy=f"give a {one} for each time",
+            place=drives,
         )
     if times[0] == 0.0:
-        if loads[0] != 0.0:
+        if drive[0] != 0.0:
             raise InputError(
-                f"the load at time zero is {loads[0]:g} mN", remedy="begin at contact, at zero load", place="loads"
+                f"the {one} at time zero is {drive[0]:g}", remedy=f"begin at contact, at zero {one}", place=drives
             )
-        times, loads = times[1:], loads[1:]
+        times, drive = times[1:], drive[1:]
     if not times or not np.all(np.diff([0.0, *times]) > 0.0):
         raise InputError("the times do not increase from zero", remedy="give times after contact in s", place="times")
-    return times, loads
+    return times, drive
 
 
 def _only(values: Mapping[str, Any], key: str) -> dict[str, Any]:

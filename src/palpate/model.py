@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError, PalpateError
-from palpate.fem.batch import Case
+from palpate.fem.batch import Case, indent_batch
 from palpate.fem.batch_vector import LANES
 from palpate.fem.directions import Directions
 from palpate.fem.discretisation import RESOLUTIONS, ROUGH
@@ -22,7 +22,7 @@ from palpate.fem3d.indent import indent_3d
 from palpate.indenters import Indenter
 from palpate.load_history import protocol_from
 from palpate.mechanisms import checked_mechanisms
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
 from palpate.specification import Specification, axisymmetric_only
 from palpate.variation import Variation, acting, directions, recorded
 
@@ -73,13 +73,15 @@ class Simulation:
     Attributes
     ----------
     time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; the depth is NaN from a failure on.
+        [s], [mN], [nm]; what answers is NaN from a failure on, under displacement control load and depth.
     status
         ``ok`` or ``failed``.
     reason
         Why it failed; empty otherwise.
     solver_seconds
         Wall time spent in the solver [s].
+    quantity
+        What answers to the drive: ``depth`` or ``load``.
     """
 
     time: np.ndarray
@@ -88,6 +90,12 @@ class Simulation:
     status: str
     reason: str
     solver_seconds: float
+    quantity: str = "depth"
+
+    @property
+    def response(self) -> np.ndarray:
+        """What answers to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
+        return self.load if self.quantity == LOAD else self.depth
 
 
 def simulate(specification: Specification, radii: np.ndarray | None = None) -> Simulation:
@@ -116,6 +124,8 @@ def _indent(
     observe: Callable[[Any, Any], None] | None = None,
 ) -> History:
     large = solid.kinematics == "large"
+    if solid.protocol.control != LOAD:
+        return _under_displacement(solid, radii, directions, observe)
     if not solid.indenter.of_revolution:
         if directions:
             raise axisymmetric_only("derivatives of the depth", "indenter.shape")
@@ -125,10 +135,37 @@ def _indent(
     return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
 
 
+def _under_displacement(
+    solid: Specification,
+    radii: np.ndarray | None,
+    directions: Directions | None,
+    observe: Callable[[Any, Any], None] | None,
+) -> History:
+    """Simulate one indentation whose displacement is prescribed, in the lanes of many.
+
+    Raises
+    ------
+    InputError
+        When anything but its curve is asked for.
+    """
+    wanted = {"a mesh of its own": radii, "derivatives": directions, "the fields in the body": observe}
+    for words, given in wanted.items():
+        if given is not None:
+            raise InputError(
+                f"displacement control does not go with {words}", remedy="prescribe the load", place="protocol.drive"
+            )
+    if not solid.indenter.of_revolution:
+        raise axisymmetric_only("displacement control", "indenter.shape")
+    return indent_batch([_case(solid, False)])[0]
+
+
 def _simulation(specification: Specification, histories: Sequence[History]) -> Simulation:
     """Return what is recorded of one indentation, simulated on some meshes."""
-    time, load = specification.protocol.sample_time, specification.protocol.sample_load
-    depth = np.mean([history.depth for history in histories], axis=0)
+    protocol = specification.protocol
+    time = protocol.sample_time
+    depth, load = (np.mean([getattr(h, name) for h in histories], axis=0) for name in ("depth", "load"))
+    if protocol.control == LOAD:
+        load = protocol.sample_load
     reason = next((history.reason for history in histories if history.reason), "")
     indenter = specification.indenter
     sunk = np.maximum.accumulate(depth) > indenter.radius
@@ -137,9 +174,10 @@ def _simulation(specification: Specification, histories: Sequence[History]) -> S
             f"the sphere sinks in beyond its radius after {time[sunk.argmax()]:.4g} s; press less, or a larger sphere"
         )
         depth = np.where(sunk, np.nan, depth)
-    depth = recorded(specification, depth)
+        load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
+    depth = recorded(specification, depth, load)
     seconds = sum(history.seconds for history in histories)
-    return Simulation(time, load, depth, "failed" if reason else "ok", reason, seconds)
+    return Simulation(time, load, depth, "failed" if reason else "ok", reason, seconds, protocol.response)
 
 
 def sensitivities(
@@ -175,8 +213,8 @@ def sensitivities(
     columns = []
     for column, variation in zip(history.derivatives.T, variations.values(), strict=True):
         half = 0.5 * variation.width * column
-        low = recorded(variation.low, history.depth - half)
-        columns.append((recorded(variation.high, history.depth + half) - low) / variation.width)
+        low = recorded(variation.low, history.depth - half, history.load)
+        columns.append((recorded(variation.high, history.depth + half, history.load) - low) / variation.width)
     return _simulation(specification, [history]), np.stack(columns, axis=1)
 
 

@@ -1,4 +1,4 @@
-"""The load history that the instrument imposes, and the times at which the depth is recorded."""
+"""What the instrument imposes, a load or a displacement, and the times at which the answer is recorded."""
 
 from __future__ import annotations
 
@@ -9,22 +9,33 @@ import numpy as np
 
 from palpate.errors import InputError
 
+LOAD, DISPLACEMENT = "load", "displacement"
 MOST_KNOTS = 500
 MOST_NOISE = 0.02
-ONSET = 0.01
+ONSET = {LOAD: 0.01, DISPLACEMENT: 0.1}  # of the largest drive: a sharp tip carries a hundredth of the load there
 LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from one sample to the next, may last
 
 
 @dataclass(frozen=True, eq=False)
 class Protocol:
-    """A piecewise linear load history with its sampling times.
+    """A piecewise linear history of what is prescribed, the drive, with its sampling times.
+
+    Under load control the drive is the load, and the depth answers to it. Under displacement control it is the
+    displacement z of a transducer of finite stiffness, whose compliance C shares it with the body, and load F and depth
+    h answer to it together:
+
+        z(t) = h + C F.
 
     Parameters
     ----------
-    knot_time, knot_load : ndarray, shape (k,)
-        Corners of the load history [s], [mN]; the first knot is (0, 0).
+    knot_time, knot_drive : ndarray, shape (k,)
+        Corners of the history [s], [mN] or [nm]; the first knot is at time zero.
     sample_time : ndarray, shape (n,)
         Times at which a recording has points [s], increasing, within the history, all positive.
+    control
+        ``load`` or ``displacement``.
+    compliance
+        Of the transducer under displacement control [nm/mN]; zero for a rigid one.
 
     Raises
     ------
@@ -33,26 +44,34 @@ class Protocol:
     """
 
     knot_time: np.ndarray
-    knot_load: np.ndarray
+    knot_drive: np.ndarray
     sample_time: np.ndarray
+    control: str = LOAD
+    compliance: float = 0.0
 
     def __post_init__(self) -> None:
-        time, load, sample = (np.asarray(a, dtype=float) for a in (self.knot_time, self.knot_load, self.sample_time))
-        for name, value in (("knot_time", time), ("knot_load", load), ("sample_time", sample)):
+        if self.control not in (LOAD, DISPLACEMENT):
+            raise InputError(
+                f"drive is {self.control!r}", remedy=f"use one of: {LOAD}, {DISPLACEMENT}", place="drive"
+            )
+        time, drive, sample = (np.asarray(a, dtype=float) for a in (self.knot_time, self.knot_drive, self.sample_time))
+        for name, value in (("knot_time", time), ("knot_drive", drive), ("sample_time", sample)):
             object.__setattr__(self, name, value)
             if value.ndim != 1 or not np.all(np.isfinite(value)):
                 raise InputError(f"{name} must be a finite 1D array", remedy="remove missing values", place=name)
-        if len(time) < 2 or len(time) != len(load):
-            raise InputError("the load history needs at least two knots", remedy="give times and loads of equal number")
-        if time[0] != 0.0 or np.any(np.diff(time) <= 0):
+        words = f"{self.control} history"
+        if len(time) < 2 or len(time) != len(drive):
             raise InputError(
-                "times of the load history must start at 0 and increase", remedy="sort or correct the times"
+                f"the {words} needs at least two knots", remedy=f"give times and {self.control}s of equal number"
             )
-        if np.any(load < 0) or load.max() <= 0:
+        if time[0] != 0.0 or np.any(np.diff(time) <= 0):
+            raise InputError(f"times of the {words} must start at 0 and increase", remedy="sort or correct the times")
+        if drive.max() <= 0 or (self.control == LOAD and np.any(drive < 0)):
+            wanted = "none negative and a positive maximum" if self.control == LOAD else "a positive maximum"
             raise InputError(
-                f"loads are {load.min():g} to {load.max():g} mN, expected none negative and a positive maximum",
-                remedy="check sign and unit (mN)",
-                place="loads",
+                f"{self.control}s are {drive.min():g} to {drive.max():g} {self.unit}, expected {wanted}",
+                remedy=f"check sign and unit ({self.unit})",
+                place=f"{self.control}s",
             )
         if len(sample) == 0 or np.any(np.diff(sample) <= 0) or sample[0] <= 0 or sample[-1] > time[-1] * (1 + 1e-12):
             raise InputError(
@@ -67,22 +86,67 @@ class Protocol:
             )
 
     @property
+    def unit(self) -> str:
+        """Unit of the drive."""
+        return "mN" if self.control == LOAD else "nm"
+
+    @property
+    def response(self) -> str:
+        """What answers to the drive: ``depth`` or ``load``."""
+        return "depth" if self.control == LOAD else LOAD
+
+    @property
+    def largest_drive(self) -> float:
+        """Largest load [mN] or displacement [nm] that is prescribed."""
+        return float(self.knot_drive.max())
+
+    @property
+    def sample_drive(self) -> np.ndarray:
+        """Drive at the sampling times, shape (n,)."""
+        return self.drive_at(self.sample_time)
+
+    def drive_at(self, time: np.ndarray) -> np.ndarray:
+        """Drive at any times."""
+        return np.interp(time, self.knot_time, self.knot_drive)
+
+    def drive_of(self, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """Return the drive under which an instrument recorded this load [mN] and depth [nm]."""
+        return load if self.control == LOAD else depth + self.compliance * load
+
+    @property
+    def knot_load(self) -> np.ndarray:
+        """Load at the corners [mN], shape (k,); raises `InputError` where it is not prescribed."""
+        if self.control != LOAD:
+            raise InputError(
+                "the load of a test under displacement control is not known beforehand, as is asked for here",
+                remedy="use a test under load control",
+                place="drive",
+            )
+        return self.knot_drive
+
+    @property
     def max_load(self) -> float:
-        """Largest load [mN]."""
+        """Largest load [mN]; raises `InputError` where it is not prescribed."""
         return float(self.knot_load.max())
 
     @property
     def sample_load(self) -> np.ndarray:
-        """Load at the sampling times [mN], shape (n,)."""
+        """Load at the sampling times [mN], shape (n,); raises `InputError` where it is not prescribed."""
         return self.load_at(self.sample_time)
 
     def load_at(self, time: np.ndarray) -> np.ndarray:
-        """Load at any times [mN]."""
+        """Load at any times [mN]; raises `InputError` where it is not prescribed."""
         return np.interp(time, self.knot_time, self.knot_load)
 
 
 def trapezoid(
-    max_load: float, loading_time: float, hold_time: float, unloading_time: float, points: int = 100
+    largest: float,
+    loading_time: float,
+    hold_time: float,
+    unloading_time: float,
+    points: int = 100,
+    control: str = LOAD,
+    compliance: float = 0.0,
 ) -> Protocol:
     """Linear loading, hold and linear unloading to zero, sampled evenly in time within each segment.
 
@@ -91,22 +155,24 @@ def trapezoid(
 
     Parameters
     ----------
-    max_load
-        [mN]
+    largest
+        Load [mN] or displacement [nm].
     loading_time, hold_time, unloading_time
         [s]; `hold_time` may be zero.
     points
         Number of samples; time zero is not one of them.
+    control, compliance
+        See `Protocol`.
     """
-    if max_load <= 0 or loading_time <= 0 or unloading_time <= 0 or hold_time < 0:
+    if largest <= 0 or loading_time <= 0 or unloading_time <= 0 or hold_time < 0:
         raise InputError(
-            "max_load, loading_time and unloading_time must be positive and hold_time not negative",
+            f"max_{control}, loading_time and unloading_time must be positive and hold_time not negative",
             remedy="correct the protocol",
         )
     durations = [d for d in (loading_time, hold_time, unloading_time) if d > 0]
     ends = np.cumsum(durations)
-    loads = [max_load] * (len(durations) - 1) + [0.0]
-    return Protocol(np.concatenate([[0.0], ends]), np.concatenate([[0.0], loads]), sampled(ends, points))
+    drive = np.array([0.0, *[largest] * (len(durations) - 1), 0.0])
+    return Protocol(np.concatenate([[0.0], ends]), drive, sampled(ends, points), control, compliance)
 
 
 def sampled(ends: Sequence[float] | np.ndarray, points: int) -> np.ndarray:
@@ -126,61 +192,79 @@ def sampled(ends: Sequence[float] | np.ndarray, points: int) -> np.ndarray:
     return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
 
 
-def recorded(time: np.ndarray, load: np.ndarray, points: int = 100, tolerance: float = 1e-3) -> Protocol:
-    """Load history taken from a recording, sampled at `points` times.
+def recorded(
+    time: np.ndarray,
+    drive: np.ndarray,
+    points: int = 100,
+    tolerance: float = 1e-3,
+    control: str = LOAD,
+    compliance: float = 0.0,
+) -> Protocol:
+    """History taken from a recording, sampled at `points` times.
 
-    They are spread evenly in t/T + s/S, with s(t) the way that the load has gone up and down by then; so that neither a
-    hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the load
-    reaches a hundredth of its maximum: below, contact lies on too few elements to count.
+    They are spread evenly in t/T + s/S, with s(t) the way that the drive has gone up and down by then; so that neither
+    a hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the
+    load reaches a hundredth of its maximum, or the displacement a tenth: below, contact lies on too few elements to
+    count.
 
-    The history is thinned to the corners that keep it within `tolerance` of the largest load everywhere (Douglas and
-    Peucker's rule, with the distance measured along the load), so that a long recording costs no more steps than its
-    shape deserves. Where the load's own noise is larger, six of its standard deviations are allowed instead, up to 2 %
-    of the largest load; they are estimated from second differences, which a smooth history leaves near zero.
+    The history is thinned to the corners that keep it within `tolerance` of the largest drive everywhere (Douglas and
+    Peucker's rule, with the distance measured along the drive), so that a long recording costs no more steps than its
+    shape deserves. Where the drive's own noise is larger, six of its standard deviations are allowed instead, up to 2 %
+    of the largest drive; they are estimated from second differences, which a smooth history leaves near zero.
 
     Parameters
     ----------
-    time, load : ndarray, shape (n,)
-        Recorded times [s] and loads [mN] from contact on; loads below zero (noise) count as zero.
+    time, drive : ndarray, shape (n,)
+        Recorded times [s] and loads [mN] or displacements [nm] from contact on; loads below zero (noise) count as zero.
     tolerance
-        Largest departure, as a fraction of the largest load.
+        Largest departure, as a fraction of the largest drive.
+    control, compliance
+        See `Protocol`.
 
     Raises
     ------
     InputError
-        When the load is never above zero, the history does not begin at zero load (within `tolerance`), or needs more
-        than 500 corners.
+        When the drive is never above zero, the history does not begin at zero (within `tolerance`), or needs more than
+        500 corners.
     """
-    time, load = np.asarray(time, dtype=float) - time[0], np.clip(np.asarray(load, dtype=float), 0.0, None)
-    if load.max() == 0.0:
+    time, drive = np.asarray(time, dtype=float) - time[0], np.array(drive, dtype=float)
+    unit, place = ("mN", "load_mN") if control == LOAD else ("nm", "displacement_nm")
+    if control == LOAD:
+        drive = np.clip(drive, 0.0, None)
+    largest = drive.max()
+    if largest <= 0.0:
         raise InputError(
-            "the load of the recording to follow is never above zero, as if its sign were wrong",
-            remedy="turn it (`palpate read --columns ... --units load=-mN`)",
-            place="load_mN",
+            f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
+            remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
+            place=place,
         )
-    if load[0] > tolerance * load.max():
+    if abs(drive[0]) > tolerance * largest:
         raise InputError(
-            f"the load history begins at {load[0]:.4g} mN", remedy="begin it at contact, at zero load", place="load_mN"
+            f"the {control} history begins at {drive[0]:.4g} {unit}",
+            remedy=f"begin it at contact, at zero {control}",
+            place=place,
         )
-    load[0] = 0.0
-    noise = np.median(np.abs(np.diff(load, 2))) / (0.6745 * np.sqrt(6)) if len(load) > 2 else 0.0
-    allowed = max(tolerance * load.max(), min(6 * noise, MOST_NOISE * load.max()))
-    keep = corners(time, load, allowed)
+    drive[0] = 0.0
+    noise = np.median(np.abs(np.diff(drive, 2))) / (0.6745 * np.sqrt(6)) if len(drive) > 2 else 0.0
+    allowed = max(tolerance * largest, min(6 * noise, MOST_NOISE * largest))
+    keep = corners(time, drive, allowed)
     if keep.sum() > MOST_KNOTS:
         raise InputError(
-            f"the load history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
-            remedy="smooth the recorded load",
-            place="load_mN",
+            f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
+            remedy=f"smooth the recorded {control}",
+            place=place,
         )
-    time, load = time[keep], load[keep]
-    way = np.append(0.0, np.cumsum(np.abs(np.diff(load))))
+    time, drive = time[keep], drive[keep]
+    way = np.append(0.0, np.cumsum(np.abs(np.diff(drive))))
     progress = 0.5 * (time / time[-1] + way / way[-1])
-    rising = int(np.argmax(load >= ONSET * load.max()))
-    onset = np.interp(ONSET * load.max(), load[: rising + 1], progress[: rising + 1])
-    return Protocol(time, load, np.interp(np.linspace(onset, 1.0, points), progress, time))
+    first = ONSET[control] * drive.max()
+    rising = int(np.argmax(drive >= first))
+    onset = np.interp(first, drive[: rising + 1], progress[: rising + 1])
+    sample = np.interp(np.linspace(onset, 1.0, points), progress, time)
+    return Protocol(time, drive, sample, control, compliance)
 
 
-def corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:
+def corners(time: np.ndarray, drive: np.ndarray, allowed: float) -> np.ndarray:
     """Return which points (n,) a piecewise linear history must keep to stay within `allowed` of all others."""
     keep = np.zeros(len(time), dtype=bool)
     keep[[0, -1]] = True
@@ -189,8 +273,8 @@ def corners(time: np.ndarray, load: np.ndarray, allowed: float) -> np.ndarray:
         first, last = pending.pop()
         if last - first < 2:
             continue
-        chord = np.interp(time[first : last + 1], time[[first, last]], load[[first, last]])
-        distance = np.abs(load[first : last + 1] - chord)
+        chord = np.interp(time[first : last + 1], time[[first, last]], drive[[first, last]])
+        distance = np.abs(drive[first : last + 1] - chord)
         worst = first + int(np.argmax(distance))
         if distance.max() > allowed:
             keep[worst] = True

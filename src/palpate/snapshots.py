@@ -95,7 +95,8 @@ def address(specification: Specification) -> str:
             indenter.compliance,
             list(indenter.area),
         ],
-        "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_load, protocol.sample_time)],
+        "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_drive, protocol.sample_time)],
+        "drive": [protocol.control, protocol.compliance],
         "kinematics": specification.kinematics,
         "accuracy": specification.accuracy,
         "mechanisms": {key: dict(values) for key, values in specification.mechanisms.items()},
@@ -187,6 +188,7 @@ def write(path: Path, simulation: Simulation, cell: Mapping[str, float], conditi
             time=simulation.time,
             load=simulation.load,
             depth=simulation.depth,
+            quantity=simulation.quantity,
             status=simulation.status,
             reason=simulation.reason,
             solver_seconds=simulation.solver_seconds,
@@ -225,7 +227,9 @@ def index(files: Iterable[str | Path]) -> pd.DataFrame:
 
 
 def matrix(files: Iterable[str | Path], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Return parameters (n, d) and curves (n, points) of the snapshots that succeeded, and the reasons of the others.
+    """Return parameters (n, d) and answers (n, points) of the snapshots that succeeded, and the reasons of the others.
+
+    What answers is the depth [nm], or under displacement control the load [mN].
 
     Raises
     ------
@@ -238,7 +242,7 @@ def matrix(files: Iterable[str | Path], names: Iterable[str]) -> tuple[np.ndarra
         content = read(file)
         if content["status"] == "ok":
             parameters.append([content["parameters"][name] for name in names])
-            curves.append(content["depth"])
+            curves.append(content[content["quantity"]])
         else:
             failures.append(f"{content['parameters']}: {content['reason']}")
     if len(curves) < 2:

@@ -38,9 +38,9 @@ def acting(specification: Specification) -> Specification:
     return specification
 
 
-def recorded(specification: Specification, depth: np.ndarray) -> np.ndarray:
-    """Return what the instrument writes at a true `depth` (n,) [nm]."""
-    time, load = specification.protocol.sample_time, specification.protocol.sample_load
+def recorded(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return what the instrument writes at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
+    time = specification.protocol.sample_time
     for key, values in specification.mechanisms.items():
         depth = MECHANISMS[key].record(time, load, depth, values)
     return depth

@@ -11,7 +11,7 @@ equilibrium from where its last change carried it tries again from where the las
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,13 +22,14 @@ import numpy as np
 from palpate.fem.adhesion import nodal_areas
 from palpate.fem.batch_adhesion import Attraction
 from palpate.fem.batch_contact import Touch
+from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_vector import LANES
-from palpate.fem.contact_size import check_size, contact_range
+from palpate.fem.contact_size import check_size, contact_range, expected_load
 from palpate.fem.discretisation import GRADED_START, mesh_radii, step_times
 from palpate.fem.folding import merged, mergings
 from palpate.fem.indent import History, attraction, indent_on
@@ -36,7 +37,7 @@ from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.profile import Profile
 from palpate.fem.regions import resolved
 from palpate.indenters import Indenter
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
 
@@ -73,7 +74,10 @@ class Case:
         return self.merged < mergings(self.specimen, self.large)
 
     def alone(self) -> History:
-        """Simulate it by itself."""
+        """Simulate it by itself; what the lanes alone can do ends there."""
+        if self.protocol.control != LOAD:
+            unknown = np.full(len(self.protocol.sample_time), np.nan)
+            return History(unknown, unknown, "no equilibrium", 0.0, 0, 0, np.empty((len(unknown), 0)))
         return indent_on(self.radii, self.specimen, self.indenter, self.protocol, self.resolution, self.large)
 
     @cached_property
@@ -85,7 +89,7 @@ class Case:
     def carries(self) -> np.ndarray:
         """Whether each step may carry the last change on: not from a corner of the load history, nor at the onset."""
         corners = np.isin(self.times, self.protocol.knot_time)
-        steps_loaded = np.cumsum(self.protocol.load_at(self.times) > 0.0)
+        steps_loaded = np.cumsum(self.protocol.drive_at(self.times) > 0.0)
         return ~np.append(True, corners[:-1]) & (steps_loaded > (len(GRADED_START) + 2 if self.large else 0))
 
     @property
@@ -116,7 +120,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
     for members in kinds.values():
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
-            if len(chosen) > 1:
+            if len(chosen) > 1 or cases[chosen[0]].protocol.control != LOAD:
                 histories |= zip(chosen, run_lanes([cases[number] for number in chosen]), strict=True)
     again = []
     for number, case in enumerate(cases):
@@ -131,7 +135,7 @@ def indent_batch(cases: Sequence[Case]) -> list[History]:
 
 
 def run_lanes(cases: Sequence[Case]) -> list[History | None]:
-    """Simulate 2 to `LANES` indentations of one kind; None for each that finds no equilibrium."""
+    """Simulate 1 to `LANES` indentations of one kind; None for each that finds no equilibrium."""
     began = clock.perf_counter()
     for case in cases:
         check_size(case.specimen, case.indenter, case.resolution, case.largest)
@@ -142,14 +146,14 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     body, bodies = Body.of(mesh), Specimens.of(specimens, mesh, units)
-    scale = np.array([protocol.max_load for protocol in protocols]) / units**2
+    drives = Drives.of(protocols, [expected_load(c.specimen, c.indenter, c.protocol) for c in lanes], units)
     band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
     friction = [case.indenter.friction for case in lanes]
     upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
     sticking = [attraction(c.specimen, resolution, c.largest, area) for c in lanes]
     pulls = Attraction.of(sticking, units, len(mesh.surface))
-    march = March(large, body, bodies, pulls, protocols, units, scale, band, upper, iterations, steps)
+    march = March(large, body, bodies, pulls, drives, units, band, upper, iterations, steps)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
     heights = np.stack([profile(body.distance)[0] for profile in profiles], axis=1)
     ends = np.stack([case.times for case in lanes])
@@ -162,8 +166,10 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         *bodies.at(np.zeros(LANES), times[:, 1]),
         np.zeros((mesh.size + 1, LANES)),
         np.zeros(LANES),
+        np.zeros(LANES),
     )
-    start, alive, depths = deepcopy(states), np.ones(LANES, dtype=bool), np.full(ends.shape, np.nan)
+    start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
+    depths, loads = np.full((2, *ends.shape), np.nan)
     change, deepening = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
@@ -177,15 +183,19 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         if not alive.any():
             break
         change, deepening = states.displacement - shape, states.depth - depth
-        depths[:, k] = states.depth * units * 1e3
+        depths[:, k], loads[:, k] = states.depth * units * 1e3, -states.reaction * units**2
     seconds = (clock.perf_counter() - began) / len(cases)
     return [
-        History(curve, "", seconds, int(tried), int(taken), np.empty((len(curve), 0))) if whole else None
-        for curve, whole, tried, taken in zip(map(sampled, cases, ends, depths), alive, iterations, steps, strict=False)
+        History(*sampled(case, times, curves), "", seconds, *counts, np.empty((len(case.protocol.sample_time), 0)))
+        if whole
+        else None
+        for case, times, curves, whole, counts in zip(
+            cases, ends, zip(depths, loads, strict=True), alive, zip(iterations, steps, strict=True), strict=False
+        )
     ]
 
 
-def sampled(case: Case, times: np.ndarray, depths: np.ndarray) -> np.ndarray:
-    """Return the depths at the protocol's sampling times."""
-    wanted = case.protocol.sample_time
-    return depths[np.searchsorted(times, wanted * (1 - 1e-9))]
+def sampled(case: Case, times: np.ndarray, curves: Iterable[np.ndarray]) -> list[np.ndarray]:
+    """Return some curves at the protocol's sampling times."""
+    places = np.searchsorted(times, case.protocol.sample_time * (1 - 1e-9))
+    return [curve[places] for curve in curves]

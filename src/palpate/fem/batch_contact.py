@@ -185,8 +185,8 @@ def pressing(body, touch, attraction, forces, k, lane):
 
 
 @njit(cache=True)
-def release(body, touch, attraction, forces, lane, tolerance):
-    """Let go the nodes of a lane that are pulled, but keep one; return whether any went."""
+def release(body, touch, attraction, forces, lane, tolerance, keeps):
+    """Let go the nodes of a lane that are pulled, but keep one where the lane `keeps` it; return whether any went."""
     before, kept, last, largest = 0, 0, 0, -np.inf
     for k in range(body.radial.shape[0]):
         if touch.touching[k, lane] > 0.0:
@@ -197,9 +197,10 @@ def release(body, touch, attraction, forces, lane, tolerance):
                     last, largest = k, forces[body.vertical[k], lane]
             else:
                 kept += 1
-    if kept == 0:
+    if kept == 0 and keeps:
         touch.touching[last, lane] = 1.0
-    return before > max(kept, 1)
+        kept = 1
+    return before > kept
 
 
 @njit(cache=True)

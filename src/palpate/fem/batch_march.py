@@ -6,7 +6,6 @@ meanwhile, so that no lane depends on its neighbours.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 
@@ -14,13 +13,13 @@ import numpy as np
 
 from palpate.fem.batch_adhesion import Attraction
 from palpate.fem.batch_contact import Touch, begin_step, end_step
+from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points, turn
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.march import HALVINGS
-from palpate.protocol import Protocol
 from palpate.specimen import halfway
 
 
@@ -35,7 +34,8 @@ class States:
     laws, weights : ndarray, shape (1 or m, rows, LANES)
         Of the last step, see `palpate.fem.batch_specimens`.
     displacement : ndarray, shape (size + 1, LANES)
-    depth : ndarray, shape (LANES,)
+    depth, reaction : ndarray, shape (LANES,)
+        Of the indenter; the reaction is its load with the sign turned.
     """
 
     points: Points
@@ -45,6 +45,7 @@ class States:
     weights: np.ndarray
     displacement: np.ndarray
     depth: np.ndarray
+    reaction: np.ndarray
 
     def take(self, other: States, lanes: np.ndarray | None = None) -> None:
         """Become what the `other` is, in all lanes or in some (LANES,)."""
@@ -52,7 +53,8 @@ class States:
             np.copyto(mine, theirs, where=True if lanes is None else lanes)
 
     def _arrays(self) -> list[np.ndarray]:
-        return [*self.points, *self.touch, *self.grip, self.laws, self.weights, self.displacement, self.depth]
+        own = [self.laws, self.weights, self.displacement, self.depth, self.reaction]
+        return [*self.points, *self.touch, *self.grip, *own]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +67,10 @@ class March:
     body : Body
     bodies : Specimens
     attraction : Attraction
-    protocols
-        What load acts when [mN].
+    drives : Drives
+        What is prescribed.
     units : ndarray, shape (LANES,)
         Unit of length of each lane [um].
-    scale : ndarray, shape (LANES,)
-        Largest load of each history, in units of the lanes.
     band, upper : ndarray
         Storage, see `palpate.fem.batch_newton.advance`.
     iterations, steps : ndarray of int, shape (LANES,)
@@ -81,9 +81,8 @@ class March:
     body: Body
     bodies: Specimens
     attraction: Attraction
-    protocols: Sequence[Protocol]
+    drives: Drives
     units: np.ndarray
-    scale: np.ndarray
     band: np.ndarray
     upper: np.ndarray
     iterations: np.ndarray
@@ -111,19 +110,15 @@ class March:
         shallower = states.depth
         begin_step(self.large, self.body, states.touch, states.grip, states.displacement, shallower, end - begin)
         states.displacement, states.depth = states.displacement + change, shallower + deepening
-        before, loads = (
-            [float(protocol.load_at(time)) for protocol, time in zip(self.protocols, times, strict=True)]
-            for times in (begin, end)
-        )
-        midway = np.array(list(map(halfway, shallower, before, loads)))
+        midway = np.array(list(map(halfway, shallower, self.drives.loading(begin), self.drives.loading(end))))
         resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
         turn(states.points, states.laws, states.weights, following)
         states.laws, states.weights = resisting, following
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, states.touch, states.grip, self.attraction, states.laws,
-            states.weights, np.array(loads) / self.units**2, self.scale, self.attraction.stride(change),
-            states.displacement, states.depth, self.band, self.upper, found, self.iterations,
+            states.weights, *self.drives.equation(end), self.drives.scale, self.attraction.stride(change),
+            states.displacement, states.depth, states.reaction, self.band, self.upper, found, self.iterations,
         )  # fmt: skip
         end_step(self.body, states.touch, states.grip, states.displacement, end - begin)
         self.steps[found] += 1

@@ -29,15 +29,18 @@ _small_forces, _small_stiffness = batch_element.internal_forces, batch_element.s
 _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.stiffness
 
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
+STIFFEST = 1e-3  # share of the force in the last equation, below which the line search takes it for that
 TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
 
 
 @njit(cache=True)
 def advance(
-    large, body, points, touch, grip, attraction, laws, weights, load_now, scale, farthest, displacement, depth, band,
-    upper, alive, spent,
+    large, body, points, touch, grip, attraction, laws, weights, force_weight, depth_weight, target, scale, farthest,
+    displacement, depth, reaction, band, upper, alive, spent,
 ):  # fmt: skip
-    """Bring all lanes into equilibrium under the loads at the end of a step.
+    """Bring all lanes into equilibrium under what is prescribed at the end of a step.
+
+    The depth h follows from the last equation, force_weight * F + depth_weight * h = target, of the load F.
 
     Parameters
     ----------
@@ -46,14 +49,18 @@ def advance(
     body, points, touch, grip, attraction, laws, weights
         See `palpate.fem.batch_element`, `palpate.fem.batch_law`, `palpate.fem.batch_contact`,
         `palpate.fem.batch_friction` and `palpate.fem.batch_adhesion`; `points`, `touch` and `grip` are advanced.
-    load_now, scale : ndarray, shape (LANES,)
-        Load at the end of the step, and the largest one of the history.
+    force_weight, depth_weight, target : ndarray, shape (LANES,)
+        See `palpate.fem.batch_drive`.
+    scale : ndarray, shape (LANES,)
+        Largest load of the history.
     farthest : ndarray, shape (LANES,)
         How far one iteration may move a node.
     displacement : ndarray, shape (size + 1, LANES)
         In: a guess; out: the solution.
     depth : ndarray, shape (LANES,)
         Likewise.
+    reaction : ndarray, shape (LANES,)
+        Out: the force of the indenter on the body along z, the load with its sign turned.
     band, upper : ndarray, shape (size * width + 1, LANES)
         Storage for both halves of the matrix; `upper` is empty without friction.
     alive : ndarray of bool, shape (LANES,)
@@ -65,7 +72,7 @@ def advance(
     forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     row = border if len(upper) == 0 else np.zeros((size + 1, LANES))
     direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
-    corner, reaction, excess = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    corner, excess = np.zeros(LANES), np.zeros(LANES)
     norm, work = np.zeros(LANES), np.zeros(LANES)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
@@ -87,15 +94,16 @@ def advance(
             tolerance = TOLERANCE * scale[lane]
             held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
             may_go = iteration > 0 and held[lane] and not touch.joined[lane]
-            if may_go and release(body, touch, attraction, forces, lane, tolerance):
+            kept = depth_weight[lane] == 0.0
+            if may_go and release(body, touch, attraction, forces, lane, tolerance, kept):
                 held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
                 taken[lane] += 1
                 searching[lane] = False
         constrain_forces(body, touch, grip, forces, reaction)
         attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction)
-        excess[:] = -reaction - load_now
+        excess[:] = -reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
-        work += toward * excess
+        work += toward * excess / np.maximum(force_weight, STIFFEST)
         for lane in range(LANES):
             solving[lane] = False
             if done[lane]:
@@ -128,14 +136,20 @@ def advance(
             stiffness(large, body, points, laws, displacement, geometric, band)
         constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
         attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
-        step(band, upper, body.width, forces, border, row, corner, excess, solving, direction, toward, start)
+        step(
+            band, upper, body.width, forces, border, row, corner, force_weight, depth_weight, excess, solving,
+            direction, toward, start,
+        )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
         if (large or sticky) and np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, band)
             constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
             attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
-            step(band, upper, body.width, forces, border, row, corner, excess, indefinite, direction, toward, start)
+            step(
+                band, upper, body.width, forces, border, row, corner, force_weight, depth_weight, excess, indefinite,
+                direction, toward, start,
+            )  # fmt: skip
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
@@ -203,7 +217,10 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def step(band, upper, width, forces, border, row, corner, excess, solving, direction, toward, start):
+def step(
+    band, upper, width, forces, border, row, corner, force_weight, depth_weight, excess, solving, direction, toward,
+    start,
+):  # fmt: skip
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`. Where the matrix is
@@ -216,10 +233,12 @@ def step(band, upper, width, forces, border, row, corner, excess, solving, direc
     for i in range(size):
         ahead = ahead + load(row, i) * load(forward, i)
         aside = aside + load(row, i) * load(sideways, i)
-    pivot = load(corner, 0) - aside
-    change = (ahead - load(excess, 0)) / where_less(splat(0.0), pivot, pivot, splat(np.nan))
+    weight, rest = load(force_weight, 0), load(excess, 0)
+    pivot = weight * (load(corner, 0) - aside) + load(depth_weight, 0)
+    change = (weight * ahead - rest) / where_less(splat(0.0), pivot, pivot, splat(np.nan))
     chosen = np.where(solving, 1.0, 0.0)
-    mask, total = load(chosen, 0), change * load(excess, 0)
+    mask = load(chosen, 0)
+    total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
     for i in range(size):
         value = splat(0.0) - load(forward, i) - change * load(sideways, i)
         total = total + value * load(forces, i)

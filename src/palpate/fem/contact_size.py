@@ -12,9 +12,10 @@ from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
+RADII = 81
 LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
 
 
@@ -60,11 +61,12 @@ def _contact_range(
     coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
 ) -> tuple[float, float]:
     radius, profile = indenter.radius * 1e-3, Profile.of(indenter)
-    duration = float(protocol.knot_time[-1] * 0.6)
+    duration = _duration(protocol)
     slope = indenter.slope
-    loads = protocol.sample_load
-    least = LEAST_LOAD * protocol.max_load
-    smallest_load = loads[loads > least].min(initial=protocol.max_load)
+    loads = _expected_loads(coefficients, indenter, protocol)
+    most = expected_load_on(coefficients, indenter, protocol)
+    least = LEAST_LOAD * most
+    smallest_load = loads[loads > least].min(initial=most)
     rising = loads[: int(np.argmax(loads)) + 1]
     if (rising[rising > 0] < least).any():
         smallest_load = least
@@ -83,7 +85,56 @@ def _contact_range(
             a = 0.5 * (a + np.sqrt(borne / (np.pi * mean_pressure(coefficients, local, duration))))
         return float(a)
 
-    return contact_radius(smallest_load), contact_radius(protocol.max_load)
+    return contact_radius(smallest_load), contact_radius(most)
+
+
+def expected_load(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
+    """Return the largest load [mN]; under displacement control an estimate, for the size of the mesh and tolerances."""
+    return expected_load_on(specimen.coefficients, indenter, protocol)
+
+
+def expected_load_on(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> float:
+    """Return the largest load [mN] on a body of the law `coefficients`, see `expected_load`."""
+    if protocol.control == LOAD:
+        return protocol.max_load
+    return float(_loads_at(np.array([protocol.largest_drive]), coefficients, indenter, protocol)[0])
+
+
+def _expected_loads(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> np.ndarray:
+    """Return the loads at the sampling times (n,) [mN]; under displacement control an estimate."""
+    if protocol.control == LOAD:
+        return protocol.sample_load
+    return _loads_at(protocol.sample_drive, coefficients, indenter, protocol)
+
+
+def _loads_at(
+    displacement: np.ndarray, coefficients: np.ndarray, indenter: Indenter, protocol: Protocol
+) -> np.ndarray:
+    """Estimate the loads (n,) [mN] at displacements (n,) [nm] of the transducer; zero where these are not positive.
+
+    The depth is taken as 1.2 times what the tip's slope at the edge of contact makes of the contact radius: a cone's is
+    1 (full plasticity without pile-up) to pi/2 times as much (Sneddon).
+    """
+    duration, slope, cap = _duration(protocol), indenter.slope, 1e-3 * indenter.radius
+    radius = np.geomspace(1e-8, 1.0, RADII) * max(0.1 * protocol.largest_drive, cap)
+    local = np.full(RADII, slope)
+    if indenter.area:
+        local = np.minimum(slope, [Profile.of(indenter).slope_for(a) for a in radius])
+    elif cap:
+        local = np.minimum(slope, radius / cap)
+    if indenter.sharp:
+        pressure = [mean_pressure(coefficients, slope, duration)] * RADII
+    else:
+        pressure = [mean_pressure(coefficients, 0.7 * f, duration) for f in local]
+    load = np.pi * radius**2 * np.array(pressure)
+    path = 1.2e3 * radius * local + protocol.compliance * load
+    wanted = np.maximum(displacement, path[0])
+    found = np.exp(np.interp(np.log(wanted), np.log(path), np.log(load)))
+    return np.where(displacement > 0.0, found, 0.0)
+
+
+def _duration(protocol: Protocol) -> float:
+    return float(protocol.knot_time[-1] * 0.6)
 
 
 def plane_strain_modulus(coefficients: np.ndarray) -> float:

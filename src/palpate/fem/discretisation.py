@@ -7,7 +7,7 @@ import numpy as np
 from palpate.fem.contact_size import contact_range
 from palpate.fem.mesh import Resolution, ring_radii
 from palpate.indenters import Indenter
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
 RESOLUTIONS = {
@@ -30,20 +30,28 @@ def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False)
     """Return the ends of all time steps: samples, knots, steps between them, and a graded onset of loading.
 
     Where a body yields, a step in which the load grows by more than the resolution's share is divided: the direction of
-    plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile.
+    plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile. Under a given displacement
+    the load of a sharp tip grows with its square.
     """
     ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
     ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
     fine = divided(ends, np.full(len(ends), resolution.refine))
-    onset = protocol.knot_time[np.flatnonzero(protocol.knot_load > 0)[0] - 1]
+    onset = onset_of(protocol)
     first = fine[fine > onset * (1 + 1e-9)][0]
     graded = np.union1d(fine, onset + (first - onset) * GRADED_START)
     if not yields:
         return graded
-    load = protocol.load_at(graded)
+    load = np.maximum(protocol.drive_at(graded), 0.0) ** (1 if protocol.control == LOAD else 2)
     before = np.append(0.0, load[:-1])
     growth = np.divide(load - before, before, out=np.zeros_like(load), where=before > 0.0)
     return divided(graded, np.maximum(np.ceil(growth / resolution.load_growth - 1e-6), 1).astype(int))
+
+
+def onset_of(protocol: Protocol) -> float:
+    """Return when the drive becomes positive [s]."""
+    time, drive = protocol.knot_time, protocol.knot_drive
+    first = int(np.flatnonzero(drive > 0)[0])
+    return float(np.interp(0.0, drive[first - 1 : first + 1], time[first - 1 : first + 1])) if first else 0.0
 
 
 def divided(ends: np.ndarray, parts: np.ndarray) -> np.ndarray:

@@ -35,6 +35,8 @@ class History:
     ----------
     depth : ndarray, shape (n,)
         Depth at the protocol's sampling times [nm]; NaN from a failure on.
+    load : ndarray, shape (n,)
+        Load there [mN]; likewise.
     reason
         Why the history is incomplete; empty when it is whole.
     seconds
@@ -46,6 +48,7 @@ class History:
     """
 
     depth: np.ndarray
+    load: np.ndarray
     reason: str
     seconds: float
     iterations: int
@@ -161,7 +164,8 @@ def indent_on(
             observe(problem, state)
         if target in corners:
             before = None
-    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps, derivatives)
+    load = np.where(np.isnan(depth), np.nan, protocol.sample_load)
+    return History(depth, load, reason, clock.perf_counter() - began, work.iterations, steps, derivatives)
 
 
 def march(

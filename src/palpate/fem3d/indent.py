@@ -88,4 +88,5 @@ def indent_3d(
             observe(problem, state)
         if target in protocol.knot_time:
             before = None
-    return History(depth, reason, clock.perf_counter() - began, work.iterations, steps, np.empty((len(depth), 0)))
+    load = np.where(np.isnan(depth), np.nan, protocol.sample_load)
+    return History(depth, load, reason, clock.perf_counter() - began, work.iterations, steps, np.empty((len(depth), 0)))
