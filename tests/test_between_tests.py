@@ -61,6 +61,6 @@ def test_without_replicates_there_is_nothing_to_compare():
 
 def test_a_test_that_was_not_repeated_does_not_count():
     task = drifting(lambda k, r: 1.0 + 0.1 * r)
-    far = task.observed["a"].depth[:1] + 40.0 * CONDITIONS[0].protocol.sample_time
+    far = task.observed["a"].response[:1] + 40.0 * CONDITIONS[0].protocol.sample_time
     task.observed["a"] = type(task.observed["a"])(task.observed["a"].time, far, "calibrate")
     assert p_of_drift(task) > 0.01

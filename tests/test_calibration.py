@@ -97,7 +97,7 @@ def test_an_estimate_on_a_bound_is_not_identified():
 
 def test_validation_conditions_are_judged_but_never_fitted():
     data = observed(np.random.default_rng(5))
-    absurd = {"check": Observation(T, 3.0 * data["slow"].depth, role="validate")}
+    absurd = {"check": Observation(T, 3.0 * data["slow"].response, role="validate")}
     surrogates = FAMILIES | {"check": Family()}
     with_it, without = (
         calibrate(surrogates, chosen, BOUNDS, rng=np.random.default_rng(0), settings=QUICK)
@@ -217,7 +217,7 @@ def test_a_held_out_condition_that_cannot_be_simulated_is_told_and_left_out():
         return [Curves(curves) for curves in forward()(points)]
 
     data = observed(np.random.default_rng(5))
-    data |= {"check": Observation(T, data["slow"].depth, role="validate")}
+    data |= {"check": Observation(T, data["slow"].response, role="validate")}
     told, options = [], {"settings": QUICK, "confirm": confirm}
     found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), report=told.append, **options)
     assert set(found.fe_curves) == set(found.conditions) == set(FAMILIES)
@@ -259,7 +259,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         covariance = np.zeros((100, 100))
         for i, name in enumerate(data):
             rows = slice(50 * i, 50 * i + 50)
-            covariance[rows, rows] = noise[name].mean_covariance(data[name].mean, len(data[name].depth))
+            covariance[rows, rows] = noise[name].mean_covariance(data[name].mean, len(data[name].response))
         fit = WeightedFit(space, families, {n: o.mean for n, o in data.items()}, covariance)
         u = fit.solve([np.array([0.5, 0.5])])
         hits += np.abs(u - truth) <= intervals(fit, u, noise, data).half_width
@@ -309,7 +309,7 @@ def test_a_depth_that_no_indentation_has_is_told(depth, role):
 def test_recordings_are_resampled_on_the_sample_times():
     fine = np.linspace(0.0, 1.0, 501)
     seen = Observation.from_recordings(T, [Recording(fine, 2 * fine, 300 * fine)] * 2)
-    assert seen.depth == pytest.approx(np.tile(300 * T, (2, 1)))
+    assert seen.response == pytest.approx(np.tile(300 * T, (2, 1)))
     with pytest.raises(InputError, match=r"ends at 0\.5 s"):
         Observation.from_recordings(T, [Recording(fine / 2, fine, fine, name="P_1")])
 
@@ -319,7 +319,7 @@ def test_few_points_of_a_sharp_tips_curve_tell_it_between_them():
     few = np.linspace(0.0, 1.0, 11)[1:]
     for sign in (1, -1):
         seen = Observation.from_recordings(T, [Recording(few, 2 * few, sign * 300 * np.sqrt(few))])
-        assert seen.depth[0] == pytest.approx(sign * 300 * np.sqrt(T))
+        assert seen.response[0] == pytest.approx(sign * 300 * np.sqrt(T))
 
 
 def call(**changes):

@@ -55,7 +55,7 @@ def test_recordings_may_be_free_of_noise_or_full_of_it(sigma):
 def test_a_condition_tested_once_takes_its_noise_from_the_others():
     whole = problem(recordings(np.random.default_rng(5)))
     item = whole.observed["b"]
-    lonely = replace(whole, observed=whole.observed | {"b": replace(item, depth=item.depth[:1])})
+    lonely = replace(whole, observed=whole.observed | {"b": replace(item, response=item.response[:1])})
     noise, others = noise_of(lonely, (), np.zeros(240), 0.01), noise_of(whole, (), np.zeros(240), 0.01)
     assert noise.replicated
     assert noise.sigma[[0, 2, 3]] == pytest.approx(others.sigma[[0, 2, 3]], rel=0.2)
@@ -63,7 +63,9 @@ def test_a_condition_tested_once_takes_its_noise_from_the_others():
     assert np.linalg.eigvalsh(noise.covariance).min() > -1e-9
     assert examine(fitted(lonely), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) > 0.01
     compliant = {
-        c.name: replace(lonely.observed[c.name], depth=lonely.observed[c.name].depth + 30.0 * c.protocol.sample_load)
+        c.name: replace(
+            lonely.observed[c.name], response=lonely.observed[c.name].response + 30.0 * c.protocol.sample_load
+        )
         for c in CONDITIONS
     }
     bent = replace(lonely, observed=compliant)
@@ -72,5 +74,5 @@ def test_a_condition_tested_once_takes_its_noise_from_the_others():
 
 def test_two_conditions_of_four_tested_once_leave_the_noise_assumed():
     whole = problem(recordings(np.random.default_rng(5)))
-    once = {name: replace(whole.observed[name], depth=whole.observed[name].depth[:1]) for name in ("a", "b")}
+    once = {name: replace(whole.observed[name], response=whole.observed[name].response[:1]) for name in ("a", "b")}
     assert not replace(whole, observed=whole.observed | once).replicated

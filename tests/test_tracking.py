@@ -90,7 +90,7 @@ def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):
     surrogates = [run for run in runs if run.data.tags["kind"] == "surrogate"]
     assert len(surrogates) == 4
     assert len({run.data.tags["mlflow.parentRunId"] for run in surrogates}) == 1
-    history = client.get_metric_history(surrogates[0].info.run_id, "loo_rms_nm_at_point")
+    history = client.get_metric_history(surrogates[0].info.run_id, "loo_rms_at_point")
     assert len(history) == 5
     fits = [run for run in runs if run.data.tags["kind"] == "fit"]
     assert [run.data.metrics["evaluations"] for run in fits] == [7.0] * 4

@@ -1,4 +1,4 @@
-"""Replicates in step: recordings of one load history, shifted in time until their loads agree.
+"""Replicates in step: recordings of one history, shifted in time until their loads or displacements agree.
 
 The clock of a test starts where contact was seen, which is uncertain by as long as the load takes to rise above its
 noise; under a load that grows exponentially that is a second or more, in which nothing happens. At the end of loading
@@ -20,15 +20,15 @@ TRIALS = 201
 
 
 def time_shift(recording: Recording, protocol: Protocol) -> float:
-    """Return by how much [s] the recording's clock is ahead of the protocol's: the shift of least load difference.
+    """Return by how much [s] the recording's clock is ahead of the protocol's: the shift of least difference in drive.
 
     Shifts up to a twentieth of the test are considered.
     """
     time = np.linspace(0.0, protocol.knot_time[-1], 4 * TRIALS)
-    load = protocol.load_at(time)
+    drive, recorded = protocol.drive_at(time), protocol.drive_of(recording.load, recording.depth)
 
     def difference(shift: float) -> float:
-        return float(np.mean((np.interp(time + shift, recording.time, recording.load) - load) ** 2))
+        return float(np.mean((np.interp(time + shift, recording.time, recorded) - drive) ** 2))
 
     longest = LONGEST * time[-1]
     trials = np.linspace(-longest, longest, TRIALS)

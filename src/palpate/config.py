@@ -13,13 +13,13 @@ from typing import Any
 from palpate.design import factorial, sobol
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.load_history import KEYS, protocol_from
+from palpate.load_history import KEYS, SHAPES, control_from, protocol_from
 from palpate.materials import LAWS
 from palpate.mechanisms import checked_mechanisms
 from palpate.parameters import Parameter
-from palpate.protocol import Protocol, recorded
+from palpate.protocol import LOAD, Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
-from palpate.recording import Recording, condition_of, read_load_history, read_recording, recording_files
+from palpate.recording import Recording, condition_of, read_history, read_recording, recording_files
 from palpate.schema import check_schema, suggestion, with_defaults
 from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
@@ -39,9 +39,9 @@ class Condition:
     role
         ``calibrate``, or ``validate``: takes no part in a calibration and judges it.
     protocol
-        Load history and sampling times.
+        What is prescribed, and sampling times.
     follows
-        Whether the load history was taken from a recording.
+        Whether the history was taken from a recording.
     """
 
     name: str
@@ -342,15 +342,17 @@ def _condition(
 ) -> Condition:
     place = f"conditions[{index}] ({entry['name']})"
     given = {key: entry[key] for key in KEYS if key in entry}
-    if "load_history" in entry and given:
-        raise InputError(f"load_history and {next(iter(given))} exclude each other", remedy="keep one", place=place)
+    if shapes := [key for key in SHAPES if key in given and "load_history" in entry]:
+        raise InputError(f"load_history and {shapes[0]} exclude each other", remedy="keep one", place=place)
     history = _load_history(entry, recordings, source, tests, place) if "load_history" in entry else None
     try:
         if history is None:
             protocol = protocol_from({**given, "points": points})
         else:
+            control, compliance, _ = control_from(given)
             begun = history.from_contact()
-            protocol = recorded(begun.time, begun.load, points)
+            drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
+            protocol = recorded(begun.time, drive, points, control=control, compliance=compliance)
     except InputError as error:
         raise InputError(
             error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
@@ -365,9 +367,9 @@ def _load_history(
     tests: Callable[[], Mapping[str, list[VendorTest]]],
     place: str,
 ) -> Recording:
-    """Return the recording whose load a condition follows."""
+    """Return the recording whose load or displacement a condition follows."""
     if entry["load_history"] != "recorded":
-        return read_load_history(Path(entry["load_history"]))
+        return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
     if entry["name"] in source.get("conditions", [source.get("condition")]):
         return tests()[entry["name"]][0].recording
     for folder in recordings.values():

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from palpate.alignment import aligned
 from palpate.calibration.observation import WHOLE
 from palpate.errors import InputError
-from palpate.observations import check_load
+from palpate.observations import check_drive
 from palpate.protocol import recorded
 from palpate.recording import Recording
 from palpate.segments import segments
@@ -86,7 +86,7 @@ def _alike(first: Recording, other: Recording) -> bool:
     try:
         for one, two in ((first, other), (other, first)):
             protocol = recorded(one.time, one.load)
-            check_load(protocol, aligned(two, protocol))
+            check_drive(protocol, aligned(two, protocol))
     except InputError:
         return False
     return True

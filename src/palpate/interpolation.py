@@ -1,4 +1,4 @@
-"""Depth between the points of a curve."""
+"""Depth and load between the points of a curve."""
 
 from __future__ import annotations
 
@@ -13,3 +13,8 @@ def depth_at(moments: np.ndarray, time: np.ndarray, depth: np.ndarray) -> np.nda
     """
     square = np.interp(moments, np.append(0.0, time), np.append(0.0, depth * np.abs(depth)))
     return np.sign(square) * np.sqrt(np.abs(square))
+
+
+def load_at(moments: np.ndarray, time: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return the load (m,) at some moments (m,) of a curve that starts at (0, 0), along straight lines (n,)."""
+    return np.interp(moments, np.append(0.0, time), np.append(0.0, load))

@@ -2,7 +2,8 @@
 
 It simulates on finer meshes, over which it takes the mean, and a finer time grid than the snapshots, gives each
 recording its own depth factor (scatter between sites on the specimen) and adds noise that is correlated in time (a
-stationary Ornstein-Uhlenbeck process).
+stationary Ornstein-Uhlenbeck process). Under displacement control factor and noise are those of the load that they
+amount to, see `palpate.quantity`, and the recorded depth is what the transducer leaves of its displacement.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from palpate.config import Study
+from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
 from palpate.model import Simulation, simulate, simulate_batch
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
+from palpate.quantity import Quantity
 from palpate.recording import Recording
 from palpate.specification import Specification
 
@@ -66,17 +68,30 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     recordings = {}
     for condition, simulation in zip(study.conditions, exact_curves(study, settings), strict=True):
         for replicate in range(1, settings["replicates"] + 1):
-            factor = 1 + settings["site_scatter"] * rng.standard_normal()
+            site = settings["site_scatter"] * rng.standard_normal()
             noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
             name = f"{condition.name}_{replicate}"
+            load, depth = disturbed(study, condition, simulation, site, noise)
             recordings[name] = Recording(
                 simulation.time,
-                simulation.load,
-                factor * simulation.depth + noise,
+                load,
+                depth,
                 name=name,
                 notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
             )
     return recordings
+
+
+def disturbed(
+    study: Study, condition: Condition, simulation: Simulation, site: float, noise: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return load [mN] and depth [nm] (n,) as recorded where a `site` is so much deeper, under `noise` (n,) [nm]."""
+    protocol = replace(condition.protocol, sample_time=simulation.time)
+    quantity = Quantity.of(protocol, study.indenter, simulation.response)
+    answer = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
+    if quantity.name == "depth":
+        return simulation.load, answer
+    return answer, simulation.depth - protocol.compliance * (answer - simulation.load)
 
 
 def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
@@ -108,6 +123,8 @@ def exact_curve(specification: Specification, name: str) -> Simulation:
     PalpateError
         When every mesh fails.
     """
+    if specification.protocol.control != LOAD:
+        raise PalpateError(f"{name}: {simulate(specification).reason}")
     resolution = RESOLUTIONS[specification.accuracy]
     radii = mesh_radii(specification.specimen, specification.indenter, specification.protocol, resolution)
     for third in range(3):

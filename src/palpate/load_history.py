@@ -62,16 +62,13 @@ def protocol_from(values: Mapping[str, Any]) -> Protocol:
     if {"times", "loads", "displacements"} & set(values):
         points = _whole(check_values([POINTS], _only(values, "points"), "protocol")["points"])
         return cycles(*_corners(values, f"{control}s"), points, control, compliance)
-    if control == DISPLACEMENT:
-        checked = check_values(RAMP, values, "protocol")
-        largest, points = checked.pop("max_displacement"), _whole(checked.pop("points"))
-        return trapezoid(largest, **checked, points=points, control=control, compliance=compliance)
-    declared = EXPONENTIAL if "strain_rate" in values else TRAPEZOID
-    checked = check_values(declared, values, "protocol")
-    points = _whole(checked.pop("points"))
-    if "strain_rate" in values:
+    if "strain_rate" in values and control == LOAD:
+        checked = check_values(EXPONENTIAL, values, "protocol")
+        points = _whole(checked.pop("points"))
         return constant_strain_rate(**checked, points=points)
-    return trapezoid(checked.pop("max_load"), **checked, points=points)
+    ramp = check_values(TRAPEZOID if control == LOAD else RAMP, values, "protocol")
+    largest, loading_time, hold_time, unloading_time, given = ramp.values()
+    return trapezoid(largest, loading_time, hold_time, unloading_time, _whole(given), control, compliance)
 
 
 def control_from(values: Mapping[str, Any]) -> tuple[str, float, dict[str, Any]]:

@@ -14,7 +14,8 @@ from palpate.calibration.observation import WHOLE
 from palpate.config import Condition, Study
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
+from palpate.quantity import Quantity
 from palpate.readers import read_source
 from palpate.readers.units import CHANNELS, to_turn
 from palpate.recording import Recording, condition_of, copies, read_recording, recording_files
@@ -135,13 +136,13 @@ def _checked(study: Study, condition: Condition, recording: Recording) -> Record
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
-    """Check load, duration and depth.
+    """Check what is prescribed, duration and depth.
 
     No body is shallower than an elastic one of its modulus, and soft metals in long creep lie within about ten times
     that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
-    check_load(condition.protocol, recording)
+    check_drive(condition.protocol, recording)
     radius, depth = study.indenter.radius, recording.depth.max()
     if study.indenter.shape == "sphere" and depth > DEEPEST_IN_SPHERE * radius:
         raise InputError(
@@ -150,9 +151,7 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             place="depth_nm",
         )
     elastic = [
-        depth
-        for modulus in _moduli(study)
-        for depth in elastic_depths(study.indenter, condition.protocol.max_load, modulus)
+        depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, recording.load.max(), modulus)
     ]
     for wrong, words in (
         (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
@@ -167,21 +166,25 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             )
 
 
-def check_load(protocol: Protocol, recording: Recording) -> None:
-    """Check that a recording's load is that of a protocol, to a twentieth of the largest.
+def check_drive(protocol: Protocol, recording: Recording) -> None:
+    """Check that what was prescribed in a recording is what a protocol prescribes, to a twentieth of the largest.
 
     Raises
     ------
     InputError
-        When the largest load, the duration, or the load at some time is another.
+        When the largest load or displacement, the duration, or that at some time is another.
     """
-    peak, expected = recording.load.max(), protocol.max_load
+    control, unit = protocol.control, protocol.unit
+    drive = protocol.drive_of(recording.load, recording.depth)
+    peak, expected = drive.max(), protocol.largest_drive
+    place = "load_mN" if control == LOAD else "depth_nm"
     if abs(peak / expected - 1) > LOAD_TOLERANCE:
-        hint = "; are loads in uN?" if peak > 100 * expected else "; are loads in N?" if peak < expected / 100 else ""
+        wrong = ("loads in uN", "loads in N") if control == LOAD else ("depths in pm", "depths in um")
+        hint = f"; are {wrong[0]}?" if peak > 100 * expected else f"; are {wrong[1]}?" if peak < expected / 100 else ""
         raise InputError(
-            f"the largest load is {peak:.4g} mN, the condition's is {expected:.4g} mN{hint}",
-            remedy="correct the unit or max_load",
-            place="load_mN",
+            f"the largest {control} is {peak:.4g} {unit}, the condition's is {expected:.4g} {unit}{hint}",
+            remedy=f"correct the unit{'' if control == LOAD else ', the spring'} or max_{control}",
+            place=place,
         )
     duration, times = recording.time[-1], protocol.sample_time
     if duration < WHOLE * times[-1]:
@@ -190,15 +193,16 @@ def check_load(protocol: Protocol, recording: Recording) -> None:
             remedy="export the whole test or correct the times",
             place="time_s",
         )
-    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, recording.load))
-    departure -= protocol.sample_load
+    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, drive))
+    departure -= protocol.sample_drive
     if np.sqrt(np.mean(departure**2)) > LOAD_TOLERANCE * expected:
         worst = int(np.argmax(np.abs(departure)))
         hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
         raise InputError(
-            f"the load departs from the condition's, by {departure[worst]:.3g} mN at {times[worst]:.4g} s{hint}",
+            f"the {control} departs from the condition's, by {departure[worst]:.3g} {unit} at {times[worst]:.4g} "
+            f"s{hint}",
             remedy="correct the times of the condition, or give it `load_history: recorded`",
-            place="load_mN",
+            place=place,
         )
 
 
@@ -234,7 +238,9 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
     found = {}
     for key, recordings in checked.items():
         condition = study.condition(key)
-        found[key] = Observation.from_recordings(condition.protocol.sample_time, recordings, condition.role)
+        protocol = condition.protocol
+        item = Observation.from_recordings(protocol.sample_time, recordings, condition.role, protocol.response)
+        found[key] = replace(item, quantity=Quantity.of(protocol, study.indenter, item.mean))
     return found
 
 

@@ -51,9 +51,7 @@ class Protocol:
 
     def __post_init__(self) -> None:
         if self.control not in (LOAD, DISPLACEMENT):
-            raise InputError(
-                f"drive is {self.control!r}", remedy=f"use one of: {LOAD}, {DISPLACEMENT}", place="drive"
-            )
+            raise InputError(f"drive is {self.control!r}", remedy=f"use one of: {LOAD}, {DISPLACEMENT}", place="drive")
         time, drive, sample = (np.asarray(a, dtype=float) for a in (self.knot_time, self.knot_drive, self.sample_time))
         for name, value in (("knot_time", time), ("knot_drive", drive), ("sample_time", sample)):
             object.__setattr__(self, name, value)

@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.protocol import DISPLACEMENT, LOAD
 
 HEADER = "time_s,load_mN,depth_nm"
 LOAD_HISTORY = "time_s,load_mN"
+DISPLACEMENT_HISTORY = "time_s,displacement_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3
@@ -204,14 +206,31 @@ def read_recording(path: str | Path) -> Recording:
     return replace(recording, stiffness=measured.stiffness)
 
 
-def read_load_history(path: Path) -> Recording:
-    """Read a load history: a recording, or a CSV of ``time_s,load_mN`` alone; raises `InputError` likewise."""
+def read_history(path: Path, control: str = LOAD) -> Recording:
+    """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
+
+    A displacement alone is returned as the depth of a recording without load, so that depth + load / spring is right.
+
+    Raises
+    ------
+    InputError
+        As `read_recording`, and when what the file holds alone is not what is prescribed.
+    """
     body = _body(_lines_of(path))
-    if not body or body[0][1].strip() != LOAD_HISTORY:
+    heading = body[0][1].strip() if body else ""
+    alone = {LOAD: LOAD_HISTORY, DISPLACEMENT: DISPLACEMENT_HISTORY}
+    if heading not in alone.values():
         return read_recording(path)
-    time, load = _numbers(body[1:], 2, path).T
+    if heading != alone[control]:
+        raise InputError(
+            f"header is {heading!r}, but the {control} is prescribed",
+            remedy=f"give {alone[control]!r}, or a recording",
+            file=path,
+        )
+    time, drive = _numbers(body[1:], 2, path).T
+    load, depth = (drive, np.zeros_like(drive)) if control == LOAD else (np.zeros_like(drive), drive)
     try:
-        return Recording(time, load, np.zeros_like(load), path.stem)
+        return Recording(time, load, depth, path.stem)
     except InputError as error:
         raise error.located(file=path) from None
 

@@ -45,8 +45,10 @@ def table(frame: pd.DataFrame) -> str:
 
 def heading(name: str) -> str:
     """Return what a table shows of a column's name: words, and the unit in brackets."""
-    bare = name.removesuffix("_nm")
-    return bare.replace("_", " ") + (" [nm]" if bare != name else "")
+    for unit in ("nm", "mN"):
+        if name.endswith(f"_{unit}"):
+            return f"{name.removesuffix(f'_{unit}').replace('_', ' ')} [{unit}]"
+    return name.replace("_", " ")
 
 
 def cell(value: object) -> object:
@@ -77,7 +79,13 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 def misfit_sentence(calibration: Mapping) -> str:
     """Say how far simulation and recordings agree, and how much can be known of it."""
     errors = [entry["rmse_nm"] for entry in calibration["conditions"].values()]
+    loads = [entry["rmse_mN"] for entry in calibration["conditions"].values() if "rmse_mN" in entry]
     span = f"Root mean square misfit {min(errors):.3g} to {max(errors):.3g} nm over the conditions."
+    if loads:
+        span = (
+            f"{span} Under displacement control the load answers, {min(loads):.3g} to {max(loads):.3g} mN from the "
+            "recorded one; in nm it is what the tip would lie deeper or less deep under the same load."
+        )
     if all(entry["replicates"] == 1 for entry in calibration["noise"].values()):
         return (
             f"{span} There are no replicates, so the noise of the recordings is not known: it was taken from the "
@@ -94,6 +102,10 @@ def misfit_sentence(calibration: Mapping) -> str:
         f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
         f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."
     )
+
+
+def _with_unit(largest: Mapping[str, float]) -> str:
+    return " and ".join(f"{value:.2g} {unit}" for unit, value in largest.items())
 
 
 def bound_sentence(calibration: Mapping) -> str:
@@ -116,8 +128,12 @@ def confirmation_sentences(calibration: Mapping) -> str:
     if not runs:
         return ""
     best = min(runs, key=lambda run: run["chi_square"])
+    off: dict[str, float] = {}
+    for name, error in best["surrogate_error"].items():
+        unit = "mN" if "rmse_mN" in calibration["conditions"].get(name, {}) else "nm"
+        off[unit] = max(error, off.get(unit, 0.0))
     said = (
-        f"At the estimate the surrogates are up to {max(best['surrogate_error_nm'].values()):.2g} nm from the finite "
+        f"At the estimate the surrogates are up to {_with_unit(off)} from the finite "
         "elements on the fine mesh, on which the estimate rests; errors by leave-one-out are those at the snapshots, "
         "and between the levels of a grid they may be several times as large."
     )

@@ -13,7 +13,9 @@ from palpate.specification import Specification
 
 
 class SolvedCurves(Mapping):
-    """Depth curves [nm] by condition at one of several points, solved when first asked for, with those that come free.
+    """Curves by condition at one of several points, solved when first asked for, with those that come free.
+
+    They are of what answers: depth [nm], or load [mN] under displacement control.
 
     A condition that is asked for at one point is solved for all points, together. Under a sharp tip conditions that
     differ in size alone are one simulation, see `palpate.fem.similar`.
@@ -29,26 +31,26 @@ class SolvedCurves(Mapping):
         study: Study,
         points: Sequence[Mapping[str, float]],
         accuracy: str,
-        depths: Sequence[dict[str, np.ndarray]],
+        curves: Sequence[dict[str, np.ndarray]],
         place: int,
     ):
         self._study, self._points, self._accuracy = study, points, accuracy
-        self._depths, self._place = depths, place
+        self._curves, self._place = curves, place
 
     @classmethod
     def at(cls, study: Study, points: Sequence[Mapping[str, float]], accuracy: str) -> list[SolvedCurves]:
         """Return the curves at several points, given by the names of the parameters."""
-        depths: list[dict[str, np.ndarray]] = [{} for _ in points]
-        return [cls(study, points, accuracy, depths, place) for place in range(len(points))]
+        curves: list[dict[str, np.ndarray]] = [{} for _ in points]
+        return [cls(study, points, accuracy, curves, place) for place in range(len(points))]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._depths[self._place]:
+        if name not in self._curves[self._place]:
             first = {
                 condition.name: self._study.specification(self._points[0], condition, self._accuracy)
                 for condition in self._study.conditions
             }
             self._solve([other for other in self if alike(first[name], first[other])])
-        return self._depths[self._place][name]
+        return self._curves[self._place][name]
 
     def __iter__(self) -> Iterator[str]:
         return (condition.name for condition in self._study.conditions)
@@ -65,7 +67,7 @@ class SolvedCurves(Mapping):
         for (k, name), simulation in zip(places, simulations, strict=True):
             if simulation.status != "ok":
                 raise PalpateError(f"{name} at {dict(points[k])}: {simulation.reason}")
-            self._depths[k][name] = simulation.depth
+            self._curves[k][name] = simulation.response
 
 
 def free_of_ripple(specification: Specification) -> Specification:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from palpate import report, snapshots
 from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.config import Study
 from palpate.observations import observations
+from palpate.quantity import UNITS
 from palpate.solved import SolvedCurves
 from palpate.surrogate import PODRBF
 
@@ -28,7 +30,9 @@ def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np
     model, parameters, curves, summary
         The estimator, what it was fitted to, and its figures of merit.
     """
+    files = list(files)
     parameters, curves, failures = snapshots.matrix(files, study.levels)
+    unit = UNITS[snapshots.read(files[0])["quantity"]]
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
@@ -37,10 +41,11 @@ def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np
         "energy_of_first_mode": float(model.energy_[0]),
         "shape": float(model.shape_),
         "condition_number": float(model.condition_number_),
-        "loo_rmse_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
-        "loo_largest_point_rms_nm": float(model.loo_rms_.max()),
+        "unit": unit,
+        f"loo_rmse_{unit}": float(np.sqrt(np.mean(model.loo_error_**2))),
+        f"loo_largest_point_rms_{unit}": float(model.loo_rms_.max()),
         "loo_relative_percent": relative_percent(model.loo_error_, curves),
-        "loo_rms_nm": model.loo_rms_.tolist(),
+        f"loo_rms_{unit}": model.loo_rms_.tolist(),
         "spectrum": np.diff(model.energy_, prepend=0.0).tolist(),
         "failures": failures,
     }
@@ -48,15 +53,14 @@ def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np
 
 
 def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
-    """Return the root mean square over the snapshots of error / depth, in the mean along the curve, in per cent.
+    """Return the root mean square over the snapshots of error / curve, in the mean along the curve, in per cent.
 
-    As in `palpate.calibration.measures.error_measures`, depths below 1 % of their curve's largest are left out: what is
+    As in `palpate.calibration.measures.error_measures`, values below 1 % of their curve's largest are left out: what is
     left of a recovered body's depth is rounding.
 
     Parameters
     ----------
     error, curves : ndarray, shape (n_snapshots, n_points)
-        [nm]
     """
     deep = curves > 0.01 * curves.max(axis=1, keepdims=True)
     told = deep.any(axis=0)
@@ -105,13 +109,14 @@ def run_calibration(
     -------
     calibration, curves
         The outcome, and a table of all curves: condition, role, time_s, load_mN, recorded_nm (mean), spread_nm
-        (standard deviation over replicates), surrogate_nm, simulated_nm.
+        (standard deviation over replicates), surrogate_nm, simulated_nm. Under displacement control displacement_nm
+        takes the place of load_mN, and what is recorded, surrogate's and simulated is a load, such as recorded_mN.
     """
     members = study.condition_sets[condition_set]
     models: dict[str, PODRBF] = {name: joblib.load(surrogate_files[name]) for name in members}
     measured = observations(study, recordings)
     judged = {
-        name: item if name in members or item.role == "validate" else type(item)(item.time, item.depth, "validate")
+        name: item if name in members or item.role == "validate" else replace(item, role="validate")
         for name, item in measured.items()
     }
 
@@ -119,7 +124,7 @@ def run_calibration(
     tables = []
     for condition in study.conditions:
         item = judged[condition.name]
-        count = len(item.depth)
+        count, unit = len(item.response), item.quantity.unit
         blank = np.full(len(item.time), np.nan)
         tables.append(
             pd.DataFrame(
@@ -127,11 +132,11 @@ def run_calibration(
                     "condition": condition.name,
                     "role": item.role,
                     "time_s": item.time,
-                    "load_mN": condition.protocol.sample_load,
-                    "recorded_nm": item.mean,
-                    "spread_nm": item.depth.std(axis=0, ddof=1) if count > 1 else blank,
-                    "surrogate_nm": result.surrogate_curves.get(condition.name, blank),
-                    "simulated_nm": result.fe_curves.get(condition.name, blank),
+                    f"{condition.protocol.control}_{condition.protocol.unit}": condition.protocol.sample_drive,
+                    f"recorded_{unit}": item.mean,
+                    f"spread_{unit}": item.response.std(axis=0, ddof=1) if count > 1 else blank,
+                    f"surrogate_{unit}": result.surrogate_curves.get(condition.name, blank),
+                    f"simulated_{unit}": result.fe_curves.get(condition.name, blank),
                 }
             )
         )
@@ -141,8 +146,18 @@ def run_calibration(
 def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:
     """Return the thesis' error table, one row a condition, from the content of a calibration's JSON."""
     rows = [{"condition": name, **entry} for name, entry in calibration["conditions"].items()]
-    columns = ["condition", "role", "rmse_nm", "r2", "mean_abs_error_nm", "percent_error"]
-    return pd.DataFrame(rows)[columns]
+    found = pd.DataFrame(rows)
+    columns = [
+        "condition",
+        "role",
+        "rmse_nm",
+        "rmse_mN",
+        "r2",
+        "mean_abs_error_nm",
+        "mean_abs_error_mN",
+        "percent_error",
+    ]
+    return found[[name for name in columns if name in found]]
 
 
 def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mapping[str, float] | None) -> pd.DataFrame:

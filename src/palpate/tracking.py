@@ -110,7 +110,7 @@ def log_surrogate(model: Any, parameters: np.ndarray, curves: np.ndarray, metric
     """
     mlflow.log_params(model.get_params())
     mlflow.log_metrics(dict(metrics))
-    log_series("loo_rms_nm_at_point", model.loo_rms_, range(len(model.loo_rms_)))
+    log_series("loo_rms_at_point", model.loo_rms_, range(len(model.loo_rms_)))
     logging.getLogger("mlflow.sklearn").setLevel(logging.ERROR)
     mlflow.sklearn.log_model(
         model,

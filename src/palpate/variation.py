@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.displaced import through_instrument
 from palpate.errors import InputError
 from palpate.fem.clock import Shift
 from palpate.fem.directions import Directions
@@ -19,6 +20,7 @@ from palpate.fem.regions import laws_of
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter
+from palpate.protocol import DISPLACEMENT
 from palpate.specification import Specification
 
 STEP = 1e-6
@@ -28,6 +30,8 @@ SMALL = 1e-3  # below this a value counts as that much; a time of zero as the te
 def acting(specification: Specification) -> Specification:
     """Return what is simulated: the specification as its mechanisms change it.
 
+    Under displacement control what the instrument adds to the depth is taken from what the body feels.
+
     Raises
     ------
     InputError
@@ -35,6 +39,10 @@ def acting(specification: Specification) -> Specification:
     """
     for key, values in specification.mechanisms.items():
         specification = MECHANISMS[key].simulate(specification, values)
+    if specification.protocol.control == DISPLACEMENT:
+        for key, values in specification.mechanisms.items():
+            protocol = through_instrument(specification.protocol, MECHANISMS[key], values)
+            specification = replace(specification, protocol=protocol)
     return specification
 
 

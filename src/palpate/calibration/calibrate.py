@@ -89,10 +89,10 @@ def calibrate(
     rng
         Source of all randomness.
     surrogate_error
-        Errors of the surrogate (k, n_points) of each condition [nm], such as `PODRBF.loo_error_`; their second
+        Errors of the surrogate (k, n_points) of each condition, such as `PODRBF.loo_error_`; their second
         moments join the noise until the forward model takes the surrogate's place.
     confirm
-        The forward model: from a list of parameters by name to one mapping each, of a depth curve (n_points,) [nm] for
+        The forward model: from a list of parameters by name to one mapping each, of a curve (n_points,) for
         each condition, the validation conditions included. Mappings that solve a condition when it is asked for save
         runs.
     approximate
@@ -114,16 +114,17 @@ def calibrate(
     measured = {name: item.mean for name, item in fitted.items()}
     check_consistent(space, surrogates, measured, settings.objective)
     for name, item in observations.items():
-        check_indents(name, item.mean)
+        check_indents(name, item)
 
-    evolution = evolve(objectives(space, surrogates, measured, settings), space.dimensions, settings.genetic, rng)
+    evolution = evolve(objectives(space, surrogates, fitted, settings), space.dimensions, settings.genetic, rng)
     starts = starting_points(evolution)
     report(f"genetic search: {int(evolution.history[-1]['evaluations'])} evaluations")
     plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
     rough = plain.curves(plain.solve(starts))
     noise = complete_noise(fitted, rough, settings.site_scatter)
-    blocks = (noise[name].mean_covariance(rough[name], len(item.depth)) for name, item in fitted.items())
-    covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error)
+    blocks = (noise[name].mean_covariance(rough[name], len(item.response)) for name, item in fitted.items())
+    shares = {name: item.quantity.share for name, item in fitted.items()}
+    covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error, shares)
     confirmed: Mapping[str, np.ndarray] = {}
     runs: list[dict[str, Any]] = []
     settled: bool | None = None
@@ -184,15 +185,21 @@ def check_consistent(
 def objectives(
     space: Space,
     surrogates: Mapping[str, Predictor],
-    measured: Mapping[str, np.ndarray],
+    observations: Mapping[str, Observation],
     settings: CalibrationSettings,
 ) -> Evaluate:
-    """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum."""
+    """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum.
+
+    Loads count as depths, by `palpate.quantity.Quantity.nm`, so that the sum is one of like with like.
+    """
     measure = OBJECTIVES[settings.objective]
+    measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}
 
     def evaluate(u: np.ndarray) -> np.ndarray:
         x = space.physical(u)
-        columns = np.column_stack([measure(mean, surrogates[name].predict(x)) for name, mean in measured.items()])
+        columns = np.column_stack(
+            [measure(nm * mean, nm * surrogates[name].predict(x)) for name, (mean, nm) in measured.items()]
+        )
         return columns.sum(axis=1, keepdims=True) if settings.aggregated else columns
 
     return evaluate

@@ -79,8 +79,8 @@ class Confirmation:
         Whether the last search, with the tilt, met no failure and moved the curves by less than 0.3 standard deviations
         a parameter.
     runs
-        For each run: `parameters`, `chi_square`, and `surrogate_error_nm`, the largest difference from the
-        surrogate, by condition.
+        For each run: `parameters`, `chi_square`, and `surrogate_error`, the largest difference from the
+        surrogate, by condition, in the unit of what answers.
     """
 
     fit: WeightedFit
@@ -208,7 +208,7 @@ def confirm_and_correct(
         curves, surrogate = confirm([fit.space.named(u)])[0], fit.curves(u)
         error = {name: float(np.abs(curves[name] - surrogate[name]).max()) for name in fit.measured}
         misfit = fit.chi_square(curves)
-        runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error_nm": error})
+        runs.append({"parameters": fit.space.named(u), "chi_square": misfit, "surrogate_error": error})
         report(f"forward model, run {len(runs)} of {corrections + 1} at most: chi-square {misfit:.4g}")
         return Point(u, curves, cheaper(u)[1], misfit)
 

@@ -92,7 +92,7 @@ def freedom(
     """Satterthwaite's degrees of freedom (k,): the share of the site scatter in each variance decides."""
     site = np.zeros(len(covariance))
     for name in fit.measured:
-        tau, count = noise[name].site_scatter, len(observations[name].depth)
+        tau, count = noise[name].site_scatter, len(observations[name].response)
         factor = {n: tau / np.sqrt(count) * mean * (n == name) for n, mean in fit.measured.items()}
         site += (covariance @ jacobian.T @ fit.whiten(factor)) ** 2
     total = np.einsum("ij,jk,ki->i", covariance, jacobian.T @ jacobian, covariance)

@@ -5,6 +5,8 @@ all conditions) and point noise n_r of standard deviation sigma whose correlatio
 (AR(1)). So the mean of R replicates has the covariance
 
     C = (sigma^2 rho^|i - j| + tau^2 h h^T) / R
+
+Where the load answers, h is the load, and tau is what the same site does to it, see `palpate.quantity.Quantity.share`.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ class Noise:
     Parameters
     ----------
     sigma
-        Standard deviation of the point noise [nm].
+        Standard deviation of the point noise, in the unit of what answers.
     correlation
         Correlation rho between neighbouring points.
     site_scatter
@@ -104,13 +106,16 @@ def replicate_noise(observations: Mapping[str, Observation]) -> dict[str, Noise]
     points: dict[str, tuple[float, float]] = {}
     squares, freedom = 0.0, 0
     for name, observation in observations.items():
-        independent = len(observation.depth) - 1
+        independent = len(observation.response) - 1
         if independent:
-            sigma, rho, site = point_noise(observation.depth - observation.mean, observation.mean, independent)
+            sigma, rho, site = point_noise(observation.response - observation.mean, observation.mean, independent)
             points[name] = sigma, rho
-            squares, freedom = squares + site, freedom + independent
+            squares, freedom = squares + site / observation.quantity.share**2, freedom + independent
     tau = np.sqrt(max(squares, 0.0) / freedom) if freedom else 0.0
-    return {name: Noise(sigma, rho, float(tau), freedom) for name, (sigma, rho) in points.items()}
+    return {
+        name: Noise(sigma, rho, float(tau) * abs(observations[name].quantity.share), freedom)
+        for name, (sigma, rho) in points.items()
+    }
 
 
 def complete_noise(
@@ -126,21 +131,29 @@ def complete_noise(
         Assumed tau where no condition has replicates.
     """
     known = replicate_noise(observations)
-    tau, freedom = next(((n.site_scatter, n.site_freedom) for n in known.values()), (site_scatter, np.inf))
+    shares = {name: abs(observation.quantity.share) for name, observation in observations.items()}
+    tau, freedom = next(
+        ((noise.site_scatter / shares[name], noise.site_freedom) for name, noise in known.items()),
+        (site_scatter, np.inf),
+    )
     for name, observation in observations.items():
         if name not in known:
-            sigma, rho, _ = point_noise(observation.depth - fitted[name], observation.mean, 1)
-            known[name] = Noise(sigma, rho, tau, freedom)
+            sigma, rho, _ = point_noise(observation.response - fitted[name], observation.mean, 1)
+            known[name] = Noise(sigma, rho, tau * shares[name], freedom)
     return {name: known[name] for name in observations}
 
 
-def model_covariance(curves: Mapping[str, np.ndarray], relative_error: float) -> np.ndarray:
+def model_covariance(
+    curves: Mapping[str, np.ndarray], relative_error: float, shares: Mapping[str, float] | None = None
+) -> np.ndarray:
     """Covariance (n, n) of the discretisation error of the forward model, all conditions one after the other [nm^2].
 
     It is mostly the same factor for every curve, because a sharp indenter has no length, with the standard deviation
-    `relative_error`; a third of that ripples along each curve.
+    `relative_error`; a third of that ripples along each curve. Where the load answers it departs by the
+    `shares` of that, see `palpate.quantity.Quantity.share`.
     """
-    depth = np.concatenate(list(curves.values()))
+    shares = shares or {}
+    depth = np.concatenate([shares.get(name, 1.0) * curve for name, curve in curves.items()])
     return relative_error**2 * np.outer(depth, depth) * (1.0 + mesh_ripple(curves) / 9.0)
 
 

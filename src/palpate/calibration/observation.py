@@ -1,4 +1,4 @@
-"""What was measured in one condition: replicate depth curves on the sample times of its simulation."""
+"""What was measured in one condition: replicate curves of what answers, on the sample times of its simulation."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.interpolation import depth_at
+from palpate.interpolation import depth_at, load_at
+from palpate.quantity import DEPTH, Quantity
 from palpate.recording import Recording
 
 ROLES = ("calibrate", "validate")
@@ -23,33 +24,44 @@ class Observation:
     ----------
     time : ndarray, shape (n_points,)
         Sample times [s].
-    depth : ndarray, shape (n_replicates, n_points)
-        One depth curve for each recording [nm].
+    response : ndarray, shape (n_replicates, n_points)
+        One curve for each recording, of depth [nm] or load [mN].
     role
         ``calibrate``, or ``validate``: never enters the fit, judges it.
+    quantity
+        What the curves are of.
     """
 
     time: np.ndarray
-    depth: np.ndarray
+    response: np.ndarray
     role: str = "calibrate"
+    quantity: Quantity = DEPTH
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", np.asarray(self.time, dtype=float))
-        object.__setattr__(self, "depth", np.atleast_2d(np.asarray(self.depth, dtype=float)))
+        object.__setattr__(self, "response", np.atleast_2d(np.asarray(self.response, dtype=float)))
         if self.role not in ROLES:
             raise InputError(f"role is {self.role!r}", remedy=f"use one of: {', '.join(ROLES)}", place="role")
-        if self.depth.ndim != 2 or self.depth.shape[1:] != self.time.shape or not self.depth.size:
+        if self.response.ndim != 2 or self.response.shape[1:] != self.time.shape or not self.response.size:
             raise InputError(
-                f"depth has shape {self.depth.shape}, expected (n_replicates, {self.time.size})",
+                f"response has shape {self.response.shape}, expected (n_replicates, {self.time.size})",
                 remedy="resample every replicate on the sample times",
-                place="depth",
+                place="response",
             )
-        if not np.all(np.isfinite(self.depth)):
-            raise InputError("a depth is not a number", remedy="remove or repair the recording", place="depth")
+        if not np.all(np.isfinite(self.response)):
+            raise InputError(
+                f"a {self.quantity.name} is not a number", remedy="remove or repair the recording", place="response"
+            )
 
     @classmethod
-    def from_recordings(cls, time: np.ndarray, recordings: Sequence[Recording], role: str = "calibrate") -> Observation:
-        """Resample recordings on the sample times, see `palpate.interpolation.depth_at`.
+    def from_recordings(
+        cls,
+        time: np.ndarray,
+        recordings: Sequence[Recording],
+        role: str = "calibrate",
+        quantity: str = "depth",
+    ) -> Observation:
+        """Resample depths or loads of recordings on the sample times, see `palpate.interpolation`.
 
         Raises
         ------
@@ -62,9 +74,11 @@ class Observation:
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
+        if quantity == "load":
+            return cls(time, np.array([load_at(time, r.time, r.load) for r in recordings]), role)
         return cls(time, np.array([depth_at(time, r.time, r.depth) for r in recordings]), role)
 
     @property
     def mean(self) -> np.ndarray:
-        """Mean depth curve (n_points,) [nm]."""
-        return self.depth.mean(axis=0)
+        """Mean curve (n_points,)."""
+        return self.response.mean(axis=0)

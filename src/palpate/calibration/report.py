@@ -54,7 +54,10 @@ def judged(
     for name, observation in observations.items():
         source, curve = ("fe", confirmed[name]) if name in confirmed else ("surrogate", curves.get(name))
         if curve is not None:
-            table[name] = error_measures(observation.mean, curve) | {"role": observation.role, "curve": source}
+            table[name] = error_measures(observation.mean, curve, observation.quantity) | {
+                "role": observation.role,
+                "curve": source,
+            }
     return table
 
 
@@ -78,10 +81,10 @@ def named_matrix(space: Space, matrix: np.ndarray) -> dict[str, dict[str, float]
 def described(noise: Noise, observation: Observation) -> dict[str, float]:
     """Noise of a condition for the record."""
     return {
-        "sigma_nm": noise.sigma,
+        f"sigma_{observation.quantity.unit}": noise.sigma,
         "correlation": noise.correlation,
         "site_scatter": noise.site_scatter,
-        "replicates": len(observation.depth),
+        "replicates": len(observation.response),
     }
 
 

@@ -44,10 +44,10 @@ class Calibration:
     parameters
         `Estimate` of each parameter.
     conditions
-        For each condition `rmse_nm`, `r2`, `mean_abs_error_nm`, `percent_error`, `role`, and `curve`: ``fe`` or
+        For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or
         ``surrogate``, whichever the errors were taken of.
     surrogate_curves, fe_curves
-        Curves at the estimate (n_points,) [nm]; `fe_curves` is empty without confirmation.
+        Curves at the estimate (n_points,), of depth [nm] or load [mN]; `fe_curves` is empty without confirmation.
     confirmed_by
         ``fe`` when the forward model was run at the estimate, else ``surrogate``.
     confirmations
@@ -59,7 +59,8 @@ class Calibration:
     correlation
         Correlations of the free parameters, by name.
     noise
-        For each calibrated condition: sigma_nm, correlation, site_scatter, replicates.
+        For each calibrated condition: sigma_nm (or sigma_mN, where the load answers), correlation, site_scatter,
+        replicates.
     pareto
         `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.
     history

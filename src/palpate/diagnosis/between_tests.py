@@ -58,7 +58,7 @@ def _own_values(fit: Fit, number: int, keys: tuple[str, ...]) -> tuple[np.ndarra
     weighed = np.linalg.solve(noise.matrix(number, rest), design)
     spread = np.linalg.inv(design.T @ weighed)
     estimator = spread @ weighed.T
-    departures = fit.problem.observed[condition.name].depth - fit.problem.split(fit.curve)[condition.name]
+    departures = fit.problem.observed[condition.name].response - fit.problem.split(fit.curve)[condition.name]
     return estimator, np.diag(spread), estimator @ departures.T
 
 

@@ -132,7 +132,7 @@ def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site
     for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
         item = problem.observed[condition.name]
         basis = without_trend(list(segments(condition.protocol).values()))
-        rest = np.sqrt(len(item.depth)) * problem.split(residual)[condition.name]
+        rest = np.sqrt(len(item.response)) * problem.split(residual)[condition.name]
         replicates = Replicates((basis @ rest)[None], basis, part, float(np.abs(item.mean).max()))
         models.append(fit_noise([replicates], assumed, False, LARGEST))
     return NoiseModel.joined(models)
@@ -145,7 +145,7 @@ def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatt
     for k in problem.repeated:
         item = problem.observed[problem.conditions[k].name]
         identity = np.eye(len(item.time))
-        replicates.append(Replicates(contrasts(item.depth), identity, parts[k], float(np.abs(item.mean).max())))
+        replicates.append(Replicates(contrasts(item.response), identity, parts[k], float(np.abs(item.mean).max())))
     narrower = [tuple(k for k in keys if k != key) for key in keys]
     within = [noise_between_replicates(problem, rest, site_scatter) for rest in narrower]
     return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST, within)
@@ -170,7 +170,7 @@ def errors(
     model = model_covariance(problem.split(depth), solver_error) + surrogate
     if z is not None:
         model = model + solver_scatter(problem, explanation, z)
-    counts = [len(problem.observed[c.name].depth) for c in problem.conditions]
+    counts = [len(problem.observed[c.name].response) for c in problem.conditions]
     return Errors(noise, components(problem, varying(explanation), depth), model, surrogate, counts)
 
 

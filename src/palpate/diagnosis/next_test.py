@@ -92,8 +92,9 @@ def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
 
 
 def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
-    settings = settings | {"unloading_time": unloading}
-    return FeasibleTest(words, settings, trapezoid(**settings, points=POINTS))
+    load, loading, hold = (settings[key] for key in ("max_load", "loading_time", "hold_time"))
+    protocol = trapezoid(load, loading, hold, unloading, POINTS)
+    return FeasibleTest(words, settings | {"unloading_time": unloading}, protocol)
 
 
 def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:

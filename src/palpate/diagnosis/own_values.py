@@ -56,7 +56,7 @@ def recording_values(
         covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)
-        for number, depth in enumerate(item.depth, 1):
+        for number, depth in enumerate(item.response, 1):
             said = own_laws[condition.name][number - 1] if own_laws else ()
             laws = [law for law in said if law.holds_under(fit.explanation)]
             departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), keys, best, laws)
@@ -79,7 +79,7 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     told by as many recordings as were repeated, so that departures have Student's distribution of that freedom: one far
     outside what the others show, as where a tip met dirt, is believed.
     """
-    noise, count, columns, spreads = fit.errors.noise, len(item.depth), [], []
+    noise, count, columns, spreads = fit.errors.noise, len(item.response), [], []
     for key in varying(fit.explanation):
         shown = noise.variances[key] / count + fit.errors.between.get(key, 0.0)
         spread = shown if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
@@ -91,7 +91,7 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     design = np.column_stack(columns)
     weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
     precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(spreads)
-    freedom = sum(len(fit.problem.observed[each.name].depth) - 1 for each in fit.problem.conditions)
+    freedom = sum(len(fit.problem.observed[each.name].response) - 1 for each in fit.problem.conditions)
     belief = np.ones(len(scales))
     for _ in range(ROUNDS if noise.replicated else 1):
         departures = np.linalg.solve(precision + np.diag(belief / scales), pull)

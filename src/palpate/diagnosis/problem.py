@@ -82,7 +82,7 @@ class Problem:
     @property
     def repeated(self) -> list[int]:
         """Numbers of the conditions that were tested more than once."""
-        return [k for k, condition in enumerate(self.conditions) if len(self.observed[condition.name].depth) > 1]
+        return [k for k, condition in enumerate(self.conditions) if len(self.observed[condition.name].response) > 1]
 
     @property
     def replicated(self) -> bool:

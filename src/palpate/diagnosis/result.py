@@ -87,7 +87,7 @@ def curves(
 def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:
     """Return the variance (n_points,) [nm^2] of a condition's mean curve."""
     parts = components_under(fit.problem, (), condition, item.mean)
-    return np.diag(fit.errors.noise.typical(parts)) / len(item.depth)
+    return np.diag(fit.errors.noise.typical(parts)) / len(item.response)
 
 
 def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The segments of a test: loading, hold and unloading, from the load history itself."""
+"""The segments of a test: loading, hold and unloading, from what is prescribed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ STILL = 0.05
 def segments(protocol: Protocol) -> dict[str, np.ndarray]:
     """Return which sample times (bool, n) belong to each segment that the test has.
 
-    The load rises by more than a twentieth of its mean rate during loading, falls by as much during unloading.
+    Load or displacement rises by more than a twentieth of its mean rate during loading, falls by as much in unloading.
     """
-    time, load = protocol.sample_time, protocol.sample_load
-    before = protocol.load_at(np.concatenate([[0.0], time[:-1]]))
-    rate = (load - before) / np.diff(time, prepend=0.0)
+    time, drive = protocol.sample_time, protocol.sample_drive
+    before = protocol.drive_at(np.concatenate([[0.0], time[:-1]]))
+    rate = (drive - before) / np.diff(time, prepend=0.0)
     usual = np.abs(rate).mean()
     found = {
         "loading": rate > STILL * usual,

@@ -32,7 +32,7 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
         distribution allows for how few replicates tell the scatter between sites.
     """
     problem = fit.problem
-    repeats = sum(len(problem.observed[c.name].depth) - 1 for c in problem.conditions)
+    repeats = sum(len(problem.observed[c.name].response) - 1 for c in problem.conditions)
     terms = DEGREE + 1
     under_noise = variance_ratio(terms, repeats) if problem.replicated else chi2(terms, scale=1 / terms)
     blocks = fit.errors.blocks(fit.errors.noise)

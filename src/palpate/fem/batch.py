@@ -185,14 +185,15 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
         change, deepening = states.displacement - shape, states.depth - depth
         depths[:, k], loads[:, k] = states.depth * units * 1e3, -states.reaction * units**2
     seconds = (clock.perf_counter() - began) / len(cases)
-    return [
-        History(*sampled(case, times, curves), "", seconds, *counts, np.empty((len(case.protocol.sample_time), 0)))
-        if whole
-        else None
-        for case, times, curves, whole, counts in zip(
-            cases, ends, zip(depths, loads, strict=True), alive, zip(iterations, steps, strict=True), strict=False
-        )
-    ]
+    histories: list[History | None] = []
+    for case, taken, curves, whole, tried, steps_taken in zip(
+        cases, ends, zip(depths, loads, strict=True), alive, iterations, steps, strict=False
+    ):
+        depth, load = sampled(case, taken, curves)
+        unasked = np.empty((len(depth), 0))
+        history = History(depth, load, "", seconds, int(tried), int(steps_taken), unasked)
+        histories.append(history if whole else None)
+    return histories
 
 
 def sampled(case: Case, times: np.ndarray, curves: Iterable[np.ndarray]) -> list[np.ndarray]:

@@ -107,9 +107,7 @@ def _expected_loads(coefficients: np.ndarray, indenter: Indenter, protocol: Prot
     return _loads_at(protocol.sample_drive, coefficients, indenter, protocol)
 
 
-def _loads_at(
-    displacement: np.ndarray, coefficients: np.ndarray, indenter: Indenter, protocol: Protocol
-) -> np.ndarray:
+def _loads_at(displacement: np.ndarray, coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> np.ndarray:
     """Estimate the loads (n,) [mN] at displacements (n,) [nm] of the transducer; zero where these are not positive.
 
     The depth is taken as 1.2 times what the tip's slope at the edge of contact makes of the contact radius: a cone's is
@@ -127,7 +125,7 @@ def _loads_at(
     else:
         pressure = [mean_pressure(coefficients, 0.7 * f, duration) for f in local]
     load = np.pi * radius**2 * np.array(pressure)
-    path = 1.2e3 * radius * local + protocol.compliance * load
+    path = 1.2e3 * radius * local + max(protocol.compliance, 0.0) * load
     wanted = np.maximum(displacement, path[0])
     found = np.exp(np.interp(np.log(wanted), np.log(path), np.log(load)))
     return np.where(displacement > 0.0, found, 0.0)

@@ -1,4 +1,7 @@
-"""Load-depth curves of every condition, recorded against simulated, with the misfit in time underneath."""
+"""Curves of every condition, recorded against simulated, with the misfit in time underneath.
+
+Under load control the load is drawn over the depth; under displacement control, where the load answers, over the time.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,6 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
             _condition(curves[curves["condition"] == name], upper, lower)
             if k == 0:
                 upper.set_ylabel("load [mN]")
-                lower.set_ylabel("rec. - sim.\n[nm]")
             if k == 0 and row == 0:
                 upper.legend(loc="upper left", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
     handles, labels = axes[1, 0].get_legend_handles_labels()
@@ -45,21 +47,35 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
 
 
 def _condition(curve, upper, lower) -> None:
-    upper.plot(
-        curve["recorded_nm"], curve["load_mN"], "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded"
+    unit = unit_of(curve)
+    recorded, simulated, surrogate, spread = (
+        curve[f"{name}_{unit}"] for name in ("recorded", "simulated", "surrogate", "spread")
     )
-    upper.plot(curve["simulated_nm"], curve["load_mN"], "-", color=SIMULATED, label="finite elements")
-    if curve["surrogate_nm"].notna().any():
-        upper.plot(curve["surrogate_nm"], curve["load_mN"], "--", color=SURROGATE, lw=0.8, label="surrogate")
-    error = curve["recorded_nm"] - curve["simulated_nm"]
+
+    def draw(values, *style, **more):
+        pair = (values, curve["load_mN"]) if unit == "nm" else (curve["time_s"], values)
+        upper.plot(*pair, *style, **more)
+
+    draw(recorded, "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded")
+    draw(simulated, "-", color=SIMULATED, label="finite elements")
+    if surrogate.notna().any():
+        draw(surrogate, "--", color=SURROGATE, lw=0.8, label="surrogate")
+    error = recorded - simulated
     rmse = np.sqrt(np.mean(error**2))
-    upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}, RMSE {rmse:.1f} nm")
-    upper.set_xlabel("depth [nm]")
+    shown = f"{rmse:.1f} nm" if unit == "nm" else f"{rmse:.2g} mN"
+    upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}, RMSE {shown}")
+    upper.set_xlabel("depth [nm]" if unit == "nm" else "time [s]")
     upper.set_xlim(left=0)
     upper.set_ylim(bottom=0)
     lower.axhline(0, color="0.7", lw=0.6)
-    if curve["spread_nm"].notna().any():
-        band = lower.fill_between(curve["time_s"], -curve["spread_nm"], curve["spread_nm"], color="0.88", lw=0)
+    if spread.notna().any():
+        band = lower.fill_between(curve["time_s"], -spread, spread, color="0.88", lw=0)
         band.set_label("standard deviation of the replicates")
     lower.plot(curve["time_s"], error, color=SIMULATED, lw=0.9)
     lower.set_xlabel("time [s]")
+    lower.set_ylabel(f"rec. - sim.\n[{unit}]")
+
+
+def unit_of(curve: pd.DataFrame) -> str:
+    """Return the unit of what answers in a condition's part of a table of curves."""
+    return "mN" if "recorded_mN" in curve and curve["recorded_mN"].notna().any() else "nm"

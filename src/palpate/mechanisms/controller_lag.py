@@ -1,4 +1,4 @@
-"""Controller lag: the load that acts trails the recorded one, P_acting(t) = P_recorded(t - lag)."""
+"""Controller lag: what is prescribed acts later than recorded, P_acting(t) = P_recorded(t - lag), or z likewise."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from palpate.errors import InputError
 from palpate.interpolation import depth_at
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
-from palpate.protocol import Protocol
 from palpate.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Delay the load history and sample it when the recording does; raises `InputError` where no load would act."""
+    """Delay the history and sample it when the recording does; raises `InputError` where nothing would act."""
     lag, protocol = values["lag"], specification.protocol
     if lag == 0.0:
         return specification
@@ -28,12 +27,12 @@ def simulate(specification: Specification, values: Values) -> Specification:
         )
     inside = protocol.knot_time[(protocol.knot_time > 0) & (protocol.knot_time + lag < end)] + lag
     knots = np.concatenate([[0.0, lag], inside, [end]])
-    loads = protocol.load_at(np.maximum(knots - lag, 0.0))
-    return replace(specification, protocol=Protocol(knots, loads, protocol.sample_time))
+    drive = protocol.drive_at(np.maximum(knots - lag, 0.0))
+    return replace(specification, protocol=replace(protocol, knot_time=knots, knot_drive=drive))
 
 
 def shortcut(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Delay the curve itself: a body that does not age responds to a delayed load with a delayed depth."""
+    """Delay the curve itself: a body that does not age answers a delayed history with a delayed curve."""
     return depth_at(time - values["lag"], time, depth)
 
 
