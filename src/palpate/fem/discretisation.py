@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.fem.contact_size import contact_range
+from palpate.fem.contact_size import LEAST_LOAD, contact_range
 from palpate.fem.mesh import Resolution, ring_radii
 from palpate.indenters import Indenter
 from palpate.protocol import LOAD, Protocol
@@ -38,7 +38,11 @@ def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False)
     fine = divided(ends, np.full(len(ends), resolution.refine))
     onset = onset_of(protocol)
     first = fine[fine > onset * (1 + 1e-9)][0]
-    graded = np.union1d(fine, onset + (first - onset) * GRADED_START)
+    start = onset + (first - onset) * GRADED_START
+    if protocol.control != LOAD:
+        start = onset + (first - onset) * np.sqrt(GRADED_START)
+        start = start[protocol.drive_at(start) >= np.sqrt(LEAST_LOAD) * protocol.largest_drive]
+    graded = np.union1d(fine, start)
     if not yields:
         return graded
     load = np.maximum(protocol.drive_at(graded), 0.0) ** (1 if protocol.control == LOAD else 2)
