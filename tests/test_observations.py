@@ -132,7 +132,7 @@ def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):
     write(folder / "P1_T30_1.csv", t, force, depth)
     write(folder / "P1_T30_2.csv", t + 54.4, force, depth)
     item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
-    assert item.depth[1] == pytest.approx(item.depth[0], abs=0.5)
+    assert item.response[1] == pytest.approx(item.response[0], abs=0.5)
 
 
 def told(folder, capsys, **changes):
@@ -225,15 +225,15 @@ def test_good_recordings_are_resampled(tmp_path):
     write(folder / "P1_T30_2.CSV", *curve(100, scale=1.01))
     (folder / "._P1_T30_1.csv").write_bytes(b"\x00\x05\x16\x07 what macOS leaves on foreign disks")
     item = observations(load(tmp_path, recordings={"lab": str(folder)}), "lab")["P1_T30"]
-    assert item.depth.shape == (2, 100)
-    assert (item.depth[1] / item.depth[0])[5:] == pytest.approx(1.01, abs=2e-3)
+    assert item.response.shape == (2, 100)
+    assert (item.response[1] / item.response[0])[5:] == pytest.approx(1.01, abs=2e-3)
 
 
 def test_recordings_survive_writing(tmp_path):
     one = Recording(*curve(), name="a", notes=("hello",))
     one.write(tmp_path / "a.csv")
     other = read_recording(tmp_path / "a.csv")
-    assert other.depth == pytest.approx(one.depth, rel=1e-8)
+    assert other.response == pytest.approx(one.response, rel=1e-8)
     assert other.notes == ("hello",)
     assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
 

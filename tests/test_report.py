@@ -24,8 +24,8 @@ def test_headings_are_words_with_units():
 
 def test_the_surrogates_error_is_that_at_the_estimate():
     runs = [
-        {"chi_square": 9.0, "surrogate_error": {"T030": 7.0}},
-        {"chi_square": 4.0, "surrogate_error": {"T030": 1.8, "T240": 2.3}},
+        {"chi_square": 9.0, "surrogate_error_nm": {"T030": 7.0}},
+        {"chi_square": 4.0, "surrogate_error_nm": {"T030": 1.8, "T240": 2.3}},
     ]
     assert "up to 2.3 nm from the finite elements" in confirmation_sentences({"confirmations": runs, "settled": True})
     assert "settled" not in confirmation_sentences({"confirmations": runs, "settled": True})

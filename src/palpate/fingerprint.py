@@ -18,6 +18,7 @@ PHYSICS = (
     "protocol.py",
     "specification.py",
     "specimen.py",
+    "displaced.py",
     "variation.py",
     "model.py",
 )

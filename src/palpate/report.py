@@ -104,10 +104,6 @@ def misfit_sentence(calibration: Mapping) -> str:
     )
 
 
-def _with_unit(largest: Mapping[str, float]) -> str:
-    return " and ".join(f"{value:.2g} {unit}" for unit, value in largest.items())
-
-
 def bound_sentence(calibration: Mapping) -> str:
     """Say which estimates lie at an end of their range."""
     names = [name for name, entry in calibration["parameters"].items() if entry["at_bound"]]
@@ -128,12 +124,8 @@ def confirmation_sentences(calibration: Mapping) -> str:
     if not runs:
         return ""
     best = min(runs, key=lambda run: run["chi_square"])
-    off: dict[str, float] = {}
-    for name, error in best["surrogate_error"].items():
-        unit = "mN" if "rmse_mN" in calibration["conditions"].get(name, {}) else "nm"
-        off[unit] = max(error, off.get(unit, 0.0))
     said = (
-        f"At the estimate the surrogates are up to {_with_unit(off)} from the finite "
+        f"At the estimate the surrogates are up to {max(best['surrogate_error_nm'].values()):.2g} nm from the finite "
         "elements on the fine mesh, on which the estimate rests; errors by leave-one-out are those at the snapshots, "
         "and between the levels of a grid they may be several times as large."
     )

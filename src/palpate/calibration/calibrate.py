@@ -16,7 +16,7 @@ from palpate.calibration.measures import OBJECTIVES, check_indents, check_measur
 from palpate.calibration.noise import complete_noise, model_covariance
 from palpate.calibration.observation import Observation
 from palpate.calibration.polish import Predictor, WeightedFit
-from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted, reached
+from palpate.calibration.report import described, estimates, front, in_nm, judged, named_matrix, predicted, reached
 from palpate.calibration.result import Calibration
 from palpate.calibration.space import Space
 from palpate.errors import InputError
@@ -133,7 +133,12 @@ def calibrate(
     if confirm is not None:
         exact = WeightedFit(space, surrogates, measured, covariance)
         confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate, report)
-        fit, u, confirmed, runs = confirmation.fit, confirmation.u, confirmation.curves, confirmation.runs
+        fit, u, confirmed, runs = (
+            confirmation.fit,
+            confirmation.u,
+            confirmation.curves,
+            in_nm(confirmation.runs, fitted),
+        )
         settled = confirmation.settled
     found = intervals(fit, u, noise, fitted)
     curves = predicted(surrogates, observations, space.physical(u))

@@ -61,6 +61,16 @@ def judged(
     return table
 
 
+def in_nm(runs: list[dict[str, Any]], observations: Mapping[str, Observation]) -> list[dict[str, Any]]:
+    """Return runs of the forward model with the surrogates' errors there as depths, see `palpate.quantity`."""
+    told = []
+    for run in runs:
+        errors = {name: observations[name].quantity.nm * error for name, error in run["surrogate_error"].items()}
+        rest = {key: value for key, value in run.items() if key != "surrogate_error"}
+        told.append(rest | {"surrogate_error_nm": errors})
+    return told
+
+
 def estimates(space: Space, u: np.ndarray, found: Intervals) -> dict[str, Estimate]:
     """Physical estimates and intervals by name; intervals are cut off at the bounds."""
     low, high = (space.physical(np.clip(u + sign * found.half_width, 0.0, 1.0))[0] for sign in (-1, 1))

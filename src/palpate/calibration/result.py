@@ -51,7 +51,7 @@ class Calibration:
     confirmed_by
         ``fe`` when the forward model was run at the estimate, else ``surrogate``.
     confirmations
-        For each forward-model run: its parameters, chi^2 and the surrogate's error there [nm].
+        For each forward-model run: its parameters, chi^2 and the surrogate's error there, as a depth [nm].
     settled
         Whether these runs settled the estimate within 0.3 of its uncertainty; None without confirmation.
     misfit_ratio

@@ -37,7 +37,7 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
             if k == 0:
                 upper.set_ylabel("load [mN]")
             if k == 0 and row == 0:
-                upper.legend(loc="upper left", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
+                upper.legend(loc="best", fontsize=6.5, handlelength=1.4, borderaxespad=0.0)
     handles, labels = axes[1, 0].get_legend_handles_labels()
     if handles:
         figure.legend(handles, labels, loc="outside lower right", fontsize=6.5)
