@@ -233,7 +233,7 @@ def test_recordings_survive_writing(tmp_path):
     one = Recording(*curve(), name="a", notes=("hello",))
     one.write(tmp_path / "a.csv")
     other = read_recording(tmp_path / "a.csv")
-    assert other.response == pytest.approx(one.response, rel=1e-8)
+    assert other.depth == pytest.approx(one.depth, rel=1e-8)
     assert other.notes == ("hello",)
     assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
 

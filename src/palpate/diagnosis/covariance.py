@@ -108,11 +108,19 @@ def components_under(
     components alike would leave the variance of each unknown.
     """
     time = condition.protocol.sample_time
+    keys = list(keys)
     columns = {key: problem.unit_effect(key, condition) for key in keys}
-    parts = {"site": np.outer(curve, curve), "wander": np.minimum.outer(time, time)}
-    if not any(np.array_equal(column, time) for column in columns.values()):
+    site = problem.shares[condition.name] * curve
+    parts = {"site": np.outer(site, site), "wander": np.minimum.outer(time, time)}
+    if not any(np.array_equal(added_to_depth(key, time), time) for key in keys):
         parts["background"] = np.outer(time, time)
     return parts | {key: np.outer(column, column) for key, column in columns.items()}
+
+
+def added_to_depth(key: str, time: np.ndarray) -> np.ndarray:
+    """Return what one unit of a mechanism's parameter adds to the depth of an unloaded tip (n,) [nm]."""
+    mechanism, none = MECHANISMS[key], np.zeros_like(time)
+    return mechanism.record(time, none, none, {p.name: 1.0 for p in mechanism.parameters})
 
 
 def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float) -> dict[str, float]:
@@ -167,7 +175,7 @@ def errors(
     """
     depth = problem.mean - residual
     surrogate = surrogate_error(problem, explanation)
-    model = model_covariance(problem.split(depth), solver_error) + surrogate
+    model = model_covariance(problem.split(depth), solver_error, problem.shares) + surrogate
     if z is not None:
         model = model + solver_scatter(problem, explanation, z)
     counts = [len(problem.observed[c.name].response) for c in problem.conditions]
@@ -200,9 +208,11 @@ def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:
     names = [condition.name for condition in problem.conditions]
     found = [[problem.base[name].loo_error_ for name in names]]
     for key in explanation:
-        if key in problem.effects[names[0]]:
-            effects = [problem.effects[name][key] for name in names]
-            found += [[effect.error for effect in effects], [effect.unresolved for effect in effects]]
+        learnt = [problem.effects[name].get(key) for name in names]
+        if any(learnt):
+            nothing = [np.zeros((1, len(problem.observed[name].time))) for name in names]
+            found.append([e.error if e else none for e, none in zip(learnt, nothing, strict=True)])
+            found.append([e.unresolved if e else none for e, none in zip(learnt, nothing, strict=True)])
     if problem.interior:
         found.append([problem.interior[name][None] for name in names])
     return np.sum([_covariance(errors) for errors in found], axis=0)

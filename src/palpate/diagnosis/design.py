@@ -19,16 +19,17 @@ from scipy.stats import qmc
 from palpate.config import Condition, Study
 from palpate.design import factorial
 from palpate.errors import InputError
-from palpate.fem.contact_size import check_size, contact_range, mean_pressure
+from palpate.fem.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.profile import Profile
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.model import smooth
-from palpate.protocol import Protocol
+from palpate.protocol import DISPLACEMENT, LOAD, Protocol
 from palpate.snapshots import Batch, Snapshot, conditions_by_shape, divided
+from palpate.variation import acting
 
 THINNING = 3
-SMALL_LOAD = 0.2
+SMALL = {LOAD: 0.2, DISPLACEMENT: 0.45}  # of the largest drive: a sharp tip carries a fifth of the load there
 QUARTERS = (0.25, 0.75)
 MESHES = 2
 PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
@@ -66,7 +67,7 @@ def scale_of(study: Study) -> Scale:
     """Return the size of the study, estimated from its middle material."""
     cell = middle(study)
     conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
-    largest = max(conditions, key=lambda condition: condition.protocol.max_load)
+    largest = max(conditions, key=lambda condition: condition.protocol.largest_drive)
     specification = study.specification(cell, largest)
     radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
     tip = study.indenter
@@ -74,7 +75,7 @@ def scale_of(study: Study) -> Scale:
     slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
     return Scale(
         depth=1.2e3 * radius * slope,
-        load=largest.protocol.max_load,
+        load=expected_load(specification.specimen, study.indenter, largest.protocol),
         modulus=specification.parameters["youngs_modulus"],
         duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
         loading_time=min(longest_rise(c.protocol) for c in conditions),
@@ -85,11 +86,11 @@ def scale_of(study: Study) -> Scale:
 
 
 def longest_rise(protocol: Protocol) -> float:
-    """Return the duration [s] of the uninterrupted rise that gains the most load, however many corners it has."""
-    steps = np.diff(protocol.knot_load)
+    """Return the duration [s] of the uninterrupted rise that gains the most, however many corners it has."""
+    steps = np.diff(protocol.knot_drive)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], steps > 0, [False]]).astype(int)))
     runs = ends.reshape(-1, 2)
-    first, last = max(runs, key=lambda run: protocol.knot_load[run[1]] - protocol.knot_load[run[0]])
+    first, last = max(runs, key=lambda run: protocol.knot_drive[run[1]] - protocol.knot_drive[run[0]])
     return float(protocol.knot_time[last] - protocol.knot_time[first])
 
 
@@ -109,8 +110,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
-    first = next(condition for condition in study.conditions if condition.role == "calibrate")
-    specification, scale = study.specification(study.cells[0], first), scale_of(study)
+    tests = {condition.protocol.control: condition for condition in study.conditions if condition.role == "calibrate"}
+    specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
     _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
     _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
     for key in scale.stated:
@@ -124,10 +125,10 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
                 place="diagnosis.mechanisms",
             )
         mechanism = MECHANISMS[key]
+        values = amplitudes(mechanism, scale, np.full(mechanism_dimensions(mechanism, scale), 0.6))
         try:
-            mechanism.simulate(
-                specification, amplitudes(mechanism, scale, np.full(mechanism_dimensions(mechanism, scale), 0.5))
-            )
+            for specification in specifications:
+                acting(replace(specification, mechanisms={key: values}))
         except InputError:
             if study.diagnosis["mechanisms"]:
                 raise
@@ -173,7 +174,7 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
     Quantities without a stated range are at their lowest, where bodies are softest.
     """
     tests = [condition for condition in study.conditions if condition.role == "calibrate"]
-    tests.sort(key=lambda condition: -condition.protocol.max_load)
+    tests.sort(key=lambda condition: -condition.protocol.largest_drive)
     specifications = [study.specification(cell, test) for cell in extremes(study) for test in tests]
     ranges, stated = mechanism.searched(scale), scale.stated[mechanism.key]
     ends = [(r.lower, r.upper) if name in stated else (r.lower,) for name, r in ranges.items()]
@@ -182,9 +183,9 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
         try:
             mechanism.check(values)
             for specification in specifications if mechanism.needs_learning else ():
-                acting = mechanism.simulate(specification, values)
-                largest = contact_range(acting.specimen, acting.indenter, acting.protocol)[1]
-                check_size(acting.specimen, acting.indenter, RESOLUTIONS[acting.accuracy], largest)
+                solid = mechanism.simulate(specification, values)
+                largest = contact_range(solid.specimen, solid.indenter, solid.protocol)[1]
+                check_size(solid.specimen, solid.indenter, RESOLUTIONS[solid.accuracy], largest)
         except InputError as error:
             place = f"diagnosis.ranges.{mechanism.key}"
             raise InputError(error.problem, remedy=error.remedy, place=place) from None
@@ -214,22 +215,22 @@ def amplitudes(mechanism: Mechanism, scale: Scale, coordinates: np.ndarray) -> d
 
 
 def thinned(protocol: Protocol) -> Protocol:
-    """Return the protocol with every third sample; those at corners of the load history and at small loads are kept.
+    """Return the protocol with every third sample; those at corners of the history and at small loads are kept.
 
     At small loads, where depth goes with the root of the load, most effects change fastest.
     """
     sample = protocol.sample_time
     keep = np.zeros(len(sample), dtype=bool)
     keep[::-THINNING] = True
-    keep |= protocol.sample_load < SMALL_LOAD * protocol.max_load
+    keep |= protocol.sample_drive < SMALL[protocol.control] * protocol.largest_drive
     keep |= np.isclose(sample[:, None], protocol.knot_time, rtol=1e-9, atol=0).any(axis=1)
     return replace(protocol, sample_time=sample[keep])
 
 
 def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
-    """Return the paired simulations of one mechanism under one condition; none where it acts on the depth alone."""
+    """Return the paired simulations of one mechanism under one condition; none where it only adds to a depth."""
     mechanism, scale = MECHANISMS[key], scale_of(study)
-    if not mechanism.needs_learning:
+    if not mechanism.learnt_under(condition.protocol.control):
         return []
     free = study.free_parameters
     dimensions = mechanism_dimensions(mechanism, scale)
@@ -248,9 +249,9 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     for cell, point in zip(cells, points, strict=True):
         coordinates = point[len(free) : len(free) + dimensions]
         plain = replace(study.specification(cell, short), meshes=mechanism.meshes)
-        acting = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
+        disturbed = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
         made.append(
-            Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, acting))
+            Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, disturbed))
         )
     return made
 
@@ -274,9 +275,9 @@ def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.n
     made, without = [], refinement(study, condition)
     for quarters in itertools.product(QUARTERS, repeat=mechanism_dimensions(mechanism, scale)):
         coordinates = np.array(quarters)
-        acting = {key: amplitudes(mechanism, scale, coordinates)}
+        disturbing = {key: amplitudes(mechanism, scale, coordinates)}
         usual, fine = (
-            replace(plain, specification=replace(plain.specification, mechanisms=acting)) for plain in without
+            replace(plain, specification=replace(plain.specification, mechanisms=disturbing)) for plain in without
         )
         made.append((coordinates, usual, fine))
     return made

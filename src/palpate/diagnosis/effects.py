@@ -49,7 +49,8 @@ class Effect:
     Attributes
     ----------
     surrogate
-        From free material parameters and search coordinates (n, p + k) to the difference [nm] at the thinned times.
+        From free material parameters and search coordinates (n, p + k) to the difference at the thinned times [nm], or
+        [mN] where the load answers.
     spread : ndarray, shape (n_points, n_thinned)
         Linear interpolation from the thinned to all sample times.
     error : ndarray, shape (n_pairs, n_points)
@@ -116,12 +117,15 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     spread = interpolation(times, condition.protocol.sample_time)
 
     def curve(snapshot: snapshots.Snapshot) -> np.ndarray:
-        return np.asarray(snapshots.read(Path(folder) / f"{snapshot.address}.npz")["depth"])
+        content = snapshots.read(Path(folder) / f"{snapshot.address}.npz")
+        return np.asarray(content[content["quantity"]])
 
     def rest(pair: Pair, mechanism: Mechanism) -> np.ndarray:
         protocol, values = pair.plain.specification.protocol, pair.acting.specification.mechanisms[mechanism.key]
-        derived = mechanism.on_curve(protocol.sample_time, protocol.sample_load, curve(pair.plain), values)
-        return curve(pair.acting) - derived
+        plain = curve(pair.plain)
+        if mechanism.derived_under(protocol.control):
+            plain = mechanism.on_curve(protocol.sample_time, protocol.sample_drive, plain, values)
+        return curve(pair.acting) - plain
 
     def mesh_factor(usual: snapshots.Snapshot, fine: snapshots.Snapshot) -> np.ndarray:
         on_usual, on_fine = curve(usual), curve(fine)

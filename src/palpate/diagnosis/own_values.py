@@ -102,7 +102,9 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
     """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,)."""
     noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
-    return noise / count + model_covariance({condition.name: curve}, study.calibration["solver_error"])
+    return noise / count + model_covariance(
+        {condition.name: curve}, study.calibration["solver_error"], fit.problem.shares
+    )
 
 
 def _with_laws(

@@ -14,12 +14,15 @@ import numpy as np
 from palpate.calibration import Observation
 from palpate.calibration.space import Space
 from palpate.config import Condition, Study
+from palpate.diagnosis.as_depths import Scaled, effects_in_nm, observed_depth
 from palpate.diagnosis.design import amplitudes, mechanism_dimensions, middle
 from palpate.diagnosis.effects import Effect, Effects
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.protocol import LOAD
 from palpate.surrogate import PODRBF
 
 Explanation = tuple[str, ...]
+HALF = 0.05  # of a search range, over which the slope by a value of a recording is taken to either side of none
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +48,19 @@ class Problem:
     interior
         Error (n_points,) of each condition's surrogate in the middle of the grid [nm]. Leave-one-out errors do not see
         how the curves bend between the levels of a parameter that has only two.
+    nm
+        Where the load answers: so many nm count as one mN, see `palpate.diagnosis.as_depths`. All else is in nm.
     """
 
     conditions: tuple[Condition, ...]
     observed: Mapping[str, Observation]
     space: Space
-    base: Mapping[str, PODRBF]
+    base: Mapping[str, PODRBF | Scaled]
     effects: Mapping[str, Mapping[str, Effect]]
     refinement: Mapping[str, np.ndarray]
     scale: Scale
     interior: Mapping[str, np.ndarray] = field(default_factory=dict)
+    nm: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -68,16 +74,26 @@ class Problem:
         """Put a study's calibrate conditions together."""
         conditions = tuple(condition for condition in study.conditions if condition.role == "calibrate")
         bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
-        learnt = {name: found.mechanisms for name, found in effects.items()}
+        nm = {name: item.quantity.nm for name, item in observed.items() if item.quantity.unit != "nm"}
+        models = {name: Scaled(model, nm[name]) if name in nm else model for name, model in base.items()}
+        learnt = {name: effects_in_nm(found, nm.get(name, 1.0)) for name, found in effects.items()}
         factors = {name: found.refinement for name, found in effects.items()}
         centre = np.array([list(middle(study).values())])
-        interior = {name: found.middle - base[name].evaluate(centre)[0] for name, found in effects.items()}
-        return cls(conditions, observed, Space(bounds), base, learnt, factors, scale, interior)
+        interior = {
+            name: nm.get(name, 1.0) * found.middle - models[name].evaluate(centre)[0] for name, found in effects.items()
+        }
+        seen = {name: observed_depth(item) for name, item in observed.items()}
+        return cls(conditions, seen, Space(bounds), models, learnt, factors, scale, interior, nm)
 
     @property
     def mean(self) -> np.ndarray:
         """Mean depth of all conditions, one after the other [nm]."""
         return np.concatenate([self.observed[condition.name].mean for condition in self.conditions])
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Relative change of each condition's curves where the same body is deeper under the same load."""
+        return {name: item.quantity.share for name, item in self.observed.items()}
 
     @property
     def repeated(self) -> list[int]:
@@ -134,9 +150,14 @@ class Problem:
         return value, high - low
 
     def recorded_effect(self, key: str, condition: Condition, values: Mapping[str, float]) -> np.ndarray:
-        """Return what a mechanism adds to the depth that the instrument writes (n_points,) [nm]."""
+        """Return what a mechanism adds to the depth that the instrument writes (n_points,) [nm].
+
+        Nothing where a displacement is prescribed, in which the body feels it.
+        """
         protocol = condition.protocol
         none = np.zeros(len(protocol.sample_time))
+        if protocol.control != LOAD:
+            return none
         return MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, none, values)
 
     def recorded(self, explanation: Explanation, condition: Condition, z: np.ndarray) -> np.ndarray:
@@ -149,7 +170,7 @@ class Problem:
         """Return which coordinates (k,) change the body's depth; curves are linear in the others, the instrument's."""
         acts = np.ones(self.dimensions(explanation), dtype=bool)
         for key, places in self.parts(explanation, np.arange(len(acts)))[1].items():
-            acts[places] = MECHANISMS[key].needs_learning
+            acts[places] = any(MECHANISMS[key].learnt_under(c.protocol.control) for c in self.conditions)
         return acts
 
     def slope_by_instrument(self, explanation: Explanation) -> np.ndarray:
@@ -165,8 +186,24 @@ class Problem:
         )
 
     def unit_effect(self, key: str, condition: Condition) -> np.ndarray:
-        """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm]."""
-        return self.recorded_effect(key, condition, {p.name: 1.0 for p in MECHANISMS[key].parameters})
+        """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm].
+
+        Where a displacement is prescribed it is the slope of what was learnt, for the middle material; of a condition
+        of which nothing was learnt, what the same depth amounts to at the largest load.
+        """
+        protocol, one = condition.protocol, {p.name: 1.0 for p in MECHANISMS[key].parameters}
+        if protocol.control == LOAD:
+            return self.recorded_effect(key, condition, one)
+        if key not in self.effects.get(condition.name, {}):
+            none = np.zeros(len(protocol.sample_time))
+            return -MECHANISMS[key].record(protocol.sample_time, none, none, one)
+        (searched,) = MECHANISMS[key].searched(self.scale).values()
+        width = searched.upper - searched.lower
+        places = np.array([[-HALF], [HALF]]) - searched.lower / width
+        material = np.full((2, self.space.dimensions), 0.5)
+        points = np.column_stack([self.space.physical(material)[:, self.space.free], places])
+        below, above = self.effects[condition.name][key].predict(points)
+        return (above - below) / (2.0 * HALF * width)
 
     def largest(self, key: str) -> float:
         """Return the largest plausible value, of either sign, of a mechanism that has a single parameter."""
@@ -189,10 +226,11 @@ class Problem:
         curves = []
         for condition in self.conditions:
             curve = np.zeros((len(x), len(condition.protocol.sample_time)))
-            if MECHANISMS[key].can_be_derived:
+            control = condition.protocol.control
+            if MECHANISMS[key].derived_under(control):
                 plain = self.base[condition.name].evaluate(material)
                 curve += self._derived(key, condition, plain, x) - plain
-            if MECHANISMS[key].needs_learning:
+            if MECHANISMS[key].learnt_under(control):
                 curve += self.effects[condition.name][key].predict(points)
             curves.append(curve)
         return np.concatenate(curves, axis=1)
@@ -200,10 +238,10 @@ class Problem:
     def _derived(self, key: str, condition: Condition, curves: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return what a mechanism at coordinates x (m, k) makes of `curves` (m, n_points), as far as that follows."""
         mechanism, protocol = MECHANISMS[key], condition.protocol
-        time, load = protocol.sample_time, protocol.sample_load
+        time, drive = protocol.sample_time, protocol.sample_drive
         return np.array(
             [
-                mechanism.on_curve(time, load, curve, amplitudes(mechanism, self.scale, row))
+                mechanism.on_curve(time, drive, curve, amplitudes(mechanism, self.scale, row))
                 for curve, row in zip(curves, x, strict=True)
             ]
         )
@@ -216,10 +254,11 @@ class Problem:
         """
         u, own = self.parts(explanation, z)
         material, whole = self.space.physical(u), []
-        derived = [key for key in own if MECHANISMS[key].can_be_derived]
         for condition in self.conditions:
+            control = condition.protocol.control
+            derived = [key for key in own if MECHANISMS[key].derived_under(control)]
             curve = self.base[condition.name].evaluate(material)
-            for key in [key for key in own if MECHANISMS[key].needs_learning]:
+            for key in [key for key in own if MECHANISMS[key].learnt_under(control)]:
                 points = np.column_stack([material[:, self.space.free], own[key]])
                 curve = curve + self.effects[condition.name][key].predict(points)
             curve = curve * self.mesh_factor(condition, own)

@@ -59,10 +59,10 @@ def simulated_at(study: Study, conditions: Iterable[Condition], fit: Fit, z: np.
 
 
 def depth_of(outcome: Simulation, condition: Condition, fit: Fit) -> np.ndarray:
-    """Return the curve [nm] of a simulation that did not fail."""
+    """Return the curve [nm] of a simulation that did not fail, a load as the depth that it amounts to."""
     if outcome.status != "ok":
         raise PalpateError(f"{'+'.join(fit.explanation) or 'base model'}, {condition.name}: {outcome.reason}")
-    return outcome.depth
+    return fit.problem.nm.get(condition.name, 1.0) * outcome.response
 
 
 def on_fine_mesh(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:

@@ -26,6 +26,7 @@ from palpate.diagnosis.similarity import similarity
 from palpate.diagnosis.standing import not_told_from_none
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
+from palpate.protocol import LOAD
 
 COARSE = 0.01
 ROUGH = 3.0  # ratio of the surrogates' error to the noise from which a search may be misled
@@ -76,7 +77,8 @@ def curves(
             continue
         item = observed[condition.name]
         columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
-        columns |= {"load_mN": condition.protocol.sample_load, "recorded_nm": item.mean}
+        protocol = condition.protocol
+        columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
             columns[name] = curve + in_mean(study, fit, condition, curve, item)
         columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
@@ -122,10 +124,20 @@ def limits(study: Study, problem: Problem) -> list[str]:
             "There is a single condition: effects of load, rate and time cannot be told apart by comparison, so no "
             "effect but the instrument's is named alone."
         )
-    loads = [condition.protocol.max_load for condition in problem.conditions]
-    if max(loads) < SAME_LOAD * min(loads):
+    displaced = any(condition.protocol.control != LOAD for condition in problem.conditions)
+    if displaced:
         said.append(
-            "All tests reach the same load: an effect with a length (rounding, film, size effect) or of the frame can "
+            "A displacement is prescribed: misfits are loads, given as the depths that they amount to. Of such tests "
+            "exact laws about single recordings say nothing, what adds to the depth by no linear law of the load is not "
+            "considered, and no further test is proposed."
+        )
+    drives = [condition.protocol.largest_drive for condition in problem.conditions]
+    if len({condition.protocol.control for condition in problem.conditions}) == 1 and (
+        max(drives) < SAME_LOAD * min(drives)
+    ):
+        said.append(
+            f"All tests reach the same {problem.conditions[0].protocol.control}: an effect with a length (rounding, "
+            "film, size effect) or of the frame can "
             "hide in the material's parameters."
         )
     if study.calibration["solver_error"] >= COARSE:
@@ -223,7 +235,7 @@ def to_mapping(
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,
         "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.standing], draws)
-        if len(draws) > 1
+        if len(draws) > 1 and all(c.protocol.control == LOAD for c in study.conditions)
         else None,
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},

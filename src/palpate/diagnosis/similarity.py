@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from scipy.stats import f as variance_ratio
 
 from palpate.diagnosis.fit import Fit
-from palpate.protocol import Protocol
+from palpate.protocol import LOAD, Protocol
 
 DEGREE = 2
 SAME = 1e-6
@@ -61,6 +61,8 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
 
 def proportional(one: Protocol, two: Protocol) -> bool:
     """Return whether two load histories differ by a factor alone, and are sampled at the same times."""
+    if one.control != LOAD or two.control != LOAD:
+        return False
     if len(one.sample_time) != len(two.sample_time) or not np.allclose(one.sample_time, two.sample_time, rtol=SAME):
         return False
     same_shape = np.allclose(one.sample_load / one.max_load, two.sample_load / two.max_load, atol=SAME)

@@ -22,6 +22,7 @@ from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
 from palpate.diagnosis.words import sentence
 from palpate.observations import check, resampled
+from palpate.protocol import LOAD
 
 
 def load_problem(
@@ -67,6 +68,10 @@ def run_diagnosis(
     content |= {"study": study.name, "recordings": recordings}
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]
-    measured = {c.name: recorded[c.name] for c in study.conditions if c.follows and study.indenter.shape != "sphere"}
+    measured = {
+        c.name: recorded[c.name]
+        for c in study.conditions
+        if c.follows and c.protocol.control == LOAD and study.indenter.shape != "sphere"
+    }
     content["zero_points"] = zero_points(measured, laws)
     return content | {"sentence": sentence(content)}, curves

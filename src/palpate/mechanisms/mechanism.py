@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.parameters import Parameter, check_values
+from palpate.protocol import LOAD
 from palpate.specification import Specification
 
 Values = Mapping[str, float]
@@ -136,13 +137,19 @@ class Mechanism:
 
     @property
     def needs_learning(self) -> bool:
-        """Whether its effect, or the rest that cannot be derived, must be learnt from simulations."""
+        """Whether it acts on the body: its effect, or the rest that cannot be derived, is learnt from simulations."""
         return self.simulate is not unchanged_specification
 
-    @property
-    def can_be_derived(self) -> bool:
-        """Whether its effect, or most of it, follows from the base model's curve."""
-        return self.shortcut is not None or self.record is not unchanged_depth
+    def learnt_under(self, control: str) -> bool:
+        """Return whether its effect on what answers to a load or a displacement must be learnt from simulations.
+
+        What it adds to the depth is missing from a prescribed displacement, so that the body feels it.
+        """
+        return self.needs_learning or (control != LOAD and self.record is not unchanged_depth)
+
+    def derived_under(self, control: str) -> bool:
+        """Return whether its effect, or most of it, follows from the base model's curve."""
+        return self.shortcut is not None or (control == LOAD and self.record is not unchanged_depth)
 
     def searched(self, scale: Scale) -> dict[str, Range]:
         """Return the ranges within which a diagnosis looks: what the study states, and what is plausible else."""
