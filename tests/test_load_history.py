@@ -55,7 +55,7 @@ def test_an_elastic_body_forgets_its_cycles():
 def test_cycles_of_a_trapezoid_are_the_trapezoid():
     words = {"max_load": 1.0, "loading_time": 10.0, "hold_time": 4.0, "unloading_time": 7.0, "points": 30}
     one, other = protocol_from(words), cycles([10.0, 14.0, 21.0], [1.0, 1.0, 0.0], 30)
-    for name in ("knot_time", "knot_load", "sample_time"):
+    for name in ("knot_time", "knot_drive", "sample_time"):
         assert getattr(one, name).tolist() == getattr(other, name).tolist()
 
 

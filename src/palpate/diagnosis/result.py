@@ -128,17 +128,15 @@ def limits(study: Study, problem: Problem) -> list[str]:
     if displaced:
         said.append(
             "A displacement is prescribed: misfits are loads, given as the depths that they amount to. Of such tests "
-            "exact laws about single recordings say nothing, what adds to the depth by no linear law of the load is not "
-            "considered, and no further test is proposed."
+            "exact laws about single recordings say nothing, what adds to the depth by no linear law of the load is "
+            "not considered, and no further test is proposed."
         )
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
-    if len({condition.protocol.control for condition in problem.conditions}) == 1 and (
-        max(drives) < SAME_LOAD * min(drives)
-    ):
+    kinds = {condition.protocol.control for condition in problem.conditions}
+    if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
         said.append(
-            f"All tests reach the same {problem.conditions[0].protocol.control}: an effect with a length (rounding, "
-            "film, size effect) or of the frame can "
-            "hide in the material's parameters."
+            f"All tests reach the same {kinds.pop()}: an effect with a length (rounding, "
+            "film, size effect) or of the frame can hide in the material's parameters."
         )
     if study.calibration["solver_error"] >= COARSE:
         said.append(
