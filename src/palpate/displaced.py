@@ -6,7 +6,8 @@ the depth, such as drift or the frame's compliance, the body's depth h = h_r - g
     h + C F + g(t, F) = z(t).
 
 With g = g_0(t) + c F that is a drive of z - g_0 through a compliance of C + c: what disturbs the depth at a given load
-changes the load that answers.
+changes the load that answers. Where the body is touched before the clock starts, as contact was found too late, the
+drive rises to where it is then within a fifth of the time to the first sample.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from palpate.mechanisms.mechanism import Values, unchanged_depth
 from palpate.protocol import Protocol
 
 LINEAR = 1e-9
+AT_ONCE = 0.2  # of the time to the first sample
 
 
 def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values) -> Protocol:
@@ -50,6 +52,8 @@ def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values)
     kept = np.isin(time, protocol.knot_time)
     if not np.allclose(np.interp(time, time[kept], drive[kept]), drive, rtol=0.0, atol=LINEAR * protocol.largest_drive):
         kept[:] = True
-    return replace(
-        protocol, knot_time=time[kept], knot_drive=drive[kept], compliance=protocol.compliance + float(compliance)
-    )
+    time, drive = time[kept], drive[kept]
+    if drive[0] > 0.0:
+        risen = AT_ONCE * min(protocol.sample_time[0], time[1])
+        time, drive = np.insert(time, 1, risen), np.concatenate([[0.0, np.interp(risen, time, drive)], drive[1:]])
+    return replace(protocol, knot_time=time, knot_drive=drive, compliance=protocol.compliance + float(compliance))

@@ -110,7 +110,7 @@ def components_under(
     time = condition.protocol.sample_time
     keys = list(keys)
     columns = {key: problem.unit_effect(key, condition) for key in keys}
-    site = problem.shares[condition.name] * curve
+    site = problem.shares.get(condition.name, 1.0) * curve
     parts = {"site": np.outer(site, site), "wander": np.minimum.outer(time, time)}
     if not any(np.array_equal(added_to_depth(key, time), time) for key in keys):
         parts["background"] = np.outer(time, time)

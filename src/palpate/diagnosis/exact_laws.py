@@ -2,7 +2,6 @@
 
 It creeps on in a hold at low load, which looks like drift, and at the top of an unloading, which looks like a frame. So
 the base model's curves are examined as if they had been recorded: what the laws say of them is the solid's doing.
-They know load control alone: of tests in which a displacement is prescribed they say nothing.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import law_of_reference, laws_of
 from palpate.diagnosis.refine import specification_at
 from palpate.model import simulate_batch, smooth
-from palpate.protocol import LOAD
 from palpate.recording import Recording
 
 MOST_POINTS = 400
@@ -31,7 +29,7 @@ class ExactLaws:
     Parameters
     ----------
     recorded
-        Recordings of every condition.
+        Recordings of every condition under load control, the only one that these laws know.
     """
 
     def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
@@ -41,7 +39,7 @@ class ExactLaws:
 
     def beside(self, base: Fit) -> list[Law]:
         """Return what they say about the recordings that take part in a fit of the base model, together."""
-        names = [c.name for c in base.problem.conditions if c.protocol.control == LOAD]
+        names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
         if not names:
             return []
         every = [recording for name in names for recording in self._recorded[name]]
@@ -53,14 +51,9 @@ class ExactLaws:
         return [*found, *law_of_reference(every, self._study)]
 
     def of_each(self) -> dict[str, list[list[Law]]]:
-        """Return what they say about each recording by itself, for every condition; first ask for those `beside`."""
+        """Return what they say about each recording by itself, by condition; first ask for those `beside`."""
         return {
-            name: [
-                laws_of([test], self._alone(name) if self._creeps else None)
-                if self._study.condition(name).protocol.control == LOAD
-                else []
-                for test in tests
-            ]
+            name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]
             for name, tests in self._recorded.items()
         }
 
@@ -78,8 +71,7 @@ def undisturbed(study: Study, base: Fit, recorded: Mapping[str, Sequence[Recordi
     recorded
         Recordings of each condition; the first says when points are taken, of which there are at most 400.
     """
-    pressed = [condition for condition in base.problem.conditions if condition.protocol.control == LOAD]
-    conditions = [_sampled_as(condition, recorded[condition.name][0]) for condition in pressed]
+    conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
     outcomes = simulate_batch([smooth(specification_at(study, condition, base, base.z)) for condition in conditions])
     return {
         condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)

@@ -57,7 +57,7 @@ def recording_values(
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
         weighed = np.linalg.solve(covariance, design)
         for number, depth in enumerate(item.response, 1):
-            said = own_laws[condition.name][number - 1] if own_laws else ()
+            said = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()
             laws = [law for law in said if law.holds_under(fit.explanation)]
             departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), keys, best, laws)
             if condition.name in slopes:

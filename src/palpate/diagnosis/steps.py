@@ -54,7 +54,8 @@ def run_diagnosis(
     rng = np.random.default_rng([study.seed, 1])
     recorded = check(study, recordings)
     problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
-    exact = ExactLaws(study, recorded)
+    pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
+    exact = ExactLaws(study, pressed)
     keys = list(candidates(study))
     found = diagnose(study, problem, keys, rng, report, exact.beside)
     vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
@@ -68,10 +69,7 @@ def run_diagnosis(
     content |= {"study": study.name, "recordings": recordings}
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]
-    measured = {
-        c.name: recorded[c.name]
-        for c in study.conditions
-        if c.follows and c.protocol.control == LOAD and study.indenter.shape != "sphere"
-    }
+    following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]
+    measured = {name: pressed[name] for name in following if name in pressed}
     content["zero_points"] = zero_points(measured, laws)
     return content | {"sentence": sentence(content)}, curves
