@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from palpate.alignment import aligned
-from palpate.calibration import Observation
+from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.calibration.measures import error_measures
 from palpate.calibration.noise import model_covariance, replicate_noise
 from palpate.config import load_study
@@ -21,6 +21,7 @@ from palpate.protocol import DISPLACEMENT, trapezoid
 from palpate.quantity import Quantity
 from palpate.recording import Recording
 from palpate.snapshots import address
+from palpate.surrogate import PODRBF
 
 CONE = Indenter("cone", 70.3)
 SPRING = 0.004
@@ -195,3 +196,39 @@ def test_the_laboratory_records_what_the_spring_leaves(tmp_path, monkeypatch):
     load, depth = disturbed(study, condition, simulation, 0.01, noise)
     assert depth + load / SPRING == pytest.approx(condition.protocol.sample_drive)
     assert np.std(load - simulation.load) > 0.0
+
+
+def test_loads_and_depths_calibrate_one_material_together():
+    """A law with two constants, seen under both controls with noise and sites: chi-square and intervals are honest."""
+    pushed = trapezoid(400.0, 5, 20, 5, 40, DISPLACEMENT, 20.0)
+    pressed = trapezoid(1.0, 5, 20, 5, 40)
+
+    def load(modulus, relaxing):
+        c = 1e-5 * modulus * (1 + 0.1 * relaxing * np.exp(-pushed.sample_time / 8))
+        return c * (2 * pushed.sample_drive / (1 + np.sqrt(1 + 80 * c * pushed.sample_drive))) ** 2
+
+    def depth(modulus, relaxing):
+        c = 1e-5 * modulus * (1 + 0.05 * relaxing * np.exp(-pressed.sample_time / 8))
+        return np.sqrt(pressed.sample_load / c)
+
+    grid = np.array([[a, b] for a in np.linspace(2, 4, 6) for b in np.linspace(0, 4, 5)])
+    surrogates = {
+        name: PODRBF().fit(grid, np.array([form(*x) for x in grid])) for name, form in (("z", load), ("p", depth))
+    }
+    truth = {"modulus": 3.0, "relaxing": 2.0}
+    quantity, ratios = Quantity.of(pushed, CONE, load(**truth)), []
+    settings = CalibrationSettings(GeneticSettings(population=40, generations=20))
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        sites, noise = 0.01 * rng.standard_normal((2, 4, 1)), rng.standard_normal((2, 4, 40))
+        loads = (1 + sites[0] * quantity.share) * load(**truth) + noise[0] / quantity.nm
+        observed = {
+            "z": Observation(pushed.sample_time, loads, quantity=quantity),
+            "p": Observation(pressed.sample_time, (1 + sites[1]) * depth(**truth) + noise[1]),
+        }
+        bounds = {"modulus": (2, 4), "relaxing": (0, 4)}
+        found = calibrate(surrogates, observed, bounds, rng=rng, settings=settings, report=lambda *_: None)
+        assert all(found.parameters[name].lower < value < found.parameters[name].upper for name, value in truth.items())
+        assert set(found.noise["z"]) == {"sigma_mN", "correlation", "site_scatter", "replicates"}
+        ratios.append(found.misfit_ratio)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.25)

@@ -209,12 +209,8 @@ def read_recording(path: str | Path) -> Recording:
 def read_history(path: Path, control: str = LOAD) -> Recording:
     """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
 
-    A displacement alone is returned as the depth of a recording without load, so that depth + load / spring is right.
-
-    Raises
-    ------
-    InputError
-        As `read_recording`, and when what the file holds alone is not what is prescribed.
+    A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
+    `InputError` as `read_recording`, and when a file holds the other of the two.
     """
     body = _body(_lines_of(path))
     heading = body[0][1].strip() if body else ""
