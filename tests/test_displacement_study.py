@@ -232,3 +232,11 @@ def test_loads_and_depths_calibrate_one_material_together():
         assert set(found.noise["z"]) == {"sigma_mN", "correlation", "site_scatter", "replicates"}
         ratios.append(found.misfit_ratio)
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.25)
+
+
+def test_the_clock_starts_with_the_displacement():
+    """A load that grows with the square of time is lost in noise at first, when the displacement tells the contact."""
+    exact = elastic_recording()
+    noisy = replace(exact, load=exact.load - 2e-3).at(slice(1, None))
+    begun = noisy.from_contact(protocol_from(WORDS | {"points": 400}).drive_of(exact.load, exact.depth)[1:])
+    assert begun.time[-1] == pytest.approx(exact.time[-1], abs=0.01)

@@ -350,7 +350,8 @@ def _condition(
             protocol = protocol_from({**given, "points": points})
         else:
             control, compliance, _ = control_from(given)
-            begun = history.from_contact()
+            drive = history.load if control == LOAD else history.depth + compliance * history.load
+            begun = history.from_contact(drive)
             drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
             protocol = recorded(begun.time, drive, points, control=control, compliance=compliance)
     except InputError as error:

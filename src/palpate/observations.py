@@ -128,7 +128,7 @@ def _checked(study: Study, condition: Condition, recording: Recording) -> Record
                 remedy=to_turn(channel),
                 place=f"{channel}_{unit}",
             )
-    begun = recording.from_contact()
+    begun = recording.from_contact(condition.protocol.drive_of(recording.load, recording.depth))
     if condition.follows:
         begun = aligned(begun, condition.protocol)
     _check_one(study, condition, begun)

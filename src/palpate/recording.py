@@ -80,38 +80,40 @@ class Recording:
         stiffness = None if self.stiffness is None else self.stiffness[kept]
         return replace(self, time=self.time[kept], load=self.load[kept], depth=self.depth[kept], stiffness=stiffness)
 
-    def from_contact(self) -> Recording:
+    def from_contact(self, drive: np.ndarray | None = None) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.
 
         What stands before the clock's zero without load is the approach, and is left out. A recording that begins under
         load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
         its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
-        within one sampling interval of it, and no point under load stands there.
+        within one sampling interval of it, and no point under load stands there. Where a displacement is prescribed,
+        that is the `drive` (n,) by which all this is told, in place of the load.
 
         Raises
         ------
         InputError
             When the recording begins under load that does not rise.
         """
-        peak = int(np.argmax(self.load))
+        drive = self.load if drive is None else drive
+        peak = int(np.argmax(drive))
         approach = self.time < 0.0
-        if 0 < approach.sum() < len(self) and np.all(self.load[approach] <= BARELY_LOADED * self.load[peak]):
-            return self.at(~approach).from_contact()
+        if 0 < approach.sum() < len(self) and np.all(drive[approach] <= BARELY_LOADED * drive[peak]):
+            return self.at(~approach).from_contact(drive[~approach])
         begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
-        loaded = self.load[0] > BARELY_LOADED * self.load[peak]
+        loaded = drive[0] > BARELY_LOADED * drive[peak]
         if loaded:
-            risen = (self.load[: peak + 1] - self.load[0]) / self.load[peak]
+            risen = (drive[: peak + 1] - drive[0]) / drive[peak]
             last = max(int(np.argmax(risen > RATE_SPAN)) - 1, 1) if risen[-1] > RATE_SPAN else peak
             first = min(int(np.flatnonzero(risen[: last + 1] <= RATE_START)[-1]), last - 1) if last else 0
             rise = slice(first, last + 1)
-            rate = np.polyfit(self.time[rise] - begin, self.load[rise], 1)[0] if last else 0.0
+            rate = np.polyfit(self.time[rise] - begin, drive[rise], 1)[0] if last else 0.0
             if rate <= 0:
                 raise InputError(
                     f"the recording begins under {self.load[0]:.4g} mN that does not rise",
                     remedy="export the test from contact on",
                     place="load_mN",
                 )
-            begin -= self.load[0] / rate
+            begin -= drive[0] / rate
         if abs(begin) <= interval and not (loaded and self.time[0] <= 0.0):
             begin = 0.0
         time, load, depth, stiffness = self.time - begin, self.load, self.depth, self.stiffness
