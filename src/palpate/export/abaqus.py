@@ -21,7 +21,7 @@ from palpate.export.calculix import material_cards
 from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
-from palpate.materials.radial import STEADY, VOIGT, YIELD
+from palpate.materials.flow.row import FIRST
 from palpate.specification import Specification
 
 SUBROUTINE = "burgers.f"

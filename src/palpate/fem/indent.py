@@ -20,7 +20,7 @@ from palpate.fem.march import march_by
 from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.fem.profile import Profile
-from palpate.fem.regions import laws_of, regions, resolved
+from palpate.fem.regions import laws_of, resolved
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
 from palpate.protocol import Protocol
