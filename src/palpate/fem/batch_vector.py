@@ -234,7 +234,7 @@ def _exponential(x):
     return scale_by_two_to(p, shifted)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _log_of_ratio(z):
     """Return ln((1 + z) / (1 - z)) for a factor between root half and root two: 2 (z + z^3/3 + ... + z^23/23)."""
     square = z * z
