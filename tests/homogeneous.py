@@ -1,6 +1,6 @@
 """A material point under a given history of strain: the project's update, and SciPy's integration of the law itself.
 
-Tensors have the components xx, yy, zz, xy, yz, zx. The history turns the deviator's direction while the body is squeezed.
+Tensors have the components xx, yy, zz, xy, yz, zx. The deviator turns while the body is squeezed.
 """
 
 from collections.abc import Callable

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem.batch_banded import PANEL
-from palpate.fem.batch_law import BULK, NOTHING, PRESSED, region_of, solve_radial
+from palpate.fem.batch_law import BULK, NOTHING, PRESSED, YIELD, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, load, root, splat, store, where_less
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -96,6 +96,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
+        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
         dilatation = body.dilatation[e]
         theta = splat(0.0)
         for i in range(8):
@@ -104,6 +105,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             theta = theta + dilatation[i] * value
         volumes = body.volumes[e]
         squeezed = splat(0.0) - bulk * theta
+        store(points.pressure, e, squeezed)
         pressure = bulk * theta * (volumes[0] + volumes[1] + volumes[2] + volumes[3])
         for i in range(8):
             store(f, i, pressure * dilatation[i])
@@ -124,15 +126,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
-            strained = load(points.alpha, p)
+            strained = load(points.alpha, p) if yielding else rho
             q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
             store(points.secant, p, q * inverse)
             store(points.order, p, order)
-            store(points.push, p, push)
-            store(points.pressure, p, squeezed)
+            if pressed:
+                store(points.push, p, push)
             r0, r1, r2, r3 = r0 * inverse, r1 * inverse, r2 * inverse, r3 * inverse
             store(points.direction, 4 * p, r0)
             store(points.direction, 4 * p + 1, r1)

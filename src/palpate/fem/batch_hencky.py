@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.fem.batch_law import BULK, NOTHING, PRESSED, UNKNOWN, region_of, solve_radial
+from palpate.fem.batch_law import BULK, NOTHING, PRESSED, UNKNOWN, YIELD, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
 
 # What `stretch` writes of a Gauss point: displacement gradient with 1, m, h, c, and alpha and beta with derivatives.
@@ -97,6 +97,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
+        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
@@ -107,6 +108,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             volume += body.volumes[e, g]
         theta = theta * (1.0 / volume)
         pressure, squeezed, expansion = bulk * theta, splat(0.0) - bulk * theta, exponential(theta)
+        store(points.pressure, e, squeezed)
         for g in range(4):
             gradients, part, p = body.gradients[e, g], parts[g], 4 * e + g
             alpha, beta, hoop = load(part, ALPHA), load(part, BETA), load(part, HOOP)
@@ -119,15 +121,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
             log_q = where_less(splat(UNKNOWN), log_q, log_q, splat(2.0 * UNKNOWN))
-            strained = load(points.alpha, p)
+            strained = load(points.alpha, p) if yielding else rho
             q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
             store(points.secant, p, q * inverse)
             store(points.order, p, order)
-            store(points.push, p, push)
-            store(points.pressure, p, squeezed)
+            if pressed:
+                store(points.push, p, push)
             r0, r1, r2, r3 = r0 * inverse, r1 * inverse, r2 * inverse, r3 * inverse
             store(points.direction, 4 * p, r0)
             store(points.direction, 4 * p + 1, r1)

@@ -29,6 +29,7 @@ from palpate.materials.flow.row import (
     LOG_RESISTANCE,
     NUMBERS,
     OPENING,
+    PER_TERM,
     PLASTIC,
     PRESSED,
     SHARE,
@@ -36,7 +37,7 @@ from palpate.materials.flow.row import (
     YIELD,
 )
 
-__all__ = ["BULK", "NOTHING", "PRESSED", "UNKNOWN", "Points", "region_of", "solve_radial", "turn"]
+__all__ = ["BULK", "NOTHING", "PRESSED", "UNKNOWN", "YIELD", "Points", "region_of", "solve_radial", "turn"]
 FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
 
 
@@ -57,8 +58,8 @@ class Points(NamedTuple):
         Solution of the radial equation; q/rho; d ln q / d ln rho; and dq/dp.
     alpha : ndarray, shape (p, LANES)
         Accumulated plastic strain at the start of the step.
-    pressure : ndarray, shape (p, LANES)
-        [GPa], positive in compression.
+    pressure : ndarray, shape (p / 4, LANES)
+        Of each element [GPa], positive in compression.
     """
 
     past: np.ndarray
@@ -78,7 +79,8 @@ class Points(NamedTuple):
         """Return `count` points at rest, of laws with so many Voigt elements."""
         past, permanent, direction = (np.zeros((count, 4, LANES)) for _ in range(3))
         transient = np.zeros((count, elements, 4, LANES))
-        rho, secant, order, push, alpha, pressure = (np.zeros((count, LANES)) for _ in range(6))
+        rho, secant, order, push, alpha = (np.zeros((count, LANES)) for _ in range(5))
+        pressure = np.zeros((count // 4, LANES))
         log_q = np.full((count, LANES), 2 * UNKNOWN)
         return cls(past, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
 
@@ -121,14 +123,14 @@ def turn(points, laws, done, following):
         region = region_of(p // 4, laws)
         law, before, after = laws[region], done[region], following[region]
         rho, log_q, alpha = load(points.rho, p), load(points.log_q, p), load(points.alpha, p)
-        q, pressure = rho * load(points.secant, p), load(points.pressure, p)
+        q, pressure = rho * load(points.secant, p), load(points.pressure, p // 4)
         growing = greatest(magnitude(load(after, LOG_RESISTANCE) - load(before, LOG_RESISTANCE))) > 0.0
         flown = plastic_strain(rho, q, log_q, alpha, pressure, law, before)
         share = where_less(load(law, SHARE), splat(1e-12), splat(1.0), FLOWING * load(law, SHARE))
         store(points.alpha, p, alpha + flown / share)
         for i in range(4):
             store(points.past, 4 * p + i, splat(0.0))
-        at, slot, element = FIRST, FACTORS, 0
+        at, k, element = FIRST, FACTORS, 0
         while at < law.shape[0]:
             kind = whole(law, at + KIND)
             if kind != PLASTIC:
@@ -136,20 +138,19 @@ def turn(points, laws, done, following):
                 if kind != LINEAR:
                     closing = driving(law, at, before, q, log_q, pressure)
                 opening = driving(law, at, after, q, log_q, pressure) if growing and kind != LINEAR else closing
+                closing, opening = load(before, k + CLOSING) * closing, load(after, k + OPENING) * opening
                 if kind == CREEP:
-                    flown = flown + load(before, slot) * closing + load(after, slot) * opening
-                    slot += 1
+                    flown = flown + closing + opening
                 else:
-                    decay, closed = load(after, slot + DECAY), load(before, slot + CLOSING) * closing
-                    amplitude = decay * closed + load(after, slot + OPENING) * opening
-                    row = 4 * (elements * p + element)
+                    decay, row = load(after, k + DECAY), 4 * (elements * p + element)
+                    amplitude = decay * closing + opening
                     for i in range(4):
                         strain = decay * load(points.transient, row + i)
                         strain = strain + amplitude * load(points.direction, 4 * p + i)
                         store(points.transient, row + i, strain)
                         store(points.past, 4 * p + i, load(points.past, 4 * p + i) + strain)
-                    slot += 3
                     element += 1
+                k += PER_TERM
             at += whole(law, at + SIZE)
         for i in range(4):
             strain = load(points.permanent, 4 * p + i) + flown * load(points.direction, 4 * p + i)

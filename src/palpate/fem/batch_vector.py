@@ -261,16 +261,16 @@ def _logarithm(x):
     return _log_of_ratio((mantissa - 1.0) / (mantissa + 1.0)) - whole * (_LN2_HIGH + _LN2_LOW)
 
 
-def _on_vectors(function: Callable[..., Any], own: Callable[..., Any], inline: str = "never") -> None:
+def _on_vectors(function: Callable[..., Any], own: Callable[..., Any]) -> None:
     """Implement a function of one number for vectors."""
 
-    @overload(function, inline=inline)
+    @overload(function, jit_options={"forceinline": True})
     def implementation(x):
         return own if isinstance(x, Vector) else None
 
 
-_on_vectors(exponential, _exponential, "always")
-_on_vectors(log_of_one_plus, _log_of_one_plus, "always")
+_on_vectors(exponential, _exponential)
+_on_vectors(log_of_one_plus, _log_of_one_plus)
 _on_vectors(arithmetic.logarithm, _logarithm)
 _on_vectors(rough_log, lambda x: _rough_log(x))
 _on_vectors(root, lambda x: _root(x))

@@ -130,7 +130,7 @@ def indent_on(
     check_size(specimen, indenter, resolution, largest)
     mesh = polar_mesh(radii, resolution.sectors)
     specimen = resolved(specimen, indenter, radii[0])
-    law, region = laws_of(specimen), regions(specimen, mesh)
+    law, region = laws_of(specimen, mesh), np.zeros(len(mesh.elements), dtype=np.int64)
     adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh.nodes[mesh.surface, 0]))
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)

@@ -15,8 +15,7 @@ from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
 from palpate.fem.profile import Profile
-from palpate.fem.scalar_radial import state_size, step_weights
-from palpate.fem.scalar_radial import resisted
+from palpate.fem.scalar_radial import resisted, state_size, step_weights
 from palpate.specimen import Specimen, halfway
 
 ITERATIONS = 40  # the nodes that a rounded tip lets go before it lifts off take many

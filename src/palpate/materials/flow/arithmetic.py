@@ -8,7 +8,6 @@ serves one point or the lanes of a vector.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 from numba import types
@@ -70,13 +69,13 @@ def whole(row, k):
     return int(row[k])
 
 
-def _of_numbers(function: Callable[..., Any], arity: int) -> None:
+def _of_numbers(function: Any, arity: int) -> None:
     """Compile a function of `arity` doubles from its own Python source."""
 
     def implementation(*arguments):
         return function if all(isinstance(argument, types.Number) for argument in arguments) else None
 
-    names = {1: lambda x: implementation(x), 2: lambda x, value: implementation(x, value)}
+    names: Any = {1: lambda x: implementation(x), 2: lambda x, value: implementation(x, value)}
     overload(function)(names[arity])
 
 

@@ -16,12 +16,12 @@ assert LAWS  # the laws' files, once read, have filled the registry
 def _fluidity(functions: Mapping[int, Callable[..., Any]]) -> Any:
     """Return a function of (number, law, at, q, log_q, pressure) that calls the one of the `number`."""
     (number, function), *others = functions.items()
-    own = njit(function)
+    own = njit(forceinline=True)(function)
     if not others:
-        return njit(lambda chosen, law, at, q, log_q, pressure: own(law, at, q, log_q, pressure))
+        return njit(forceinline=True)(lambda chosen, law, at, q, log_q, pressure: own(law, at, q, log_q, pressure))
     following = _fluidity(dict(others))
 
-    @njit
+    @njit(forceinline=True)
     def choose(chosen, law, at, q, log_q, pressure):
         if chosen == number:
             return own(law, at, q, log_q, pressure)
@@ -33,12 +33,12 @@ def _fluidity(functions: Mapping[int, Callable[..., Any]]) -> Any:
 def _strength(functions: Mapping[int, Callable[..., Any]]) -> Any:
     """Return a function of (number, law, at, alpha, pressure) that calls the one of the `number`."""
     (number, function), *others = functions.items()
-    own = njit(function)
+    own = njit(forceinline=True)(function)
     if not others:
-        return njit(lambda chosen, law, at, alpha, pressure: own(law, at, alpha, pressure))
+        return njit(forceinline=True)(lambda chosen, law, at, alpha, pressure: own(law, at, alpha, pressure))
     following = _strength(dict(others))
 
-    @njit
+    @njit(forceinline=True)
     def choose(chosen, law, at, alpha, pressure):
         if chosen == number:
             return own(law, at, alpha, pressure)

@@ -30,7 +30,7 @@ def secant_compliance(row: np.ndarray, q: float, pressure: float, duration: floa
 def flow_stress(row: np.ndarray, strain: float, pressure: float) -> float:
     """Return the yield stress [GPa] after a plastic `strain` under a contact, whose mean pressure is 2.8 times it.
 
-    It is infinite without one. The `pressure` [GPa] is an upper bound of the contact's, where the material resists more.
+    It is infinite without one. The contact's pressure is at most `pressure` [GPa].
     """
     if not yields(row):
         return math.inf

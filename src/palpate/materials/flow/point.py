@@ -26,6 +26,7 @@ from palpate.materials.flow.row import (
     LINEAR,
     NUMBERS,
     OPENING,
+    PER_TERM,
     PLASTIC,
     SHARE,
     SIZE,
@@ -71,20 +72,18 @@ def history(state, weights, law, out):
     q, pressure = length(state, n), state[2 * n + 1]
     for i in range(n):
         out[i] = state[n + i]
-    at, slot, strain = FIRST, FACTORS, 2 * n + 2
+    at, k, strain = FIRST, FACTORS, 2 * n + 2
     while at < law.shape[0]:
         kind = int(law[at + KIND])
         if kind != PLASTIC:
             value = fluidity_at(law, at, weights, q, pressure)
-            if kind == CREEP:
+            for i in range(n):
+                out[i] += weights[k + OPENING] * value * state[i]
+            if kind != CREEP:
                 for i in range(n):
-                    out[i] += weights[slot] * value * state[i]
-                slot += 1
-            else:
-                for i in range(n):
-                    out[i] += weights[slot + DECAY] * state[strain + i] + weights[slot + OPENING] * value * state[i]
-                slot += 3
+                    out[i] += weights[k + DECAY] * state[strain + i]
                 strain += n
+            k += PER_TERM
         at += int(law[at + SIZE])
 
 
@@ -117,22 +116,18 @@ def commit(state, residual, q, pressure, weights, law):
             slip = max(rho - total * q, 0.0)
             state[2 * n] += slip / (0.5 * math.sqrt(3.0) * law[SHARE])
             flown = slip / rho
-    at, slot, strain = FIRST, FACTORS, 2 * n + 2
+    at, k, strain = FIRST, FACTORS, 2 * n + 2
     while at < law.shape[0]:
         kind = int(law[at + KIND])
         if kind != PLASTIC:
             opened = fluidity_at(law, at, weights, old, before)
             closed = fluidity_at(law, at, weights, q, pressure) * q / rho
-            if kind == CREEP:
-                for i in range(n):
-                    state[n + i] += weights[slot] * (opened * state[i] + closed * residual[i])
-                slot += 1
-            else:
-                for i in range(n):
-                    tends = weights[slot + OPENING] * opened * state[i] + weights[slot + CLOSING] * closed * residual[i]
-                    state[strain + i] = weights[slot + DECAY] * state[strain + i] + tends
-                slot += 3
-                strain += n
+            where, decay = (n, 1.0) if kind == CREEP else (strain, weights[k + DECAY])
+            for i in range(n):
+                tends = weights[k + OPENING] * opened * state[i] + weights[k + CLOSING] * closed * residual[i]
+                state[where + i] = decay * state[where + i] + tends
+            strain += 0 if kind == CREEP else n
+            k += PER_TERM
         at += int(law[at + SIZE])
     for i in range(n):
         state[n + i] += flown * residual[i]

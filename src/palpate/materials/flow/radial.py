@@ -1,7 +1,7 @@
 """Radial flow: the one scalar equation behind every law of the project, for one point or for the lanes of a vector.
 
 Every inelastic rate here is parallel to the deviatoric stress s, so the implicit update needs one unknown,
-q = sqrt(s:s/2). With the deviatoric strain e split into elastic, creep, Voigt and plastic parts, the end of a step obeys
+q = sqrt(s:s/2). With the deviatoric strain e split into elastic, creep, Voigt and plastic parts, a step ends with
 
     V(q, p) + (sqrt(3)/2) dalpha = rho,   s = (q/rho) R,   rho = sqrt(R:R/2),
     V = q/(2G) + sum_i (dt/2) phi_i(q, p) q + sum_k c_k phi_k(q, p) q,
@@ -45,14 +45,13 @@ from palpate.materials.flow.dispatch import fluidity_of, strength_of
 from palpate.materials.flow.row import (
     ACTIVE,
     COMPLIANCE,
-    CREEP,
     FACTORS,
     FIRST,
     FUNCTION,
     INVERSE_RESISTANCE,
-    KIND,
     LOG_RESISTANCE,
     NUMBERS,
+    PER_TERM,
     SHARE,
     SHEAR,
     SIZE,
@@ -71,7 +70,7 @@ HARDENING = 1e-9  # of G, least hardening in the tangent
 ROOT3 = math.sqrt(3.0)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def compliance(q, log_q, pressure, law, step):
     """Return V/q, its first and second derivative by ln q, and its derivative by the pressure."""
     inverse = entry(step, INVERSE_RESISTANCE)
@@ -86,7 +85,7 @@ def compliance(q, log_q, pressure, law, step):
         factor = entry(step, k)
         total, slope = total + factor * value, slope + factor * first
         curve, push = curve + factor * second, push + factor * by_pressure
-        k += 1 if whole(law, at + KIND) == CREEP else 3
+        k += PER_TERM
         at += whole(law, at + SIZE)
     return total, slope, curve, push * inverse
 
@@ -135,16 +134,17 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
         push = by_pressure / growth
         change = (2.0 + (2.0 / 3.0) * excess * excess) * excess * order
         bent = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
+        change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, constant(bent, 0.0))
+        order = order + 2.0 * bent * order
+        if greatest(magnitude(change)) < TOLERANCE:
+            log_q = log_q - change
+            break
         if greatest(magnitude(excess)) > FAR:
-            far = logarithm(value / rho) * order
+            far = logarithm(value / rho) * both * inverse * total * total
             far = where_less(far, constant(far, DOWN), far, constant(far, DOWN))
             far = where_less(far, constant(far, -UP), constant(far, -UP), far)
             change = where_less(constant(far, FAR), magnitude(excess), far, change)
-        change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, constant(bent, 0.0))
         log_q = log_q - change
-        order = order + 2.0 * bent * order
-        if greatest(magnitude(change)) < TOLERANCE:
-            break
     q = q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0))))
     push = constant(push, 0.0) - push * q
     if whole(law, YIELD) > 0:

@@ -16,8 +16,7 @@ SHEAR, BULK, SHARE, PRESSED, YIELD, ACTIVE, FIRST = range(7)
 KIND, FUNCTION, SIZE, TIME, NUMBERS = range(5)  # of a block
 CREEP, VOIGT, PLASTIC, LINEAR = range(4)  # kinds, in the order of their blocks
 COMPLIANCE, LOG_RESISTANCE, INVERSE_RESISTANCE, FACTORS = range(4)  # of the weights
-CLOSING, OPENING, DECAY = range(3)  # of the weights of a Voigt element
-WEIGHTS = (1, 3, 0, 3)  # of each kind
+CLOSING, OPENING, DECAY, PER_TERM = range(4)  # of the weights of a term
 
 
 @dataclass(frozen=True)
@@ -92,14 +91,15 @@ def step_weights(rows: np.ndarray, steps: np.ndarray | float, resistance: np.nda
     -------
     ndarray, shape (m, w) or (m, w, LANES)
         Compliance of Hooke's law and of all linear Voigt elements at the end of the step; logarithm and inverse of the
-        resistance; then half the step for each creep term, and for each Voigt element the weights of the strain it
-        tends to at the end and at the start of the step and of its present strain, see `palpate.materials.flow.radial`.
+        resistance; then for each term but plastic flow the weights of what drives it at the end and at the start of the
+        step, and of its present strain, see `palpate.materials.flow.radial`.
     """
     share, inverse = rows[:, SHARE], 1.0 / np.asarray(resistance)
     compliance, factors = 0.5 / rows[:, SHEAR], []
     for term in blocks_of(rows[0].reshape(rows.shape[1], -1)[:, 0]):
         if term.kind == CREEP:
-            factors.append(0.5 * steps * share * inverse)
+            half = 0.5 * steps * share * inverse
+            factors += [half, half, np.ones_like(half)]
         elif term.kind in (VOIGT, LINEAR):
             x = steps / rows[:, term.at + TIME]
             decay, mean = np.exp(-x), -np.expm1(-x) / x
@@ -114,7 +114,7 @@ def step_weights(rows: np.ndarray, steps: np.ndarray | float, resistance: np.nda
 def in_series(film: np.ndarray, substrate: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return the laws (m, c) of elements that hold a `share` (m,) of film, the rest substrate, under the same stress.
 
-    The strains add (Reuss): compliances, and the strains of all terms, are averaged by volume. The substrate is elastic.
+    The strains add (Reuss): compliances and the strains of all terms are averaged by volume. The substrate is elastic.
     """
     rows = np.tile(film, (len(share), 1))
     for k in (SHEAR, BULK):
