@@ -14,7 +14,7 @@ from palpate.design import factorial, sobol
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.load_history import KEYS, SHAPES, control_from, protocol_from
-from palpate.materials import LAWS
+from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
 from palpate.parameters import Parameter
 from palpate.protocol import LOAD, Protocol, recorded
@@ -110,7 +110,7 @@ class Study:
     @property
     def declared(self) -> dict[str, Parameter]:
         """What the law declares of each parameter by name, such as symbol and unit."""
-        return {p.name: p for p in LAWS[self.model].declared({**self.fixed, **self.levels})}
+        return {p.name: p for p in law_of(self.model).declared({**self.fixed, **self.levels})}
 
     @property
     def cells(self) -> list[dict[str, float]]:
@@ -174,10 +174,10 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     settings = with_defaults(values, schema)
     material = dict(values["material"])
     model = material.pop("model")
-    if model not in LAWS:
-        raise InputError(
-            f"material model {model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="material.model"
-        )
+    try:
+        model = law_of(model).key
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, place="material.model") from None
     source = _source(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
     levels = _levels(model, material, values["parameters"])
@@ -298,7 +298,7 @@ def _check_laboratories(study: Study) -> None:
 
 def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]) -> dict[str, tuple[float, ...]]:
     """Check fixed values and levels against the law."""
-    declared = {p.name: p for p in LAWS[model].declared({**material, **given})}
+    declared = {p.name: p for p in law_of(model).declared({**material, **given})}
     for owner, names in (("material", material), ("parameters", given)):
         for name in names:
             if name not in declared:
@@ -308,6 +308,13 @@ def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[fl
                     place=f"{owner}.{name}",
                 )
     for name, parameter in declared.items():
+        if parameter.default is not None and name not in material and name not in given:
+            continue
+        if parameter.whole and len(given.get(name, ())) > 1:
+            raise InputError(
+                f"{name} ({parameter.meaning}) cannot vary", remedy="give one value, under material",
+                place=f"parameters.{name}",
+            )  # fmt: skip
         if (name in material) == (name in given):
             problem = "given twice" if name in material else "missing"
             raise InputError(

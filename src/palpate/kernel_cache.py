@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
-SOURCES = ("fem", "fem3d", "materials")
+SOURCES = ("fem", "fem3d", "materials", "materials/flow")
 
 
 def choose() -> None:

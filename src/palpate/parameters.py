@@ -33,6 +33,8 @@ class Parameter:
         One line for people.
     default
         Value taken when none is given; ``None`` means the value is required.
+    whole
+        Whether it counts something: a whole number that no grid varies.
     """
 
     name: str
@@ -42,6 +44,7 @@ class Parameter:
     upper: float
     meaning: str
     default: float | None = None
+    whole: bool = False
 
     def check(self, value: object) -> float:
         """Return `value` as a float, or raise `InputError` naming the parameter and its range."""
@@ -59,6 +62,8 @@ class Parameter:
                 remedy="correct the value" + ("" if self.unit == "-" else " or its unit"),
                 place=self.name,
             )
+        if self.whole and number != int(number):
+            raise InputError(f"{self.name} = {number:g} is no whole number", remedy="round it", place=self.name)
         return number
 
 

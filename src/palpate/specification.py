@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.materials import LAWS
+from palpate.materials import law_of
 from palpate.protocol import Protocol
 from palpate.specimen import Specimen, elastic_substrate, under_tip
 
@@ -25,7 +25,7 @@ class Specification:
     Parameters
     ----------
     model
-        Key of the constitutive law.
+        Key of the constitutive law, or keys of several joined by ``+``.
     parameters
         Its parameters by name.
     indenter, protocol
@@ -67,18 +67,16 @@ class Specification:
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.model not in LAWS:
-            raise InputError(
-                f"material model {self.model!r} is not known", remedy=f"use one of: {', '.join(LAWS)}", place="model"
-            )
+        law = law_of(self.model)
         for key, value, known in (
             ("accuracy", self.accuracy, ACCURACIES),
             ("kinematics", self.kinematics, KINEMATICS),
         ):
             if value not in known:
                 raise InputError(f"{key} is {value!r}", remedy=f"use one of: {', '.join(known)}", place=key)
-        object.__setattr__(self, "parameters", LAWS[self.model].check(self.parameters))
-        object.__setattr__(self, "coefficients", LAWS[self.model].coefficients(self.parameters))
+        object.__setattr__(self, "model", law.key)
+        object.__setattr__(self, "parameters", law.check(self.parameters))
+        object.__setattr__(self, "coefficients", law.coefficients(self.parameters))
 
     @property
     def specimen(self) -> Specimen:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.materials.law import NO_YIELD
-from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.materials.flow.row import BULK, SHARE, SHEAR, yields
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +17,7 @@ class Specimen:
     Parameters
     ----------
     coefficients : ndarray, shape (c,)
-        The law of the material that the tip touches, see `palpate.materials.radial`.
+        The law of the material that the tip touches, see `palpate.materials.flow.row`.
     film_thickness
         Depth at which the substrate begins [nm]; infinite for a homogeneous body.
     substrate : ndarray, shape (c,), optional
@@ -42,7 +41,7 @@ class Specimen:
     @property
     def yields(self) -> bool:
         """Whether the material has a yield stress."""
-        return bool(self.coefficients[YIELD] < NO_YIELD)
+        return yields(self.coefficients)
 
     def resistance(self, depth: float) -> float:
         """Return the factor sqrt(1 + length / depth) on the stress that inelastic flow needs at `depth` [nm].
@@ -97,34 +96,5 @@ def under_tip(coefficients: np.ndarray, compliance: float) -> np.ndarray:
 def without_flow(coefficients: np.ndarray) -> np.ndarray:
     """Return the elastic part of a law, in the same layout."""
     elastic = coefficients.copy()
-    elastic[STEADY] = 0.0
-    elastic[VOIGT::3] = 0.0
-    elastic[YIELD] = NO_YIELD
+    elastic[SHARE] = 0.0
     return elastic
-
-
-def series(film: np.ndarray, substrate: np.ndarray, fraction: float) -> np.ndarray:
-    """Return the law of an element that holds `fraction` of film, the rest elastic substrate, under the same stress.
-
-    The strains add (Reuss): compliances and creep rates are averaged by volume.
-    """
-    if fraction <= 0.0:
-        return substrate.copy()
-    mixed = film.copy()
-    for i in (SHEAR, BULK):
-        mixed[i] = 1.0 / (fraction / film[i] + (1.0 - fraction) / substrate[i])
-    mixed[STEADY] *= fraction
-    mixed[VOIGT::3] *= fraction
-    mixed[HARDENING] /= fraction
-    return mixed
-
-
-def resisted(coefficients: np.ndarray, resistance: float) -> np.ndarray:
-    """Return the laws (..., c) whose inelastic rates at stress s are those of `coefficients` at s / resistance."""
-    if resistance == 1.0:
-        return coefficients
-    laws = coefficients.copy()
-    laws[..., STEADY] *= resistance ** -(2 * laws[..., STEADY_EXPONENT] + 1)
-    laws[..., VOIGT::3] *= resistance ** -(2 * laws[..., VOIGT + 1 :: 3] + 1)
-    laws[..., [YIELD, HARDENING]] *= resistance
-    return laws

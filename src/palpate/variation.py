@@ -16,7 +16,6 @@ from palpate.displaced import through_instrument
 from palpate.errors import InputError
 from palpate.fem.clock import Shift
 from palpate.fem.directions import Directions
-from palpate.fem.regions import laws_of
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter
@@ -144,7 +143,7 @@ def directions(variations: Mapping[str, Variation]) -> Directions:
         change = [
             (after - before) / variation.width
             for before, after in (
-                (laws_of(low.specimen), laws_of(high.specimen)),
+                (low.specimen.coefficients[None], high.specimen.coefficients[None]),
                 (low.indenter.slope, high.indenter.slope) if low.indenter.half_angle else (0.0, 0.0),
                 (1e-3 * low.indenter.radius, 1e-3 * high.indenter.radius),
                 (low.indenter.friction, high.indenter.friction),

@@ -34,11 +34,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _law(text: str) -> str:
-    from palpate.materials import LAWS
+    from palpate.errors import InputError
+    from palpate.materials import law_of
 
-    if text not in LAWS:
-        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(LAWS)}")
-    return text
+    try:
+        return law_of(text).key
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _length(text: str) -> float:

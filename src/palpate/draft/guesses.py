@@ -6,7 +6,7 @@ import math
 
 from palpate.draft.solid import Solid
 from palpate.errors import InputError
-from palpate.materials import LAWS
+from palpate.materials import law_of
 
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
 
@@ -28,9 +28,9 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     Raises
     ------
     InputError
-        When the law yields and no unloading tells a modulus.
+        When the law yields and no unloading tells a modulus, or has parameters of which recordings tell nothing.
     """
-    declared = LAWS[law].declared({})
+    declared = law_of(law).declared({})
     names = [parameter.name for parameter in declared]
     middle, low, high = 1.5 * solid.secant, 0.8 * solid.secant, 3.0 * solid.secant
     if "yield_stress" in names:
@@ -54,6 +54,12 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"transient_coefficient": (0.0, 0.3 / middle), "retardation_time": (0.5 * shortest,)}
+    unknown = [p.name for p in declared if p.default is None and p.name not in {*known, "poisson_ratio"}]
+    if unknown:
+        raise InputError(
+            f"no range of {unknown[0]} can be guessed, a parameter of {law}",
+            remedy="draft with another --law, or write the study by hand",
+        )
     return {
         parameter.name: tuple(min(max(value, parameter.lower), parameter.upper) for value in known[parameter.name])
         for parameter in declared

@@ -17,7 +17,7 @@ from palpate.draft.guesses import ranges
 from palpate.draft.solid import BERKOVICH_CONE, NOTHING, POISSON_RATIO, Solid
 from palpate.draft.stated import Stated
 from palpate.grouping import Group
-from palpate.materials import LAWS
+from palpate.materials import law_of
 
 POINTS = 128
 WIDTH = 116  # of a comment, without its sign
@@ -72,7 +72,7 @@ def study_text(
     remarks
         What people should know of the draft, a comment each.
     """
-    units = {parameter.name: parameter.unit for parameter in LAWS[law].declared({})}
+    units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     parameters = []
     for key, values in ranges(law, solid, shortest).items():

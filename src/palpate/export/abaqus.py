@@ -1,10 +1,10 @@
 """A folder for Abaqus/Standard: an input deck, and a user material where the law creeps.
 
 The deck is the CalculiX one in Abaqus' terms, with its finite-sliding surface-to-surface contact. Elasticity and
-bilinear plasticity are Abaqus' own laws; the nonlinear Burgers solid, with any number of Voigt elements, is the Fortran
-subroutine `burgers.f` beside this module, with the same update as `palpate.materials.radial`. At large strains both
-programs relate true stress to logarithmic strain; Abaqus integrates it in its corotational frame, which agrees with
-`palpate.fem.hencky` only while the principal axes keep still.
+plasticity are Abaqus' own laws; power-law creep with any number of Voigt elements, linear ones among them, is the
+Fortran subroutine `burgers.f` beside this module, with the update of `palpate.materials.flow.radial`. At large
+strains both programs relate true stress to logarithmic strain; Abaqus integrates it in its corotational frame, which
+agrees with `palpate.fem.batch_hencky` only while the principal axes keep still.
 
 Source: Abaqus Analysis User's Guide, *USER MATERIAL, *CONTACT PAIR; Abaqus User Subroutines Reference Guide, UMAT.
 """
@@ -21,21 +21,23 @@ from palpate.export.calculix import material_cards
 from palpate.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
-from palpate.materials.radial import STEADY, VOIGT, YIELD
+from palpate.export.terms import steady_creep, strength, voigt_elements
+from palpate.materials.flow.row import BULK, SHEAR
 from palpate.specification import Specification
 
-SUBROUTINE = "burgers.f"
+SUBROUTINE, PROGRAM = "burgers.f", "Abaqus"
 PER_LINE = 8
 
 
 def creeps(specification: Specification) -> bool:
     """Tell whether the law needs the user material."""
-    return any(value > 0 for name, value in specification.parameters.items() if name.endswith("coefficient"))
+    return steady_creep(specification, PROGRAM)[0] > 0.0 or any(c > 0.0 for c, _, _ in voigt_elements(specification))
 
 
-def user_constants(coefficients: np.ndarray) -> np.ndarray:
-    """Return PROPS of the user material from the coefficients of the radial equation."""
-    return np.concatenate([coefficients[:YIELD], coefficients[VOIGT:]])
+def user_constants(specification: Specification) -> np.ndarray:
+    """Return PROPS of the user material: G, K, C_s, m_s, then C_t, m_t and t_eps of each Voigt element."""
+    row, elements = specification.coefficients, voigt_elements(specification)
+    return np.array([row[SHEAR], row[BULK], *steady_creep(specification, PROGRAM), *np.ravel(elements)])
 
 
 def deck(specification: Specification) -> str:
@@ -44,15 +46,15 @@ def deck(specification: Specification) -> str:
     Raises
     ------
     InputError
-        For mechanisms, and for creep and yielding together.
+        For mechanisms, for laws that neither program nor user material knows, and for creep and yielding together.
     """
     refuse_mechanisms(specification)
-    if creeps(specification) and "yield_stress" in specification.parameters:
+    if creeps(specification) and strength(specification, PROGRAM) is not None:
         raise InputError(
-            "the user material has no yielding", remedy="use nonlinear_burgers", place="material.yield_stress"
+            "the user material has no yielding", remedy="use a law that only creeps", place="material.yield_stress"
         )
     mesh = quadratic_mesh(specification, RESOLUTIONS[specification.accuracy])
-    material = _user_material(specification) if creeps(specification) else material_cards(specification)
+    material = _user_material(specification) if creeps(specification) else material_cards(specification, PROGRAM)
     friction = specification.indenter.friction
     sections = [
         "*MATERIAL, NAME=INDENTER",
@@ -70,8 +72,8 @@ def deck(specification: Specification) -> str:
 
 
 def _user_material(specification: Specification) -> list[str]:
-    constants = user_constants(specification.coefficients)
-    elements = (len(constants) - STEADY - 2) // 3
+    constants = user_constants(specification)
+    elements = (len(constants) - 4) // 3
     lines = ["*MATERIAL, NAME=BODY", f"*USER MATERIAL, CONSTANTS={len(constants)}"]
     for k in range(0, len(constants), PER_LINE):
         lines.append(", ".join(f"{value:.12g}" for value in constants[k : k + PER_LINE]))

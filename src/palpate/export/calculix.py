@@ -1,4 +1,4 @@
-"""An input deck for CalculiX: linear elasticity, steady creep (its built-in Norton law) or bilinear plasticity.
+"""An input deck for CalculiX: linear elasticity, steady creep (its built-in Norton law) or plasticity.
 
 Norton's law, rate = A q^n with q von Mises' stress, is steady creep d e_s/dt = C_s J2^m_s s with n = 2 m_s + 1 and
 A = (2/3) C_s 3^(-m_s), because q = sqrt(3 J2) and the equivalent creep strain is sqrt(2/3) |e_s|. Units um, mN, s, so
@@ -20,6 +20,7 @@ from palpate.errors import InputError
 from palpate.export.cards import REFERENCE, amplitude_cards, friction_cards, mesh_cards, step_cards
 from palpate.export.format import Format, refuse_mechanisms
 from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
+from palpate.export.terms import steady_creep, strength, voigt_elements
 from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
 from palpate.specification import Specification
@@ -32,30 +33,30 @@ def norton(steady_coefficient: float, steady_exponent: float) -> tuple[float, fl
     return 2 / 3 * steady_coefficient * 3.0**-steady_exponent, 2 * steady_exponent + 1
 
 
-def material_cards(specification: Specification) -> list[str]:
+def material_cards(specification: Specification, program: str = "CalculiX") -> list[str]:
     """Return the material's cards; raises `InputError` for what the built-in laws cannot represent."""
     values = specification.parameters
     cards = ["*MATERIAL, NAME=BODY", "*ELASTIC", f"{values['youngs_modulus']:.12g}, {values['poisson_ratio']:.12g}"]
-    creeps = values.get("steady_coefficient", 0.0) > 0
-    for name, value in values.items():
-        if name.startswith("transient_coefficient") and value > 0:
+    hardening = strength(specification, program)
+    coefficient, exponent = steady_creep(specification, program)
+    for number, (compliance, _, _) in enumerate(voigt_elements(specification), 1):
+        if compliance > 0:
             raise InputError(
-                f"{name} = {value:g}: CalculiX has no Voigt elements",
-                remedy="set it to 0 or use --format abaqus",
-                place=f"material.{name}",
+                f"{program} has no Voigt elements, and element {number} of {specification.model} retards",
+                remedy="set its coefficient to 0 or use --format abaqus",
+                place="material",
             )
-    if "yield_stress" in values:
-        if creeps:
+    if hardening is not None:
+        if coefficient > 0:
             raise InputError(
-                "CalculiX has no law with creep and linear hardening",
-                remedy="set steady_coefficient to 0 or use --format abaqus",
+                f"{program} has no law with creep and hardening",
+                remedy="set steady_coefficient to 0",
                 place="material.steady_coefficient",
             )
-        first, slope = values["yield_stress"], values["hardening"]
-        cards += ["*PLASTIC", f"{first:.12g}, 0.", f"{first + 10 * slope:.12g}, 10."]
-    if creeps:
-        factor, exponent = norton(values["steady_coefficient"], values["steady_exponent"])
-        cards += ["*CREEP, LAW=NORTON", f"{factor:.12g}, {exponent:.12g}, 0."]
+        cards += ["*PLASTIC", *(f"{stress:.12g}, {strain:.12g}" for stress, strain in hardening)]
+    if coefficient > 0:
+        factor, power = norton(coefficient, exponent)
+        cards += ["*CREEP, LAW=NORTON", f"{factor:.12g}, {power:.12g}, 0."]
     return cards
 
 

@@ -37,6 +37,7 @@ from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.profile import Profile
 from palpate.fem.regions import resolved
 from palpate.indenters import Indenter
+from palpate.materials.flow.row import structure
 from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
@@ -97,7 +98,7 @@ class Case:
         """What cases that run together have in common."""
         radii = self.radii
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
-        body = self.large, len(self.specimen.coefficients), self.specimen.substrate is None
+        body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
         surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
         return self.resolution, shape, len(self.times), body, surface
 

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from palpate.fem.batch_banded import PANEL
-from palpate.fem.batch_law import NOTHING, VOLUMETRIC, region_of, solve_radial
+from palpate.fem.batch_law import BULK, NOTHING, PRESSED, YIELD, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, load, root, splat, store, where_less
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
@@ -95,7 +95,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     u, f = np.empty((8, LANES)), np.empty((8, LANES))
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
-        law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
+        law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
+        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
         dilatation = body.dilatation[e]
         theta = splat(0.0)
         for i in range(8):
@@ -103,6 +104,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(u, i, value)
             theta = theta + dilatation[i] * value
         volumes = body.volumes[e]
+        squeezed = splat(0.0) - bulk * theta
+        store(points.pressure, e, squeezed)
         pressure = bulk * theta * (volumes[0] + volumes[1] + volumes[2] + volumes[3])
         for i in range(8):
             store(f, i, pressure * dilatation[i])
@@ -123,13 +126,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
-            strained = load(points.alpha, p)
-            q, log_q, order = solve_radial(rho, last, log_q, order, strained, law, step)
+            strained = load(points.alpha, p) if yielding else rho
+            q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
             store(points.secant, p, q * inverse)
             store(points.order, p, order)
+            if pressed:
+                store(points.push, p, push)
             r0, r1, r2, r3 = r0 * inverse, r1 * inverse, r2 * inverse, r3 * inverse
             store(points.direction, 4 * p, r0)
             store(points.direction, 4 * p + 1, r1)
@@ -148,12 +153,16 @@ def internal_forces(body, points, laws, weights, displacement, forces):
 
 @njit(cache=True)
 def stiffness(body, points, laws, band):
-    """Write the lower half of the consistent tangent at the solution of `points` to the `band`."""
+    """Write the lower half of the consistent tangent at the solution of `points` to the `band`.
+
+    Of what the pressure does to the flow it holds the symmetric half.
+    """
     band[:] = 0.0
     v, w = np.empty((8, 4, LANES)), np.empty((8, 4, LANES))
-    secant = np.empty((4, LANES))
+    secant, squeeze = np.empty((4, LANES)), np.empty((8, LANES))
     for e in range(body.unknowns.shape[0]):
-        bulk = load(laws[region_of(e, laws)], VOLUMETRIC)
+        law = laws[region_of(e, laws)]
+        bulk, pressed = load(law, BULK), law[PRESSED, 0] > 0.0
         for g in range(4):
             gradients, p = body.gradients[e, g], 4 * e + g
             ratio = load(points.secant, p)
@@ -168,6 +177,12 @@ def stiffness(body, points, laws, band):
                 store(v, 8 * a + 4 + g, vertical)
                 store(w, 8 * a + g, radial * excess)
                 store(w, 8 * a + 4 + g, vertical * excess)
+        if pressed:
+            for i in range(8):
+                value = splat(0.0)
+                for g in range(4):
+                    value = value + body.volumes[e, g] * load(points.push, 4 * e + g) * load(v, 4 * i + g)
+                store(squeeze, i, 0.5 * bulk * value)
         s0, s1, s2, s3 = load(secant, 0), load(secant, 1), load(secant, 2), load(secant, 3)
         pair = 0
         for i in range(8):
@@ -179,5 +194,7 @@ def stiffness(body, points, laws, band):
                 value = value + (s2 * unit[2] + s3 * unit[3])
                 value = value + (w0 * load(v, 4 * j) + w1 * load(v, 4 * j + 1))
                 value = value + (w2 * load(v, 4 * j + 2) + w3 * load(v, 4 * j + 3))
+                if pressed:
+                    value = value - body.dilatation[e, j] * load(squeeze, i) - body.dilatation[e, i] * load(squeeze, j)
                 store(band, row, value)
                 pair += 1

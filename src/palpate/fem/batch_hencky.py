@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.fem.batch_law import NOTHING, UNKNOWN, VOLUMETRIC, region_of, solve_radial
+from palpate.fem.batch_law import BULK, NOTHING, PRESSED, UNKNOWN, YIELD, region_of, solve_radial
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
 
 # What `stretch` writes of a Gauss point: displacement gradient with 1, m, h, c, and alpha and beta with derivatives.
@@ -96,7 +96,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     u, f, parts = np.empty((8, LANES)), np.empty((8, LANES)), np.empty((4, PARTS, LANES))
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
-        law, step, bulk = laws[region], weights[region], load(laws[region], VOLUMETRIC)
+        law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
+        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
@@ -106,7 +107,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             theta = theta + body.volumes[e, g] * swelling(parts[g])
             volume += body.volumes[e, g]
         theta = theta * (1.0 / volume)
-        pressure, expansion = bulk * theta, exponential(theta)
+        pressure, squeezed, expansion = bulk * theta, splat(0.0) - bulk * theta, exponential(theta)
+        store(points.pressure, e, squeezed)
         for g in range(4):
             gradients, part, p = body.gradients[e, g], parts[g], 4 * e + g
             alpha, beta, hoop = load(part, ALPHA), load(part, BETA), load(part, HOOP)
@@ -119,13 +121,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
             log_q = where_less(splat(UNKNOWN), log_q, log_q, splat(2.0 * UNKNOWN))
-            strained = load(points.alpha, p)
-            q, log_q, order = solve_radial(rho, last, log_q, order, strained, law, step)
+            strained = load(points.alpha, p) if yielding else rho
+            q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
             store(points.log_q, p, log_q)
             store(points.secant, p, q * inverse)
             store(points.order, p, order)
+            if pressed:
+                store(points.push, p, push)
             r0, r1, r2, r3 = r0 * inverse, r1 * inverse, r2 * inverse, r3 * inverse
             store(points.direction, 4 * p, r0)
             store(points.direction, 4 * p + 1, r1)
@@ -222,14 +226,16 @@ def stiffness(body, points, laws, displacement, geometric, band):
     band[:] = 0.0
     u, f, trace = np.empty((8, LANES)), np.empty((8, LANES)), np.empty((8, LANES))
     parts, rows, moduli = np.empty((4, PARTS, LANES)), np.empty((20, LANES)), np.empty((16, LANES))
-    b, ke = np.empty((32, LANES)), np.empty((36, LANES))
+    b, ke, squeeze = np.empty((32, LANES)), np.empty((36, LANES)), np.empty((8, LANES))
     kept = load(geometric, 0)
     for e in range(body.unknowns.shape[0]):
-        bulk = load(laws[region_of(e, laws)], VOLUMETRIC)
+        law = laws[region_of(e, laws)]
+        bulk, pressed = load(law, BULK), law[PRESSED, 0] > 0.0
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
             store(trace, i, splat(0.0))
+            store(squeeze, i, splat(0.0))
         ke[:] = 0.0
         theta, volume = splat(0.0), 0.0
         for g in range(4):
@@ -260,6 +266,9 @@ def stiffness(body, points, laws, displacement, geometric, band):
                 push = 0.5 * (s0 + s1) * b0 + 0.5 * (s0 - s1) * b1 + s3 * b2 + t2 * b3
                 store(trace, i, load(trace, i) + body.volumes[e, g] * swell)
                 store(f, i, load(f, i) + size * push)
+                if pressed:
+                    along = load(rows, 12) * b0 + load(rows, 13) * b1 + load(rows, 14) * b2 + load(rows, 15) * b3
+                    store(squeeze, i, load(squeeze, i) + size * load(points.push, p) * kept * along)
                 h0 = load(moduli, 0) * b0 + load(moduli, 4) * b1 + load(moduli, 8) * b2 + load(moduli, 12) * b3
                 h1 = load(moduli, 4) * b0 + load(moduli, 5) * b1 + load(moduli, 9) * b2 + load(moduli, 13) * b3
                 h2 = load(moduli, 8) * b0 + load(moduli, 9) * b1 + load(moduli, 10) * b2 + load(moduli, 14) * b3
@@ -281,5 +290,8 @@ def stiffness(body, points, laws, displacement, geometric, band):
             for j in range(i + 1):
                 row = body.entries[e, pair]
                 value = load(ke, pair) + swell * load(trace, j) + half * load(trace, i) * load(f, j)
+                if pressed:
+                    both = load(trace, i) * load(squeeze, j) + load(squeeze, i) * load(trace, j)
+                    value = value - half * bulk * both
                 store(band, row, load(band, row) + value)
                 pair += 1

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.batch_law import law_rows, weight_rows
 from palpate.fem.mesh import Mesh
-from palpate.fem.regions import laws_of, regions
-from palpate.materials.radial import VOIGT
-from palpate.specimen import Specimen, resisted
+from palpate.fem.regions import laws_of
+from palpate.materials.flow.row import step_weights, voigt_elements
+from palpate.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,42 +21,25 @@ class Specimens:
     ----------
     specimens
         One for each lane.
-    coefficients : ndarray, shape (regions, LANES, c)
-        Their laws at large depth.
-    region : ndarray of int, shape (m, LANES)
-        The law of each element.
+    laws : ndarray, shape (1 or m, c, LANES)
+        Their laws, see `palpate.materials.flow.row`.
     """
 
     specimens: Sequence[Specimen]
-    coefficients: np.ndarray
-    region: np.ndarray
+    laws: np.ndarray
 
     @classmethod
     def of(cls, specimens: Sequence[Specimen], mesh: Mesh, units: np.ndarray) -> Specimens:
         """Return the bodies that a mesh divides whose lengths are in `units` (LANES,) [um]."""
-        region = [regions(specimen, mesh, unit) for specimen, unit in zip(specimens, units, strict=True)]
-        return cls(specimens, np.stack([laws_of(s) for s in specimens], axis=1), np.stack(region, axis=1))
+        laws = [laws_of(specimen, mesh, unit) for specimen, unit in zip(specimens, units, strict=True)]
+        return cls(specimens, np.stack(laws, axis=2))
 
     @property
     def elements(self) -> int:
         """Number of Voigt elements."""
-        return len(range(VOIGT, self.coefficients.shape[2], 3))
+        return voigt_elements(self.specimens[0].coefficients)
 
     def at(self, depth: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return `law_rows` and `weight_rows` of `steps` (LANES,) [s] at a `depth` (LANES,) [nm].
-
-        Each of the body, or of each element: (1 or m, rows, LANES).
-        """
-        resisting = self._resisted(depth)
-        laws, weights = [law_rows(row) for row in resisting], [weight_rows(row, steps) for row in resisting]
-        return self._spread(np.stack(laws)), self._spread(np.stack(weights))
-
-    def _resisted(self, depth: np.ndarray) -> np.ndarray:
-        if not any(specimen.size_length for specimen in self.specimens):
-            return self.coefficients
-        resistance = [specimen.resistance(d) for specimen, d in zip(self.specimens, depth, strict=True)]
-        rows = [resisted(self.coefficients[:, lane], factor) for lane, factor in enumerate(resistance)]
-        return np.stack(rows, axis=1)
-
-    def _spread(self, rows: np.ndarray) -> np.ndarray:
-        return rows if len(rows) == 1 else np.take_along_axis(rows, self.region[:, None, :], axis=0)
+        """Return `laws` and what `steps` (LANES,) [s] make of them at a `depth` (LANES,) [nm]: (1 or m, w, LANES)."""
+        resistance = np.array([s.resistance(d) for s, d in zip(self.specimens, depth, strict=True)])
+        return self.laws, step_weights(self.laws, steps, resistance)

@@ -2,7 +2,8 @@
 
 Numba leaves it to LLVM whether a loop over a few lanes becomes vector code, and arrays that might overlap prevent it.
 Here the vector is a type of its own, so that a kernel that reads like one for one simulation advances `LANES` of them,
-whatever the width of the processor's registers. Products and sums may be contracted to fused operations.
+whatever the width of the processor's registers. Products and sums may be contracted to fused operations. The functions
+of `palpate.materials.flow.arithmetic` are implemented for vectors here.
 """
 
 from __future__ import annotations
@@ -17,7 +18,22 @@ from numba.core import cgutils
 from numba.core.datamodel import PrimitiveModel
 from numba.extending import intrinsic, overload, register_model
 
+from palpate.materials.flow import arithmetic
+from palpate.materials.flow.arithmetic import (
+    exponential,
+    greatest,
+    log_of_one_plus,
+    magnitude,
+    root,
+    rough_log,
+    where_less,
+)
+
 LANES = 8
+__all__ = [
+    "LANES", "VECTOR", "Vector", "exponential", "greatest", "load", "log_of_one_plus", "magnitude", "root",
+    "rough_log", "scale_by_two_to", "splat", "store", "where_less",
+]  # fmt: skip
 
 _DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 _INTEGERS = ir.VectorType(ir.IntType(64), LANES)
@@ -153,12 +169,11 @@ def _unary(name: str):
     return _instruction(typed)
 
 
-root = _unary("sqrt")
-magnitude = _unary("fabs")
+_root, _magnitude = _unary("sqrt"), _unary("fabs")
 
 
 @_instruction
-def greatest(typing_context, value):
+def _greatest(typing_context, value):
     """Return the largest of the lanes, those that are NaN aside."""
 
     def generate(context, builder, signature, arguments):
@@ -171,7 +186,7 @@ def greatest(typing_context, value):
 
 
 @_instruction
-def where_less(typing_context, a, b, then, otherwise):
+def _where_less(typing_context, a, b, then, otherwise):
     """Return `then` in the lanes where a < b, else `otherwise`."""
 
     def generate(context, builder, signature, arguments):
@@ -194,7 +209,7 @@ def scale_by_two_to(typing_context, value, shifted):
 
 
 @_instruction
-def rough_log(typing_context, value):
+def _rough_log(typing_context, value):
     """Return ln(value) to within 0.06, from the bits of a positive number: the exponent, and the mantissa as it is."""
 
     def generate(context, builder, signature, arguments):
@@ -205,8 +220,7 @@ def rough_log(typing_context, value):
     return VECTOR(VECTOR), generate
 
 
-@njit(cache=True, inline="always")
-def exponential(x):
+def _exponential(x):
     """Return exp(x) for -708 < x < 709: a power of two times the Taylor polynomial over half an octave to either side.
 
     The polynomial ends with x^12 / 12!; relative errors stay below 3e-16 (Cody & Waite's reduction of the argument).
@@ -220,18 +234,67 @@ def exponential(x):
     return scale_by_two_to(p, shifted)
 
 
-@njit(cache=True, inline="always")
-def log_of_one_plus(x):
-    """Return ln(1 + x) for x > -1 to rounding, and so all digits of a small x.
-
-    A power of two is taken out of 1 + x, so that the series 2 (z + z^3/3 + ...) = ln((1 + z) / (1 - z)) ends with z^23.
-    """
-    shifted = rough_log(1.0 + x) * (-_LOG2_E) + _ROUND
-    whole = shifted - _ROUND
-    scale = scale_by_two_to(splat(1.0), shifted)
-    z = (scale * x + (scale - 1.0)) / (scale * x + (scale + 1.0))
+@njit(cache=True)
+def _log_of_ratio(z):
+    """Return ln((1 + z) / (1 - z)) for a factor between root half and root two: 2 (z + z^3/3 + ... + z^23/23)."""
     square = z * z
     p = square * (2 / 23) + 2 / 21
     for k in range(19, 0, -2):
         p = p * square + 2 / k
-    return p * z - whole * (_LN2_HIGH + _LN2_LOW)
+    return p * z
+
+
+def _log_of_one_plus(x):
+    """Return ln(1 + x) for x > -1 to rounding, and so all digits of a small x; a power of two is taken out of 1 + x."""
+    shifted = rough_log(1.0 + x) * (-_LOG2_E) + _ROUND
+    whole = shifted - _ROUND
+    scale = scale_by_two_to(splat(1.0), shifted)
+    z = (scale * x + (scale - 1.0)) / (scale * x + (scale + 1.0))
+    return _log_of_ratio(z) - whole * (_LN2_HIGH + _LN2_LOW)
+
+
+def _logarithm(x):
+    """Return ln(x) of a normal positive number to rounding; a power of two is taken out."""
+    shifted = rough_log(x) * (-_LOG2_E) + _ROUND
+    whole = shifted - _ROUND
+    mantissa = scale_by_two_to(x, shifted)
+    return _log_of_ratio((mantissa - 1.0) / (mantissa + 1.0)) - whole * (_LN2_HIGH + _LN2_LOW)
+
+
+def _on_vectors(function: Callable[..., Any], own: Callable[..., Any]) -> None:
+    """Implement a function of one number for vectors."""
+
+    @overload(function, jit_options={"forceinline": True})
+    def implementation(x):
+        return own if isinstance(x, Vector) else None
+
+
+_on_vectors(exponential, _exponential)
+_on_vectors(log_of_one_plus, _log_of_one_plus)
+_on_vectors(arithmetic.logarithm, _logarithm)
+_on_vectors(rough_log, lambda x: _rough_log(x))
+_on_vectors(root, lambda x: _root(x))
+_on_vectors(magnitude, lambda x: _magnitude(x))
+_on_vectors(greatest, lambda x: _greatest(x))
+
+
+@overload(where_less)
+def _choice(a, b, then, otherwise):
+    if all(isinstance(argument, Vector) for argument in (a, b, then, otherwise)):
+        return lambda a, b, then, otherwise: _where_less(a, b, then, otherwise)
+    return None
+
+
+@overload(arithmetic.constant)
+def _constant_vector(x, value):
+    return (lambda x, value: splat(value)) if isinstance(x, Vector) else None
+
+
+@overload(arithmetic.entry)
+def _entry(row, k):
+    return (lambda row, k: load(row, k)) if isinstance(row, types.Array) and row.ndim == 2 else None
+
+
+@overload(arithmetic.whole)
+def _whole(row, k):
+    return (lambda row, k: int(row[k, 0])) if isinstance(row, types.Array) and row.ndim == 2 else None

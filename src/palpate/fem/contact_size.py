@@ -11,11 +11,13 @@ from palpate.fem.adhesion import GPA_UM
 from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
-from palpate.materials.radial import BULK, HARDENING, SHEAR, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.materials.flow.estimate import flow_stress, secant_compliance
+from palpate.materials.flow.row import BULK, SHEAR
 from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
 RADII = 81
+SOFTEST, BISECTIONS = 1e-12, 60
 LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
 
 
@@ -26,21 +28,15 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
     section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
     modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
     """
-    shear, bulk = coefficients[SHEAR], coefficients[1]
-    ratio = (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
-
-    def pressure(secant_shear: float) -> float:
-        return secant_shear * (1 + ratio) * slope / (1 - ratio**2)
-
-    p = pressure(shear)
-    for _ in range(30):
-        q = p / 3.0
-        strain = q / (2 * shear) + duration * coefficients[STEADY] * q ** (2 * coefficients[STEADY_EXPONENT] + 1)
-        for c_t, m_t, _t in coefficients[VOIGT:].reshape(-1, 3):
-            strain += c_t * q ** (2 * m_t + 1)
-        p = np.sqrt(p * pressure(q / (2 * strain)))
-    flow = coefficients[YIELD] + 0.2 * slope * coefficients[HARDENING]
-    return float(min(p, 2.8 * flow))
+    low, high = np.log(SOFTEST), 0.0  # of the pressure over that of an elastic body
+    elastic = 0.5 * slope * plane_strain_modulus(coefficients)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        p = elastic * np.exp(middle)
+        secant = 1.0 / secant_compliance(coefficients, p / 3.0, p, duration)
+        soft = secant < 2.0 * coefficients[SHEAR] * np.exp(middle)
+        low, high = (low, middle) if soft else (middle, high)
+    return float(min(p, 2.8 * flow_stress(coefficients, 0.2 * slope, p)))
 
 
 @lru_cache(maxsize=64)

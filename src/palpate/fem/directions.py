@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.fem.clock import Shift
 from palpate.fem.profile import Capped, Profile
-from palpate.materials.radial import HARDENING, STEADY, STEADY_EXPONENT, VOIGT, YIELD
+from palpate.fem.scalar_radial import HARDENING, STEADY, STEADY_EXPONENT, VOIGT, YIELD
 from palpate.specimen import Specimen
 
 SPHERE_EDGE = 0.99  # of its radius, beyond which a sphere continues flat, see `palpate.fem.profile.Capped`
@@ -103,7 +103,7 @@ def resisted_change(
 
 
 def weights_change(coefficients: np.ndarray, d_coefficients: np.ndarray, dt: float, d_dt: np.ndarray) -> np.ndarray:
-    """Return the changes (regions, w, p) of `palpate.materials.radial.step_weights`; the step `dt` changes too."""
+    """Return the changes (regions, w, p) of `palpate.fem.scalar_radial.step_weights`; the step `dt` changes too."""
     steady = 0.5 * (dt * d_coefficients[:, STEADY] + coefficients[:, STEADY, None] * d_dt)
     changes = [steady]
     for k in range(VOIGT, coefficients.shape[1], 3):

@@ -20,7 +20,7 @@ from numba import njit
 
 from palpate.fem import hencky, linear
 from palpate.fem.contact import CURVATURE, GAP, RATIO, RATIO_SLOPE, SLOPE
-from palpate.materials.radial import ALPHA, commit, history, invariant
+from palpate.fem.scalar_radial import ALPHA, commit, history, invariant
 
 DEPTH = 8  # the ninth unknown of an element that touches the indenter
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.fem.mesh import Mesh
 from palpate.fem.newton import Problem, State
-from palpate.materials.radial import BULK, STRESS
+from palpate.fem.scalar_radial import BULK, STRESS
 
 COMPONENTS = ("rr", "zz", "tt", "rz")
 

@@ -23,7 +23,7 @@ import math
 import numpy as np
 from numba import njit
 
-from palpate.materials.radial import BULK, invariant, solve_radial
+from palpate.fem.scalar_radial import BULK, invariant, solve_radial
 
 COS, SIN, L1, L2, L3, DIFFERENCE, SPREAD = range(7)
 

@@ -20,7 +20,7 @@ from palpate.fem.march import march_by
 from palpate.fem.mesh import Resolution, polar_mesh
 from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.fem.profile import Profile
-from palpate.fem.regions import laws_of, regions, resolved
+from palpate.fem.regions import laws_of, resolved
 from palpate.fem.sensitivity import Sensitivity
 from palpate.indenters import Indenter
 from palpate.protocol import Protocol
@@ -133,7 +133,7 @@ def indent_on(
     check_size(specimen, indenter, resolution, largest)
     mesh = polar_mesh(radii, resolution.sectors)
     specimen = resolved(specimen, indenter, radii[0])
-    law, region = laws_of(specimen), regions(specimen, mesh)
+    law, region = laws_of(specimen, mesh), np.zeros(len(mesh.elements), dtype=np.int64)
     adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh.nodes[mesh.surface, 0]))
     problem = Problem(mesh, Profile.of(indenter), specimen, law, region, large, indenter.friction, adhesion)
     work = Workspace.of(problem)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.materials.radial import BULK, invariant, solve_radial
+from palpate.fem.scalar_radial import BULK, invariant, solve_radial
 
 
 @njit(cache=True)

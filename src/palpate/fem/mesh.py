@@ -88,13 +88,40 @@ class Mesh:
         """Number of equations."""
         return int(self.equations.max()) + 1
 
-    def share_above(self, height: float, points: int = 6) -> np.ndarray:
-        """Return the share (m,) of each element's volume above z = `height` [um], by `points`^2 samples."""
-        ticks = (np.arange(points) + 0.5) / points
-        a, b = (grid.ravel() for grid in np.meshgrid(ticks, ticks))
-        shape = np.stack([(1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b])
-        r, z = np.moveaxis(self.nodes[self.elements], 2, 0) @ shape
-        return (r * (z > height)).sum(axis=1) / r.sum(axis=1)
+    def share_above(self, height: float) -> np.ndarray:
+        """Return the share (m,) of each element's volume of revolution above z = `height` [um], exactly."""
+        corners = self.nodes[self.elements]
+        halves = np.stack([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]], axis=1)
+        whole, above = revolved(halves, -np.inf), revolved(halves, height)
+        return above.sum(axis=1) / whole.sum(axis=1)
+
+
+def revolved(triangles: np.ndarray, height: float) -> np.ndarray:
+    """Return the integral of r over the part above z = `height` of triangles (..., 3 corners, r and z).
+
+    The part above a height is one corner's tip, or the triangle less the tip of the lowest corner.
+    """
+    order = np.argsort(triangles[..., 1], axis=-1)
+    r, z = (np.take_along_axis(triangles[..., k], order, axis=-1) for k in range(2))
+    edges = triangles[..., 1:, :] - triangles[..., :1, :]
+    area = 0.5 * np.abs(edges[..., 0, 0] * edges[..., 1, 1] - edges[..., 0, 1] * edges[..., 1, 0])
+    whole = area * r.mean(axis=-1)
+    bottom, middle, top = np.moveaxis(z, -1, 0)
+    below = _tip(r[..., [0, 1, 2]], z[..., [0, 1, 2]], height, area)
+    above = _tip(r[..., [2, 0, 1]], z[..., [2, 0, 1]], height, area)
+    partly = np.where(height < middle, whole - below, above)
+    return np.where(height <= bottom, whole, np.where(height >= top, 0.0, partly))
+
+
+def _tip(r: np.ndarray, z: np.ndarray, height: float, area: np.ndarray) -> np.ndarray:
+    """Return the integral of r over what a horizontal line at `height` cuts off with the first corner."""
+    level = np.clip(height, z.min(axis=-1), z.max(axis=-1))
+    one, two = (
+        np.divide(level - z[..., 0], z[..., k] - z[..., 0], out=np.ones_like(area), where=z[..., k] != z[..., 0])
+        for k in (1, 2)
+    )
+    mean = r[..., 0] + (one * (r[..., 1] - r[..., 0]) + two * (r[..., 2] - r[..., 0])) / 3.0
+    return area * one * two * mean
 
 
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:

@@ -15,8 +15,8 @@ from palpate.fem.element import assemble, begin_step, end_step
 from palpate.fem.linear import fixed_matrices
 from palpate.fem.mesh import Mesh
 from palpate.fem.profile import Profile
-from palpate.materials.radial import state_size, step_weights
-from palpate.specimen import Specimen, halfway, resisted
+from palpate.fem.scalar_radial import resisted, state_size, step_weights
+from palpate.specimen import Specimen, halfway
 
 ITERATIONS = 40  # the nodes that a rounded tip lets go before it lifts off take many
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
@@ -36,7 +36,7 @@ class Problem:
     profile : Profile
     specimen : Specimen
     coefficients : ndarray, shape (regions, c)
-        Law of each region at large depth, see `palpate.materials.radial`.
+        Law of each region at large depth, see `palpate.fem.scalar_radial`.
     region : ndarray of int, shape (m,)
         Region of each element.
     large : bool

@@ -9,7 +9,8 @@ import numpy as np
 
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
-from palpate.specimen import Specimen, series
+from palpate.materials.flow.row import in_series
+from palpate.specimen import Specimen
 
 
 class Divided(Protocol):
@@ -23,18 +24,15 @@ class Divided(Protocol):
         """Return the share (m,) of each element's volume above z = `height`."""
 
 
-def laws_of(specimen: Specimen) -> np.ndarray:
-    """Return the laws (regions, c): substrate and film in series, by shares of the film in steps of an eighth."""
+def laws_of(specimen: Specimen, mesh: Divided, unit: float = 1.0) -> np.ndarray:
+    """Return the law of the body (1, c), or that of each element (m, c) of a mesh in `unit` um.
+
+    An element that the interface cuts holds film and substrate in series, by their shares of its volume.
+    """
     if specimen.substrate is None:
         return specimen.coefficients[None, :]
-    return np.stack([series(specimen.coefficients, specimen.substrate, k / 8) for k in range(9)])
-
-
-def regions(specimen: Specimen, mesh: Divided, unit: float = 1.0) -> np.ndarray:
-    """Return the law of each element (m,), by the share of its volume above the interface; the mesh is in `unit` um."""
-    if specimen.substrate is None:
-        return np.zeros(len(mesh.elements), dtype=np.int64)
-    return np.rint(8 * mesh.share_above(-1e-3 * specimen.film_thickness / unit)).astype(np.int64)
+    share = mesh.share_above(-1e-3 * specimen.film_thickness / unit)
+    return in_series(specimen.coefficients, specimen.substrate, share)
 
 
 def resolved(specimen: Specimen, indenter: Indenter, first: float) -> Specimen:

@@ -14,8 +14,8 @@ from numba import njit
 
 from palpate.fem import hencky, linear
 from palpate.fem.hencky import COS, SIN
+from palpate.fem.scalar_radial import BULK
 from palpate.fem.sensitivity_point import freeze, hold, move, powers_of
-from palpate.materials.radial import BULK
 
 _linear_element = linear.element
 _hencky_element = hencky.element

@@ -1,6 +1,6 @@
 """Derivatives of the radial flow at one Gauss point by parameters, from the start of a step to its end.
 
-Differentiating the radial equation q phi(q) = rho of `palpate.materials.radial` at fixed time gives
+Differentiating the radial equation q phi(q) = rho of `palpate.fem.scalar_radial` at fixed time gives
 
     dq = (dq/drho) (R:dR/(2 rho) - d(q phi)|_q),      ds = (q/rho) dR + R d(q/rho),
 
@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
-from palpate.materials.radial import (
+from palpate.fem.scalar_radial import (
     ALPHA,
     HARDENING,
     PERMANENT,
@@ -61,7 +61,7 @@ def rate_change(power, coefficient, d_coefficient, exponent, d_exponent, log_q, 
 def freeze(e, g, state, change, row, d_row, weights, d_weights, powers):
     """Turn the derivative (s, p) of a point's state into that of what its history fixes in the next step, in place.
 
-    Afterwards its permanent and transient strains sum to the derivative of `palpate.materials.radial.history`.
+    Afterwards its permanent and transient strains sum to the derivative of `palpate.fem.scalar_radial.history`.
     """
     s0, s1, s2, s3 = state[e, g, 0], state[e, g, 1], state[e, g, 2], state[e, g, 3]
     q = invariant(s0, s1, s2, s3)

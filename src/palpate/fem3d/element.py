@@ -12,7 +12,7 @@ from numba import njit
 
 from palpate.fem3d import hencky, linear
 from palpate.fem3d.linear import COMPONENTS, DISPLACEMENTS
-from palpate.materials.radial import commit, history, length
+from palpate.materials.flow.point import commit, history
 
 DEPTH = DISPLACEMENTS  # the place of the depth, the twenty-fifth unknown of an element that touches the indenter
 SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
@@ -21,7 +21,7 @@ SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
 @njit(cache=True)
 def assemble(
     displacement, elements, equations, turn, gradients, volumes, region, coefficients, weights, past, alpha, guesses,
-    local, large, geometric, contact, rule, slot, band, residual, border, force, pressing,
+    pressure, local, large, geometric, contact, rule, slot, band, residual, border, force, pressing,
 ):  # fmt: skip
     """Assemble the constrained system, still without friction, at the given displacements.
 
@@ -34,11 +34,13 @@ def assemble(
     region : ndarray of int, shape (m,)
         The law of each element.
     coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
-        The laws and what the time step makes of them, see `palpate.materials.radial`.
+        The laws and what the time step makes of them, see `palpate.materials.flow.row`.
     past, local : ndarray, shape (m, 8, 6)
         Strain fixed by the history at each Gauss point; out: the tensor R of the radial equation.
     alpha, guesses : ndarray, shape (m, 8)
         Accumulated plastic strain at the start of the step; last q, updated here.
+    pressure : ndarray, shape (m,)
+        Out: of each element [GPa], positive in compression.
     large : bool
         Logarithmic instead of linear strains.
     geometric : bool
@@ -87,10 +89,12 @@ def assemble(
             u[a, 2] = displacement[node, 2]
             equation[3 * a : 3 * a + 3] = equations[node]
         points = past[e], alpha[e], guesses[e], weights[region[e]], coefficients[region[e]], local[e]
-        if not large:
-            linear.element(gradients[e], volumes[e], u, *points, ke, fe)
-        elif not hencky.element(gradients[e], volumes[e], u, *points, ke, fe, geometric):
-            return np.nan
+        if large:
+            pressure[e] = hencky.element(gradients[e], volumes[e], u, *points, ke, fe, geometric)
+            if np.isnan(pressure[e]):
+                return np.nan
+        else:
+            pressure[e] = linear.element(gradients[e], volumes[e], u, *points, ke, fe)
         touching = False
         for a in range(8):
             node = elements[e, a]
@@ -204,9 +208,9 @@ def begin_step(state, region, coefficients, weights, past, alpha):
 
 
 @njit(cache=True)
-def end_step(local, solution, region, coefficients, weights, state):
-    """Advance `state` (m, 8, k) in place with the tensors R and invariants q of the converged step."""
+def end_step(local, solution, pressure, region, coefficients, weights, state):
+    """Advance `state` (m, 8, k) in place with the tensors R, invariants q and pressures of the converged step."""
     for e in range(state.shape[0]):
         for g in range(8):
-            rho = length(local[e, g], COMPONENTS)
-            commit(state[e, g], local[e, g], solution[e, g], rho, weights[region[e]], coefficients[region[e]])
+            law = coefficients[region[e]]
+            commit(state[e, g], local[e, g], solution[e, g], pressure[e], weights[region[e]], law)

@@ -12,7 +12,8 @@ from palpate.fem.fields import Fields
 from palpate.fem3d.hencky import PLACE
 from palpate.fem3d.linear import COMPONENTS
 from palpate.fem3d.newton import Problem, State
-from palpate.materials.radial import BULK, STRESS
+from palpate.materials.flow.point import STRESS
+from palpate.materials.flow.row import BULK
 
 NAMES = ("xx", "yy", "zz", "xy", "yz", "zx")
 CLOSE = 1e-6  # relative distance of squared stretches below which their divided difference is its limit

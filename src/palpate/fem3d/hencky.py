@@ -19,7 +19,8 @@ import numpy as np
 from numba import njit
 
 from palpate.fem3d.linear import COMPONENTS, DISPLACEMENTS
-from palpate.materials.radial import BULK, length, solve_radial
+from palpate.materials.flow.point import length, solve
+from palpate.materials.flow.row import BULK
 
 PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])  # of each entry of a tensor among its components
 CLOSE_PAIR, CLOSE_TRIPLE = 1e-3, 1e-2  # relative distance below which divided differences are series
@@ -191,19 +192,20 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
 
     Returns
     -------
-    bool
-        False when the deformation turns the element inside out.
+    float
+        Pressure of the element [GPa], positive in compression; NaN when the deformation turns it inside out.
     """
     strain, squared = np.empty((8, 3)), np.empty((8, 3))
     axes, images = np.empty((8, 3, 3)), np.empty((8, 3, 3))
     pairs, triples = np.empty((8, 3, 3)), np.empty((3, 3, 3))
     b, along = np.empty((8, COMPONENTS, DISPLACEMENTS)), np.empty((8, 8, 3))
+    squeeze = np.zeros(DISPLACEMENTS)
     trace, r, stress = np.zeros(DISPLACEMENTS), np.empty(COMPONENTS), np.empty(COMPONENTS)
     moduli, image = np.empty((COMPONENTS, COMPONENTS)), np.empty(COMPONENTS)
     volume, dilatation = volumes.sum(), 0.0
     for g in range(8):
         if not strain_at(gradients[g], u, strain[g], squared[g], axes[g], images[g]):
-            return False
+            return np.nan
         write_pairs(strain[g], squared[g], pairs[g])
         write_slopes(gradients[g], axes[g], images[g], pairs[g], b[g], along[g])
         dilatation += volumes[g] / volume * strain[g].sum()
@@ -231,7 +233,7 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
                     for c in range(3):
                         local[g, PLACE[i, j]] += axes[g, i, a] * r[PLACE[a, c]] * axes[g, j, c]
         rho = length(r, COMPONENTS)
-        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
+        q, slope, push = solve(rho, guesses[g], alpha[g], -pressure, weights, row)
         guesses[g] = q
         ratio = q / rho if rho > 0.0 else slope
         write_moduli(r, ratio, 0.5 * (slope - ratio) / (rho * rho) if rho > 0.0 else 0.0, moduli)
@@ -241,13 +243,15 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
             write_triples(squared[g], pairs[g], triples)
             add_curvature(stress, pairs[g], triples, moduli)
             _add_initial_stress(along[g], stress, pairs[g], present, ke)
-        slopes = b[g]
+        slopes, pushed = b[g], present * push * row[BULK] / rho if rho > 0.0 else 0.0
         for i in range(DISPLACEMENTS):
             for c in range(COMPONENTS):
                 image[c] = 0.0
                 for d in range(COMPONENTS):
                     image[c] += present * moduli[c, d] * slopes[d, i]
-                fe[i] += present * ratio * r[c] * slopes[c, i] * (1.0 if c < 3 else 2.0)
+                along = r[c] * slopes[c, i] * (1.0 if c < 3 else 2.0)
+                fe[i] += present * ratio * along
+                squeeze[i] += pushed * along
             m0, m1, m2, m3, m4, m5 = image
             for j in range(i + 1):
                 normal = m0 * slopes[0, j] + m1 * slopes[1, j] + m2 * slopes[2, j]
@@ -255,9 +259,10 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
     for i in range(DISPLACEMENTS):
         for j in range(i + 1):
             if geometric:
-                ke[i, j] += 0.5 * (fe[i] * trace[j] + trace[i] * fe[j]) / volume
+                first, second = fe[i] - squeeze[i], fe[j] - squeeze[j]
+                ke[i, j] += 0.5 * (first * trace[j] + trace[i] * second) / volume
             ke[j, i] = ke[i, j]
-    return True
+    return -pressure
 
 
 @njit(cache=True)

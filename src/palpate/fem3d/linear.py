@@ -6,7 +6,8 @@ the displacements i of node a and j of node b is a sum over the Gauss points,
 
     K_ai,bj = sum w (q/rho) (delta_ij g_a.g_b/2 + g_aj g_bi/2 - g_ai g_bj/3) + w (dq/drho - q/rho)/(2 rho^2) v_ai v_bj,
 
-so all that must be summed is g_ai g_bj and v_ai v_bj with their weights.
+so all that must be summed is g_ai g_bj and v_ai v_bj with their weights. Where the pressure acts on the flow, its
+derivative dq/dp adds the symmetric half of an unsymmetric part.
 """
 
 from __future__ import annotations
@@ -14,24 +15,38 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from palpate.materials.radial import BULK, length, solve_radial
+from palpate.materials.flow.point import length, solve
+from palpate.materials.flow.row import BULK
 
 COMPONENTS, DISPLACEMENTS = 6, 24
 
 
 @njit(cache=True)
 def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
-    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q."""
+    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q.
+
+    Returns
+    -------
+    float
+        Pressure of the element [GPa], positive in compression.
+    """
     volume = volumes.sum()
     mean = np.zeros(DISPLACEMENTS)
     v = np.empty(DISPLACEMENTS)
     sums = np.zeros((DISPLACEMENTS, DISPLACEMENTS))
     rank_one = np.zeros((DISPLACEMENTS, DISPLACEMENTS))
-    force = np.zeros(DISPLACEMENTS)
+    force, squeeze = np.zeros(DISPLACEMENTS), np.zeros(DISPLACEMENTS)
     for g in range(8):
         flat = gradients[g].reshape(DISPLACEMENTS)
         for i in range(DISPLACEMENTS):
             mean[i] += volumes[g] / volume * flat[i]
+    theta = 0.0
+    for a in range(8):
+        for i in range(3):
+            theta += mean[3 * a + i] * u[a, i]
+    pressure = -row[BULK] * theta
+    for g in range(8):
+        flat = gradients[g].reshape(DISPLACEMENTS)
         local[g] = -past[g]
         for a in range(8):
             gx, gy, gz = gradients[g, a]
@@ -47,7 +62,7 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
             local[g, i] -= third
         xx, yy, zz, xy, yz, zx = local[g]
         rho = length(local[g], COMPONENTS)
-        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
+        q, slope, push = solve(rho, guesses[g], alpha[g], pressure, weights, row)
         guesses[g] = q
         ratio = q / rho if rho > 0.0 else slope
         for a in range(8):
@@ -57,16 +72,14 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
             v[3 * a + 2] = zx * gx + yz * gy + zz * gz
         radial = volumes[g] * ratio
         extra = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
+        pushed = 0.5 * volumes[g] * push * row[BULK] / rho if rho > 0.0 else 0.0
         for i in range(DISPLACEMENTS):
             force[i] += radial * v[i]
+            squeeze[i] += pushed * v[i]
             s, t = radial * flat[i], extra * v[i]
             for j in range(DISPLACEMENTS):
                 sums[i, j] += s * flat[j]
                 rank_one[i, j] += t * v[j]
-    theta = 0.0
-    for a in range(8):
-        for i in range(3):
-            theta += mean[3 * a + i] * u[a, i]
     stiffness = row[BULK] * volume
     for i in range(DISPLACEMENTS):
         fe[i] = force[i] + stiffness * theta * mean[i]
@@ -81,4 +94,6 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
                     value = 0.5 * sums[3 * a + j, 3 * b + i] - sums[p, r] / 3.0
                     if i == j:
                         value += 0.5 * trace
+                    value -= mean[p] * squeeze[r] + squeeze[p] * mean[r]
                     ke[p, r] = value + rank_one[p, r] + stiffness * mean[p] * mean[r]
+    return pressure

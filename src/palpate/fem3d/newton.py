@@ -10,7 +10,7 @@ from palpate.errors import ConvergenceError
 from palpate.fem import banded
 from palpate.fem.adhesion import Adhesion, grown
 from palpate.fem.newton import ADHESIVE_ITERATIONS, STRIDE, TOLERANCE, Search, newton_direction, retreat
-from palpate.fem.regions import laws_of, regions
+from palpate.fem.regions import laws_of
 from palpate.fem3d.adhesion import attract
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.coupled import Coupling, coupled_direction
@@ -18,8 +18,9 @@ from palpate.fem3d.element import CURVATURE_11, CURVATURE_22, assemble, begin_st
 from palpate.fem3d.linear import COMPONENTS
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
-from palpate.materials.radial import state_size, step_weights
-from palpate.specimen import Specimen, halfway, resisted
+from palpate.materials.flow.point import state_size
+from palpate.materials.flow.row import step_weights
+from palpate.specimen import Specimen, halfway
 
 ITERATIONS = 40
 SIXTH = 6.0  # of the load acts on the wedge
@@ -35,7 +36,7 @@ class Problem:
     tip : Tip
     specimen : Specimen
     coefficients : ndarray, shape (regions, c)
-        Law of each region at large depth, see `palpate.materials.radial`.
+        Law of each region, see `palpate.materials.flow.row`.
     region : ndarray of int, shape (m,)
         Region of each element.
     friction : float
@@ -66,7 +67,9 @@ class Problem:
         adhesion: Adhesion | None = None,
     ) -> Problem:
         """Divide the specimen into its regions."""
-        return cls(mesh, tip, specimen, laws_of(specimen), regions(specimen, mesh), friction, large, adhesion)
+        laws, elements = laws_of(specimen, mesh), np.arange(len(mesh.elements))
+        region = elements if len(laws) > 1 else np.zeros_like(elements)
+        return cls(mesh, tip, specimen, laws, region, friction, large, adhesion)
 
     @property
     def hold(self) -> np.ndarray:
@@ -128,6 +131,7 @@ class Workspace:
     border: np.ndarray
     past: np.ndarray
     alpha: np.ndarray
+    pressure: np.ndarray
     local: np.ndarray
     slot: np.ndarray
     pressing: np.ndarray
@@ -146,6 +150,7 @@ class Workspace:
             np.empty((mesh.size, 2)),
             np.empty((m, 8, COMPONENTS)),
             np.empty((m, 8)),
+            np.empty(m),
             np.empty((m, 8, COMPONENTS)),
             slot,
             np.empty((k if problem.friction > 0.0 else 0, 2 * mesh.bandwidth + 2)),
@@ -181,8 +186,8 @@ def advance(
     """
     mesh, share, part = problem.mesh, load / SIXTH, scale / SIXTH
     midway = halfway(state.depth, state.load, load)
-    coefficients = resisted(problem.coefficients, problem.specimen.resistance(1e3 * midway))
-    weights = np.stack([step_weights(row, time - state.time) for row in coefficients])
+    coefficients = problem.coefficients
+    weights = step_weights(coefficients, time - state.time, problem.specimen.resistance(1e3 * midway))
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
     contact = Contact.resume(problem, state, guess)
@@ -197,7 +202,7 @@ def advance(
         contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= geometric
         corner = assemble(
             displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, problem.region,
-            coefficients, weights, work.past, work.alpha, guesses, work.local, problem.large, geometric,
+            coefficients, weights, work.past, work.alpha, guesses, work.pressure, work.local, problem.large, geometric,
             contact.touching, contact.rule, work.slot, work.band, work.residual, work.border[:, 0], force,
             work.pressing,
         )  # fmt: skip
@@ -221,7 +226,7 @@ def advance(
         norm = np.abs(forces).max() / part
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
-            end_step(work.local, guesses, problem.region, coefficients, weights, material)
+            end_step(work.local, guesses, work.pressure, problem.region, coefficients, weights, material)
             anchor = contact.anchors(displacement)
             return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
         if search is not None and same and (shorter := search.shorten(forces)) != 0.0:

@@ -1,23 +1,27 @@
-"""Bilinear elastic-plastic solid: Hooke, J2 yielding, linear isotropic hardening, sigma = sigma_Y + H eps_p."""
+"""Bilinear elastic-plastic solid: Hooke, J2 yielding, linear isotropic hardening, sigma = sigma_Y + H alpha."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-import numpy as np
-
-from palpate.materials.law import POISSON_RATIO, YOUNGS_MODULUS, Law, elastic_coefficients
+from palpate.materials.flow.arithmetic import constant, entry
+from palpate.materials.flow.registry import strength
+from palpate.materials.law import Law, Yield
 from palpate.parameters import Parameter
 
-PLASTIC = (
-    Parameter("yield_stress", r"\sigma_Y", "GPa", 1e-9, 1e3, "yield stress in uniaxial tension"),
-    Parameter("hardening", "H", "GPa", 0.0, 1e3, "plastic modulus d sigma / d eps_p"),
+YIELD_STRESS = Parameter("yield_stress", r"\sigma_Y", "GPa", 1e-9, 1e3, "yield stress in uniaxial tension")
+HARDENING = Parameter("hardening", "H", "GPa", 0.0, 1e3, "plastic modulus d sigma / d eps_p")
+PLASTIC = (YIELD_STRESS, HARDENING)
+
+
+@strength
+def linear_hardening(law, at, alpha, pressure):
+    """Return sigma_Y + H alpha [GPa] and its derivatives."""
+    sigma_y, hardening = entry(law, at), entry(law, at + 1)
+    return sigma_y + hardening * alpha, hardening, constant(alpha, 0.0)
+
+
+LAW = Law(
+    "bilinear_plasticity",
+    "bilinear plasticity",
+    PLASTIC,
+    lambda values: [Yield(linear_hardening, [values[p.name] for p in PLASTIC])],
 )
-
-
-def coefficients(values: Mapping[str, float]) -> np.ndarray:
-    """Map checked values to the radial equation."""
-    return np.array([*elastic_coefficients(values), 0.0, 0.0, values["yield_stress"], values["hardening"]])
-
-
-LAW = Law("bilinear_plasticity", "bilinear plasticity", (YOUNGS_MODULUS, POISSON_RATIO, *PLASTIC), coefficients)

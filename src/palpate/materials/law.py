@@ -1,22 +1,118 @@
-"""What a constitutive law declares: its key, its parameters, and its coefficients for the radial equation."""
+"""What a constitutive law declares: its key, its parameters, and the terms of its flow."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from palpate.materials.flow.registry import number_of
+from palpate.materials.flow.row import CREEP, LINEAR, PLASTIC, VOIGT, block, packed
 from palpate.parameters import Parameter, check_values
 
 YOUNGS_MODULUS = Parameter("youngs_modulus", "E", "GPa", 1e-6, 2000.0, "Young's modulus")
 POISSON_RATIO = Parameter("poisson_ratio", r"\nu", "-", 0.0, 0.4999, "Poisson's ratio")
-NO_YIELD = 1e30
+ELASTIC = (YOUNGS_MODULUS, POISSON_RATIO)
+
+
+@dataclass(frozen=True)
+class Creep:
+    """Flow at the rate d e/dt = phi(q, p) s.
+
+    Parameters
+    ----------
+    fluidity
+        phi [1/GPa/s], see `palpate.materials.flow.registry.fluidity`.
+    numbers
+        What it reads of the row.
+    pressed
+        Whether it depends on the pressure.
+    """
+
+    fluidity: Callable[..., object]
+    numbers: Sequence[float]
+    pressed: bool = False
+
+    @property
+    def block(self) -> list[float]:
+        """Block of a row, see `palpate.materials.flow.row`."""
+        return block(CREEP, number_of(self.fluidity), 0.0, self.numbers)
+
+
+@dataclass(frozen=True)
+class Voigt:
+    """A Voigt element, d e/dt + e/t = phi(q, p) s / t.
+
+    Parameters
+    ----------
+    time
+        Retardation time [s].
+    fluidity, numbers, pressed
+        As for `Creep`, phi in 1/GPa.
+    """
+
+    time: float
+    fluidity: Callable[..., object]
+    numbers: Sequence[float]
+    pressed: bool = False
+
+    @property
+    def block(self) -> list[float]:
+        """Block of a row, see `palpate.materials.flow.row`."""
+        return block(VOIGT, number_of(self.fluidity), self.time, self.numbers)
+
+
+@dataclass(frozen=True)
+class LinearVoigt:
+    """A linear Voigt element, d e/dt + e/t = J s / t; any number of them costs as much as one.
+
+    Parameters
+    ----------
+    time
+        Retardation time t [s].
+    compliance
+        J [1/GPa].
+    """
+
+    time: float
+    compliance: float
+    pressed: bool = field(default=False, init=False)
+
+    @property
+    def block(self) -> list[float]:
+        """Block of a row, see `palpate.materials.flow.row`."""
+        return block(LINEAR, 0, self.time, [self.compliance])
+
+
+@dataclass(frozen=True)
+class Yield:
+    """Rate-independent flow, sqrt(3) q <= sigma(alpha, p).
+
+    Parameters
+    ----------
+    strength
+        sigma [GPa], see `palpate.materials.flow.registry.strength`.
+    numbers, pressed
+        As for `Creep`.
+    """
+
+    strength: Callable[..., object]
+    numbers: Sequence[float]
+    pressed: bool = False
+
+    @property
+    def block(self) -> list[float]:
+        """Block of a row, see `palpate.materials.flow.row`."""
+        return block(PLASTIC, number_of(self.strength), 0.0, self.numbers)
+
+
+Term = Creep | Voigt | LinearVoigt | Yield
 
 
 @dataclass(frozen=True)
 class Law:
-    """A constitutive law of the radial family.
+    """A constitutive law: Hooke's law and the strains of some terms, under the same stress.
 
     Parameters
     ----------
@@ -24,35 +120,43 @@ class Law:
         Name used in configurations.
     title
         Name used on figures.
-    parameters
-        Everything a user may give.
-    to_coefficients
-        Maps checked values by name to the coefficients of `palpate.materials.radial` (G, K, C_s, m_s, sigma_Y, H,
-        then C_t, m_t, t_eps of each Voigt element).
+    flow
+        Parameters besides the elastic ones, `ELASTIC`.
+    terms
+        Maps checked values by name to the terms of the flow.
     extend
-        Maps the names a user gives to the parameters declared, for laws with any number of elements.
+        Maps the names a user gives to the parameters of the flow, for laws with any number of elements.
+    parts
+        Keys of the laws that it joins; its own by default.
     """
 
     key: str
     title: str
-    parameters: tuple[Parameter, ...]
-    to_coefficients: Callable[[Mapping[str, float]], np.ndarray]
+    flow: tuple[Parameter, ...]
+    terms: Callable[[Mapping[str, float]], Sequence[Term]]
     extend: Callable[[Mapping[str, object]], tuple[Parameter, ...]] | None = None
+    parts: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parts", self.parts or (self.key,))
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters, of a law with as few elements as may be."""
+        return (*ELASTIC, *self.flow)
 
     def declared(self, values: Mapping[str, object]) -> tuple[Parameter, ...]:
         """Return the parameters of the law as `values` spells it out."""
-        return self.extend(values) if self.extend else self.parameters
+        return (*ELASTIC, *(self.extend(values) if self.extend else self.flow))
 
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""
         return check_values(self.declared(values), values, f"material model {self.key}")
 
     def coefficients(self, values: Mapping[str, object]) -> np.ndarray:
-        """Return the coefficients of the radial equation for `values`; raises `InputError`."""
-        return self.to_coefficients(self.check(values))
-
-
-def elastic_coefficients(values: Mapping[str, float]) -> list[float]:
-    """Return G and K [GPa] from `youngs_modulus` and `poisson_ratio`."""
-    modulus, ratio = values["youngs_modulus"], values["poisson_ratio"]
-    return [modulus / (2 * (1 + ratio)), modulus / (3 * (1 - 2 * ratio))]
+        """Return the row (c,) of `palpate.materials.flow.row` for `values`; raises `InputError`."""
+        checked = self.check(values)
+        modulus, ratio = checked["youngs_modulus"], checked["poisson_ratio"]
+        terms = self.terms(checked)
+        shear, bulk = modulus / (2 * (1 + ratio)), modulus / (3 * (1 - 2 * ratio))
+        return packed(shear, bulk, [term.block for term in terms], any(term.pressed for term in terms))

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
-from palpate.materials.law import NO_YIELD, POISSON_RATIO, YOUNGS_MODULUS, Law, elastic_coefficients
+from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
+from palpate.materials.flow.registry import fluidity
+from palpate.materials.law import Creep, Law, Term, Voigt
 from palpate.parameters import Parameter
 
 STEADY = (
@@ -24,6 +24,16 @@ VOIGT = (
     Parameter("transient_exponent", "m_t", "-", 0.0, 10.0, "exponent of J2 in transient creep"),
     Parameter("retardation_time", r"t_\epsilon", "s", 1e-6, 1e9, "retardation time of the Voigt element"),
 )
+
+
+@fluidity
+def power_of_stress(law, at, q, log_q, pressure):
+    """Return C J2^m = C q^(2 m), its derivatives by ln q, and none by the pressure."""
+    coefficient, exponent = entry(law, at), entry(law, at + 1)
+    power, lowest = exponent * log_q, constant(q, -700.0)
+    value = coefficient * exponential(where_less(power, lowest, lowest, power))
+    slope = exponent * value
+    return value, slope, exponent * slope, constant(q, 0.0)
 
 
 def voigt_elements(values: Mapping[str, object]) -> tuple[Parameter, ...]:
@@ -39,20 +49,18 @@ def voigt_elements(values: Mapping[str, object]) -> tuple[Parameter, ...]:
     return VOIGT + further
 
 
-def voigt_coefficients(values: Mapping[str, float]) -> list[float]:
-    """Return C_t, m_t, t_eps of each Voigt element, in order."""
-    return [values[p.name] for p in voigt_elements(values)]
+def terms(values: Mapping[str, float]) -> list[Term]:
+    """Return steady creep and the Voigt elements, in order."""
+    numbers = [values[p.name] for p in voigt_elements(values)]
+    steady = Creep(power_of_stress, (values["steady_coefficient"], 2.0 * values["steady_exponent"]))
+    elements = zip(numbers[::3], numbers[1::3], numbers[2::3], strict=True)
+    return [steady, *(Voigt(t_eps, power_of_stress, (c_t, 2.0 * m_t)) for c_t, m_t, t_eps in elements)]
 
 
-def declared(values: Mapping[str, object]) -> tuple[Parameter, ...]:
-    """Return every parameter of the law with as many Voigt elements as `values` names."""
-    return (YOUNGS_MODULUS, POISSON_RATIO, *STEADY, *voigt_elements(values))
-
-
-def coefficients(values: Mapping[str, float]) -> np.ndarray:
-    """Map checked values to the radial equation."""
-    steady = [values["steady_coefficient"], values["steady_exponent"]]
-    return np.array([*elastic_coefficients(values), *steady, NO_YIELD, 0.0, *voigt_coefficients(values)])
-
-
-LAW = Law("nonlinear_burgers", "nonlinear Burgers", declared({}), coefficients, declared)
+LAW = Law(
+    "nonlinear_burgers",
+    "nonlinear Burgers",
+    STEADY + VOIGT,
+    terms,
+    lambda values: (*STEADY, *voigt_elements(values)),
+)

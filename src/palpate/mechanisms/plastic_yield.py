@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.materials.bilinear_plasticity import PLASTIC
+from palpate.materials.bilinear_plasticity import LAW, PLASTIC
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.specification import Specification
 
@@ -20,13 +20,14 @@ def from_search(values: Values, scale: Scale) -> Values:
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Put yielding beside the creep."""
-    if specification.model != "nonlinear_burgers":
+    if specification.specimen.yields:
         raise InputError(
-            f"plastic_yield does not apply to {specification.model}",
-            remedy="use nonlinear_burgers",
+            f"plastic_yield does not apply to {specification.model}, which yields already",
+            remedy="use a law without a yield stress",
             place="mechanisms.plastic_yield",
         )
-    return replace(specification, model="burgers_plasticity", parameters={**specification.parameters, **values})
+    model = f"{specification.model}+{LAW.key}"
+    return replace(specification, model=model, parameters={**specification.parameters, **values})
 
 
 MECHANISM = Mechanism(

@@ -177,3 +177,14 @@ def commit(state, residual, q, rho, weights, coefficients):
         new = ratio * residual[i]
         state[components + i] += steady_old * state[i] + (steady_new + flow) * new
         state[i] = new
+
+
+def resisted(coefficients: np.ndarray, resistance: float) -> np.ndarray:
+    """Return the laws (..., c) whose inelastic rates at stress s are those of `coefficients` at s / resistance."""
+    if resistance == 1.0:
+        return coefficients
+    laws = coefficients.copy()
+    laws[..., STEADY] *= resistance ** -(2 * laws[..., STEADY_EXPONENT] + 1)
+    laws[..., VOIGT::3] *= resistance ** -(2 * laws[..., VOIGT + 1 :: 3] + 1)
+    laws[..., [YIELD, HARDENING]] *= resistance
+    return laws

@@ -1,0 +1,43 @@
+"""Yielding that pressure impedes (Drucker-Prager) with isochoric flow: sigma_e = sigma_Y + H alpha + mu p.
+
+The pressure p is positive in compression. Where tension would take the yield stress below a hundredth of sigma_Y, it
+stays there: flow without a change of volume knows no apex.
+
+Source: D.C. Drucker and W. Prager, Q. Appl. Math. 10 (1952) 157-165; P.B. Bowden and J.A. Jukes, J. Mater. Sci. 7
+(1972) 52-63, for polymers.
+"""
+
+from __future__ import annotations
+
+from palpate.materials.bilinear_plasticity import HARDENING, YIELD_STRESS
+from palpate.materials.flow.arithmetic import constant, entry, where_less
+from palpate.materials.flow.registry import strength
+from palpate.materials.law import Law, Yield
+from palpate.parameters import Parameter
+
+FLOW = (
+    YIELD_STRESS,
+    HARDENING,
+    Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "rise of the yield stress with pressure"),
+)
+LEAST = 0.01  # of sigma_Y
+
+
+@strength
+def pressed_hardening(law, at, alpha, pressure):
+    """Return sigma_Y + H alpha + mu p [GPa] and its derivatives."""
+    sigma_y, hardening, mu = entry(law, at), entry(law, at + 1), entry(law, at + 2)
+    stress, least, none = sigma_y + hardening * alpha + mu * pressure, LEAST * sigma_y, constant(alpha, 0.0)
+    return (
+        where_less(stress, least, least, stress),
+        where_less(stress, least, none, hardening),
+        where_less(stress, least, none, mu),
+    )
+
+
+LAW = Law(
+    "drucker_prager",
+    "Drucker-Prager",
+    FLOW,
+    lambda values: [Yield(pressed_hardening, [values[p.name] for p in FLOW], pressed=True)],
+)

@@ -1,0 +1,42 @@
+"""What a law does under a constant stress, roughly: for sizes of meshes, before anything is simulated."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from palpate.materials.flow.registry import FLUIDITIES, STRENGTHS
+from palpate.materials.flow.row import CREEP, FUNCTION, LINEAR, NUMBERS, SHARE, SHEAR, VOIGT, YIELD, blocks_of, yields
+
+HELD = 2.0 / 3.0  # of the yield stress that a mean contact pressure exceeds the pressure in the material by
+
+
+def secant_compliance(row: np.ndarray, q: float, pressure: float, duration: float) -> float:
+    """Return the deviatoric strain over the stress q = sqrt(s:s/2) [1/GPa] after it has acted for a `duration` [s].
+
+    Voigt elements count as fully retarded, and plastic flow not at all.
+    """
+    flow = 0.0
+    for term in blocks_of(row):
+        if term.kind in (CREEP, VOIGT):
+            value, *_ = FLUIDITIES[term.function](row, term.at + NUMBERS, q, math.log(q), pressure)
+            flow += value * (duration if term.kind == CREEP else 1.0)
+        elif term.kind == LINEAR:
+            flow += row[term.at + NUMBERS]
+    return float(0.5 / row[SHEAR] + row[SHARE] * flow)
+
+
+def flow_stress(row: np.ndarray, strain: float, pressure: float) -> float:
+    """Return the yield stress [GPa] after a plastic `strain` under a contact, whose mean pressure is 2.8 times it.
+
+    It is infinite without one. The contact's pressure is at most `pressure` [GPa].
+    """
+    if not yields(row):
+        return math.inf
+    at = int(row[YIELD])
+    stress = 0.0
+    for _ in range(20):
+        within = min((2.8 - HELD) * stress, pressure)
+        stress, *_ = STRENGTHS[int(row[at + FUNCTION])](row, at + NUMBERS, strain, within)
+    return float(stress)

@@ -1,0 +1,192 @@
+"""Radial flow: the one scalar equation behind every law of the project, for one point or for the lanes of a vector.
+
+Every inelastic rate here is parallel to the deviatoric stress s, so the implicit update needs one unknown,
+q = sqrt(s:s/2). With the deviatoric strain e split into elastic, creep, Voigt and plastic parts, a step ends with
+
+    V(q, p) + (sqrt(3)/2) dalpha = rho,   s = (q/rho) R,   rho = sqrt(R:R/2),
+    V = q/(2G) + sum_i (dt/2) phi_i(q, p) q + sum_k c_k phi_k(q, p) q,
+
+where R is e less all that the history fixes and the phi are fluidities of the terms. The pressure p is that of the
+element, p = -K tr(eps), so that the update stays radial. Creep rates are trapezoidal in time; a Voigt strain is
+integrated exactly for a driving term linear in time,
+
+    e_t(t+dt) = a e_t(t) + b f(t) + c f(t+dt),   f = phi s,   a = exp(-x),  c = 1 - (1-a)/x,  b = (1-a)/x - a,
+
+with x = dt/t_eps, so it is second order for small steps and stable for steps much longer than t_eps. Plastic flow is
+rate-independent, sqrt(3) q = sigma(alpha, p). Where a resistance r acts, a term flows at the stress over r.
+
+The unknown is y = ln q. On doubly logarithmic axes every power law is straight and every law here convex, so that
+Newton's method for ln(V/rho) = 0 converges from above, and for power laws at once. The term of second order that
+Halley's method adds leaves an error of third order; near the solution ln(V/rho) is 2 (z + z^3/3 + ...) with
+z = (V - rho)/(V + rho), and no logarithm is needed. With plastic flow the unknown is ln(dalpha), since a yield stress
+may begin with an infinite slope or end with none; brackets guard Newton's method.
+
+Source: radial return after Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from palpate.materials.flow.arithmetic import (
+    constant,
+    entry,
+    exponential,
+    greatest,
+    logarithm,
+    magnitude,
+    rough_log,
+    where_less,
+    whole,
+)
+from palpate.materials.flow.dispatch import fluidity_of, strength_of
+from palpate.materials.flow.row import (
+    ACTIVE,
+    COMPLIANCE,
+    FACTORS,
+    FIRST,
+    FUNCTION,
+    INVERSE_RESISTANCE,
+    LOG_RESISTANCE,
+    NUMBERS,
+    PER_TERM,
+    SHARE,
+    SHEAR,
+    SIZE,
+    YIELD,
+)
+
+ITERATIONS = 60
+TOLERANCE = 1e-5  # of ln q; the change that is smaller is still made, so the error left is of its third power
+SQUARED = 1e-7  # of rho, with plastic flow: the error left is of its second power
+NOTHING = 1e-150  # stands for rho = 0, so that the direction R / rho exists
+UNKNOWN = -300.0  # below it ln q is no guess
+FAR = 0.6  # value of z beyond which the logarithm of V/rho is taken
+DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends where its exponential would overflow
+DEEP = 80.0  # range of ln(dalpha) below its largest value
+HARDENING = 1e-9  # of G, least hardening in the tangent
+ROOT3 = math.sqrt(3.0)
+
+
+@njit(cache=True, forceinline=True)
+def compliance(q, log_q, pressure, law, step):
+    """Return V/q, its first and second derivative by ln q, and its derivative by the pressure."""
+    inverse = entry(step, INVERSE_RESISTANCE)
+    q, log_q, pressure = q * inverse, log_q - entry(step, LOG_RESISTANCE), pressure * inverse
+    total = entry(step, COMPLIANCE)
+    slope, curve, push = constant(total, 0.0), constant(total, 0.0), constant(total, 0.0)
+    at, k, end = FIRST, FACTORS, whole(law, ACTIVE)
+    while at < end:
+        value, first, second, by_pressure = fluidity_of(
+            whole(law, at + FUNCTION), law, at + NUMBERS, q, log_q, pressure
+        )
+        factor = entry(step, k)
+        total, slope = total + factor * value, slope + factor * first
+        curve, push = curve + factor * second, push + factor * by_pressure
+        k += PER_TERM
+        at += whole(law, at + SIZE)
+    return total, slope, curve, push * inverse
+
+
+@njit(cache=True)
+def threshold(alpha, pressure, law, step):
+    """Return the q at which plastic flow goes on after a plastic strain `alpha`, and its derivatives by both."""
+    at, inverse = whole(law, YIELD), entry(step, INVERSE_RESISTANCE)
+    stress, hardening, by_pressure = strength_of(
+        whole(law, at + FUNCTION), law, at + NUMBERS, alpha, pressure * inverse
+    )
+    factor = 1.0 / (ROOT3 * inverse)
+    stress = where_less(entry(law, SHARE), constant(alpha, 1e-12), constant(alpha, 1e30), stress * factor)
+    return stress, hardening * factor, by_pressure * (1.0 / ROOT3)
+
+
+@njit(cache=True)
+def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
+    """Solve the radial equation for rho > 0, from the `last` rho, its ln q and d ln q / d ln rho.
+
+    Parameters
+    ----------
+    alpha, pressure
+        Plastic strain at the start of the step, and pressure at its end [GPa].
+    law, step
+        Rows, see `palpate.materials.flow.row`.
+
+    Returns
+    -------
+    q, log_q, order, push
+        The solution [GPa], its logarithm, d ln q / d ln rho, and dq/dp at constant rho.
+    """
+    further = log_q + order * 2.0 * (rho - last) / (rho + last)
+    log_q = where_less(log_q, constant(rho, UNKNOWN), rough_log(rho) - rough_log(entry(step, COMPLIANCE)), further)
+    q, order, push, change = rho, rho, rho, rho
+    for _ in range(ITERATIONS):
+        q = exponential(log_q)
+        total, slope, curve, by_pressure = compliance(q, log_q, pressure, law, step)
+        growth = total + slope
+        bend = growth + slope + curve
+        value = total * q
+        both = value + rho
+        inverse = 1.0 / (both * total * growth)
+        excess = (value - rho) * inverse * total * growth
+        order = both * inverse * total * total
+        push = by_pressure / growth
+        change = (2.0 + (2.0 / 3.0) * excess * excess) * excess * order
+        bent = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
+        change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, constant(bent, 0.0))
+        order = order + 2.0 * bent * order
+        if greatest(magnitude(change)) < TOLERANCE:
+            log_q = log_q - change
+            break
+        if greatest(magnitude(excess)) > FAR:
+            far = logarithm(value / rho) * both * inverse * total * total
+            far = where_less(far, constant(far, DOWN), far, constant(far, DOWN))
+            far = where_less(far, constant(far, -UP), constant(far, -UP), far)
+            change = where_less(constant(far, FAR), magnitude(excess), far, change)
+        log_q = log_q - change
+    q = q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0))))
+    push = constant(push, 0.0) - push * q
+    if whole(law, YIELD) > 0:
+        least, _, _ = threshold(alpha, pressure, law, step)
+        if greatest(q - least) > 0.0:
+            q, log_q, order, push = flow(rho, q, log_q, order, push, least, alpha, pressure, law, step)
+    return q, log_q, order, push
+
+
+@njit(cache=True)
+def flow(rho, q, log_q, order, push, least, alpha, pressure, law, step):
+    """Return what `solve_radial` does, from the solution without plastic flow, which begins at `least` q."""
+    nothing = constant(rho, 0.0)
+    total, _, _, _ = compliance(least, logarithm(least), pressure, law, step)
+    share = where_less(entry(law, SHARE), constant(rho, 1e-12), constant(rho, 1e-12), entry(law, SHARE))
+    share = (0.5 * ROOT3) * share
+    floor = 1e-17 * rho
+    slip = where_less(least, q, rho - total * least, rho)
+    slip = where_less(slip, floor, floor, slip) / share
+    highest = logarithm(slip)
+    lowest, log_slip = highest - DEEP, highest
+    new, slope, growth, by_pressure, hardening, by_strength = rho, rho, rho, rho, rho, rho
+    for _ in range(ITERATIONS):
+        slip = exponential(log_slip)
+        new, hardening, by_strength = threshold(alpha + slip, pressure, law, step)
+        total, slope, _, by_pressure = compliance(new, logarithm(new), pressure, law, step)
+        growth = total + slope
+        excess = total * new + share * slip - rho
+        slope = growth * hardening + share
+        change = excess / slope
+        if greatest(where_less(least, q, magnitude(excess), nothing) / rho) < SQUARED:
+            slip, new = slip - change, new - hardening * change
+            break
+        highest = where_less(nothing, excess, log_slip, highest)
+        lowest = where_less(nothing, excess, lowest, log_slip)
+        log_slip = log_slip - change / slip
+        middle = 0.5 * (lowest + highest)
+        log_slip = where_less(log_slip, lowest, middle, where_less(highest, log_slip, middle, log_slip))
+    limit = (HARDENING / ROOT3) * entry(law, SHEAR)
+    hardening = where_less(hardening, limit, limit, hardening)
+    slope = growth * hardening + share
+    order = where_less(least, q, rho * hardening / (new * slope), order)
+    push = where_less(least, q, (share * by_strength - by_pressure * new * hardening) / slope, push)
+    log_q = where_less(least, q, logarithm(where_less(least, q, new, rho)), log_q)
+    return where_less(least, q, new, q), log_q, order, push

@@ -1,0 +1,96 @@
+"""A material point under a given history of strain: the project's update, and SciPy's integration of the law itself.
+
+Tensors have the components xx, yy, zz, xy, yz, zx. The deviator turns while the body is squeezed.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from palpate.materials import law_of
+from palpate.materials.flow.point import commit, history, length, solve, state_size
+from palpate.materials.flow.row import BULK, SHEAR, step_weights
+
+DOUBLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # T : U = sum of DOUBLE * T * U
+FIRST, SECOND = np.array([0.6, 0.4, -1.0, 0.3, 0.0, 0.1]), np.array([-0.2, 0.5, -0.3, 0.0, 0.4, 0.6])
+DURATION = 10.0
+
+
+def strain_at(time, size, squeeze=0.0):
+    """Return the strain deviator (6,) and the volumetric strain at a `time` [s]."""
+    part = time / DURATION
+    return size * (np.sin(2.0 * part) * FIRST + part**2 * SECOND), -squeeze * np.sin(3.0 * part)
+
+
+def strain_rate(time, size, squeeze=0.0):
+    """Return the derivative of `strain_at` by time."""
+    part = time / DURATION
+    deviator = size * (2.0 * np.cos(2.0 * part) * FIRST + 2.0 * part * SECOND) / DURATION
+    return deviator, -3.0 * squeeze * np.cos(3.0 * part) / DURATION
+
+
+def updated(model, values, steps, size, squeeze=0.0, resistance=1.0):
+    """Return the stress deviator (6,) at the end of the history by the project's update in so many `steps`."""
+    law = law_of(model).coefficients(values)
+    dt = DURATION / steps
+    weights = step_weights(law[None], dt, resistance)[0]
+    state, past, q = np.zeros(state_size(law, 6)), np.empty(6), 0.0
+    for k in range(1, steps + 1):
+        deviator, volume = strain_at(k * dt, size, squeeze)
+        pressure = -law[BULK] * volume
+        history(state, weights, law, past)
+        q, _, _ = solve(length(deviator - past, 6), q, state[12], pressure, weights, law)
+        commit(state, deviator - past, q, pressure, weights, law)
+    return state[:6].copy()
+
+
+def integrated(
+    values,
+    size,
+    squeeze=0.0,
+    creep: Callable = lambda q, p: 0.0,
+    elements=(),
+    strength: Callable | None = None,
+    pressed=0.0,
+):
+    """Return the stress deviator (6,) at the end of the history by integration of the rate equations.
+
+    Parameters
+    ----------
+    creep
+        d e/dt over s at (q, p).
+    elements
+        Retardation time of each Voigt element, and the strain over s that it tends to at q.
+    strength
+        Yield stress at alpha without pressure, and its derivative.
+    pressed
+        Rise of the yield stress with pressure.
+    """
+    law = law_of("elastic").coefficients({k: values[k] for k in ("youngs_modulus", "poisson_ratio")})
+    shear, bulk = law[SHEAR], law[BULK]
+
+    def rates(time, y):
+        s, alpha, retarded = y[:6], y[6], y[7:].reshape(-1, 6)
+        (rate, swelling), (_, volume) = strain_rate(time, size, squeeze), strain_at(time, size, squeeze)
+        q, p, p_rate = np.sqrt(0.5 * np.sum(DOUBLE * s * s)), -bulk * volume, -bulk * swelling
+        tending = np.array([(tends(q) * s - e) / t for (t, tends), e in zip(elements, retarded, strict=True)])
+        rate = rate - creep(q, p) * s - tending.reshape(-1, 6).sum(axis=0)
+        flow = 0.0
+        if strength is not None and q > 0.0:
+            stress, hardening = strength(alpha)
+            if np.sqrt(3.0) * q >= stress + pressed * p:
+                wanted = np.sqrt(3.0) * shear * np.sum(DOUBLE * s * rate) / q - pressed * p_rate
+                flow = max(wanted, 0.0) / (hardening + 3.0 * shear)
+        plastic = 0.5 * np.sqrt(3.0) * flow * s / q if flow else 0.0
+        return np.concatenate([2.0 * shear * (rate - plastic), [flow], tending.ravel()])
+
+    start = np.zeros(7 + 6 * len(elements))
+    options = {"rtol": 1e-9, "atol": 1e-13} if strength is None else {"rtol": 1e-7, "atol": 1e-10, "max_step": 0.01}
+    method = "Radau" if strength is None else "RK45"
+    return solve_ivp(rates, (0.0, DURATION), start, method=method, **options).y[:6, -1]
+
+
+def error(found, expected):
+    """Return the largest difference over the largest component."""
+    return np.abs(found - expected).max() / np.abs(expected).max()
