@@ -20,14 +20,13 @@ from itertools import pairwise
 import numpy as np
 
 from palpate.fem.adhesion import nodal_areas
-from palpate.fem.batch_adhesion import Attraction
-from palpate.fem.batch_contact import Touch
 from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
-from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
+from palpate.fem.batch_regularisation import contact_of, elastic_excess, first_contact
 from palpate.fem.batch_specimens import Specimens
+from palpate.fem.batch_trend import Trend
 from palpate.fem.batch_vector import LANES
 from palpate.fem.contact_size import check_size, contact_range, expected_load
 from palpate.fem.discretisation import GRADED_START, mesh_radii, step_times
@@ -61,6 +60,11 @@ class Case:
     def largest(self) -> float:
         """Largest contact radius [um]."""
         return contact_range(self.specimen, self.indenter, self.protocol)[1]
+
+    @property
+    def smallest(self) -> float:
+        """Smallest contact radius that counts [um]."""
+        return contact_range(self.specimen, self.indenter, self.protocol)[0]
 
     @cached_property
     def radii(self) -> np.ndarray:
@@ -147,23 +151,28 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     body, bodies = Body.of(mesh), Specimens.of(specimens, mesh, units)
-    drives = Drives.of(protocols, [expected_load(c.specimen, c.indenter, c.protocol) for c in lanes], units)
-    band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
-    friction = [case.indenter.friction for case in lanes]
-    upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
     sticking = [attraction(c.specimen, resolution, c.largest, area) for c in lanes]
-    pulls = Attraction.of(sticking, units, len(mesh.surface))
-    march = March(large, body, bodies, pulls, drives, units, band, upper, iterations, steps)
+    expected = [expected_load(c.specimen, c.indenter, c.protocol) for c in lanes]
+    drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
+    friction = [case.indenter.friction for case in lanes]
+    band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
+    upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
-    heights = np.stack([profile(body.distance)[0] for profile in profiles], axis=1)
+    smallest = np.array([case.smallest for case in lanes]) / units
+    excess = np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes])
+    contact = contact_of(
+        profiles, excess, friction, sticking, units, body.distance, area, smallest, lanes[0].largest / units[0],
+        resolution.growth,
+    )  # fmt: skip
+    march = March(large, body, bodies, contact, drives, units, band, upper, iterations, steps)
     ends = np.stack([case.times for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([case.carries for case in lanes], axis=1)
+    durations = [float(protocol.knot_time[-1]) for protocol in protocols]
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),
-        Touch.at_apex(profiles, len(mesh.surface)),
-        Grip.untouched(friction, heights),
+        first_contact(profiles, [case.specimen for case in lanes], durations, body.distance, smallest),
         *bodies.at(np.zeros(LANES), times[:, 1]),
         np.zeros((mesh.size + 1, LANES)),
         np.zeros(LANES),
@@ -171,20 +180,19 @@ def run_lanes(cases: Sequence[Case]) -> list[History | None]:
     )
     start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
     depths, loads = np.full((2, *ends.shape), np.nan)
-    change, deepening = np.zeros((mesh.size + 1, LANES)), np.zeros(LANES)
+    trend = Trend.none(mesh.size + 1)
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
-        shape, depth = states.displacement, states.depth
-        ratio = np.where(carries[k], (end - begin) / (begin - times[:, k - 1]), 0.0)
-        found = march.step(states, begin, end, ratio * change, ratio * deepening, alive)
+        before = np.vstack([states.displacement, states.depth])
+        found = march.step(states, begin, end, *trend.guess(end - begin, carries[k]), alive)
         lost = alive & ~found
         if lost.any():
             found |= march.in_parts(states, start, begin, end, np.where(carries[k], 1, 2), lost)
         alive = found
         if not alive.any():
             break
-        change, deepening = states.displacement - shape, states.depth - depth
-        depths[:, k], loads[:, k] = states.depth * units * 1e3, -states.reaction * units**2
+        trend = trend.followed(np.vstack([states.displacement, states.depth]) - before, end - begin, carries[k])
+        depths[:, k], loads[:, k] = states.depth * units * 1e3, states.reaction * units**2
     seconds = (clock.perf_counter() - began) / len(cases)
     histories: list[History | None] = []
     for case, taken, curves, whole, tried, steps_taken in zip(

@@ -54,6 +54,31 @@ def solve(lower, upper, size, width, first, second):
 
 
 @njit(cache=True)
+def solve_again(lower, upper, size, width, right):
+    """Overwrite `right` (size, LANES) with the solution of a matrix whose factors `solve` left.
+
+    Parameters
+    ----------
+    lower, upper, size, width
+        See `solve`.
+    """
+    reach = width - PANEL
+    for j in range(size):
+        top = j * width - j
+        x = load(right, j) * load(lower, top + j)
+        store(right, j, x)
+        for i in range(j + 1, min(j + reach + 1, size)):
+            store(right, i, load(right, i) - load(lower, top + i) * x)
+    across = lower if len(upper) == 0 else upper
+    for j in range(size - 1, -1, -1):
+        top = j * width - j
+        x = load(right, j)
+        for i in range(j + 1, min(j + reach + 1, size)):
+            x = x - load(across, top + i) * load(right, i)
+        store(right, j, x * load(lower, top + j))
+
+
+@njit(cache=True)
 def _eliminate(lower, upper, width, first, second, j, last, end):
     """Finish column and row `j` up to `end`, and take them from what lies before `last` to their right and below."""
     symmetric = len(upper) == 0

@@ -1,250 +1,221 @@
-"""Contact with a rigid indenter, as `palpate.fem.contact`, for `LANES` indentations at once.
+"""Contact with a rigid tip as a smooth function of the gap, in SIMD lanes.
 
-A node that touches, u_z = f(r + u_r) - depth, is eliminated from the assembled system: forces and matrix are those in
-the unknowns u_r and depth, K' = S^T K T and what curvature of f and friction add. T follows the indenter; S is the same
-without friction, and else puts balance along the generator in place of the node's forces, (1 + m f') F_r + (f' - m) F_z
-= 0. A lane in which a node does not touch has zeros in its place of the mask.
+The penetration of a surface node into the tip, g = h + u_z - f(r + u_r) with the depth h, gives the node a force along
+(f', -1) of the size
+
+    F(g) = C p A (x Phi(x) + b phi(x)),    x = g / w,
+
+with the normal distribution Phi and its density phi. Nodes are loaded gradually while the gap closes over the width w,
+so no derivative of the depth jumps when contact spreads. What is smeared out is max(g, 0): by a normal distribution
+where b = 1, and where b = 1/2 by the kernel of fourth order, whose second moment vanishes. Values of b between the two
+make the error of first order in the element's size vanish (`BLEND`; a larger b lets the tip sink in less).
+
+p is the mean pressure of the contact at the start of the step, sum F / sum A Phi(x), and so the penetration that a
+typical pressure needs is the same share of w from a soft body to a hard one, and from the first contact to the last.
+The width is measured in the rise of the tip over one element at the edge of contact,
+
+    w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),
+
+with the local distance l of nodes; it narrows with the root of p in unloading. Nothing here has a length or a stress of
+its own: scaling laws of sharp tips hold exactly. The force has a potential, so the stiffness is symmetric without
+friction.
+
+Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels
+of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from palpate.fem.batch_banded import PANEL
-from palpate.fem.batch_friction import anchor, arrive, reverses, rub, set_out
-from palpate.fem.batch_vector import LANES, greatest, load, magnitude, splat, store
-from palpate.fem.contact import PENETRATION
-from palpate.fem.profile import Capped, Measured, Profile
+from palpate.fem.batch_friction import anchored, friction_ratio
+from palpate.fem.batch_tip import Tip, profile_at
+from palpate.fem.batch_vector import LANES
+
+FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
+SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
+LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 
 
-class Touch(NamedTuple):
-    """The contact during the iterations.
+class Contact(NamedTuple):
+    """What of the contact stays during a simulation.
 
     Attributes
     ----------
-    radius, edge, flank : ndarray, shape (LANES,)
-        Radius of the cap, distance from the axis at which it ends, and slope of the cone beyond.
-    knots : ndarray, shape (m, 3, LANES)
-        Of measured tips, see `palpate.fem.profile.Measured`; zeros in the other lanes.
-    slope, curvature : ndarray, shape (k, LANES)
-        Slope and curvature of the profile where each surface node is.
-    touching : ndarray, shape (k, LANES)
-        One where a surface node touches, else zero.
-    gap : ndarray, shape (k, LANES)
-        Gap that the next change of displacements closes.
-    upward, outward : ndarray, shape (k, LANES)
-        Vertical and radial force on each node that touches.
-    joined : ndarray of bool, shape (LANES,)
-        Whether some gap is to be closed.
+    tip : Tip
+    width : ndarray, shape (k, LANES)
+        s l of each surface node.
+    area : ndarray, shape (k,)
+        Area that belongs to each of them.
+    stiffness : ndarray, shape (LANES,)
+        C.
+    blend : ndarray, shape (2, LANES)
+        b under tips of n = 1, and what it grows by with n.
+    attraction : ndarray, shape (k, LANES)
+        Largest force of attraction of each node along z; zero without adhesion.
+    reach : ndarray, shape (LANES,)
+        Gap over which the attraction falls by e.
+    friction : ndarray, shape (LANES,)
+        Coulomb's coefficient.
+    slip : ndarray, shape (k, LANES)
+        Slip that precedes the limit of friction.
     """
 
-    radius: np.ndarray
-    edge: np.ndarray
-    flank: np.ndarray
-    knots: np.ndarray
-    slope: np.ndarray
-    curvature: np.ndarray
-    touching: np.ndarray
-    gap: np.ndarray
-    upward: np.ndarray
-    outward: np.ndarray
-    joined: np.ndarray
-
-    @classmethod
-    def at_apex(cls, profiles: Sequence[Profile], count: int) -> Touch:
-        """Return indenters whose apex alone touches the first of `count` nodes; lengths are in units of the lanes."""
-        slope, curvature, touching, gap, upward, outward = np.zeros((6, count, LANES))
-        touching[0] = 1.0
-        caps = [(p.radius, p.edge, p.flank) if isinstance(p, Capped) else (0.0, 0.0, 0.0) for p in profiles]
-        radius, edge, flank = np.array(caps).T.copy()
-        joined = np.zeros(LANES, dtype=np.bool_)
-        return cls(radius, edge, flank, _knots(profiles), slope, curvature, touching, gap, upward, outward, joined)
+    tip: Tip
+    width: np.ndarray
+    area: np.ndarray
+    stiffness: np.ndarray
+    blend: np.ndarray
+    attraction: np.ndarray
+    reach: np.ndarray
+    friction: np.ndarray
+    slip: np.ndarray
 
 
-def _knots(profiles: Sequence[Profile]) -> np.ndarray:
-    """Return the knots (m, 3, LANES) of measured tips; those with fewer go on along their flank."""
-    measured = [profile.knots if isinstance(profile, Measured) else np.zeros((0, 3)) for profile in profiles]
-    most = max(map(len, measured))
-    table = np.zeros((most, 3, LANES))
-    for lane, knots in enumerate(measured):
-        if len(knots):
-            r, f, slope = knots[-1]
-            further = r * np.arange(1, most - len(knots) + 1)
-            beyond = np.column_stack([r + further, f + slope * further, np.full_like(further, slope)])
-            table[:, :, lane] = np.vstack([knots, beyond])
-    return table
+class ContactState(NamedTuple):
+    """What of it changes from step to step.
 
-
-@njit(cache=True)
-def measured(knots, lane, place):
-    """Return height, slope and curvature of a measured tip at one distance, see `palpate.fem.profile.Measured`."""
-    low, high = 0, knots.shape[0] - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if knots[middle, 0, lane] < place:
-            low = middle
-        else:
-            high = middle
-    width = knots[high, 0, lane] - knots[low, 0, lane]
-    off = (place - knots[low, 0, lane]) / width
-    t = min(max(off, 0.0), 1.0)
-    rise, first, last = (knots[high, 1, lane] - knots[low, 1, lane]) / width, knots[low, 2, lane], knots[high, 2, lane]
-    square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
-    slope = first + t * (2.0 * square + 3.0 * cube * t)
-    curvature = (2.0 * square + 6.0 * cube * t) / width if off < 1.0 else 0.0
-    height = knots[low, 1, lane] + width * t * (first + t * (square + cube * t)) + max(off - 1.0, 0.0) * width * slope
-    return height, slope, curvature
-
-
-@njit(cache=True)
-def beneath(large, touch, lane, distance, moved):
-    """Return height, slope and curvature of a lane's profile at a node that moved outwards from its `distance`.
-
-    At small strains along the tangent where it was, see `palpate.fem.contact`.
+    Attributes
+    ----------
+    pressure, largest, pressure_then : ndarray, shape (LANES,)
+        Mean pressure, largest force of the contact so far, and the pressure then.
+    rise : ndarray, shape (LANES,)
+        f'(a) (1 + n) / 2 at the edge of contact.
+    exponent : ndarray, shape (LANES,)
+        n.
+    anchor, share, place : ndarray, shape (k, LANES)
+        See `palpate.fem.batch_friction`.
     """
-    radius, edge = touch.radius[lane], touch.edge[lane]
-    place = distance + moved if large else distance
-    height, slope, curvature = touch.flank[lane] * place, touch.flank[lane], 0.0
-    if touch.knots.shape[0] > 0 and touch.knots[-1, 0, lane] > 0.0:
-        height, slope, curvature = measured(touch.knots, lane, place)
-    elif radius > 0.0:
-        root = np.sqrt(radius**2 - min(place, edge) ** 2)
-        height, slope = radius - root + max(place - edge, 0.0) * slope, min(place, edge) / root
-        curvature = radius**2 / root**3 if place < edge else 0.0
-    if large:
-        return height, slope, curvature
-    return height + slope * moved, slope, 0.0
+
+    pressure: np.ndarray
+    largest: np.ndarray
+    pressure_then: np.ndarray
+    rise: np.ndarray
+    exponent: np.ndarray
+    anchor: np.ndarray
+    share: np.ndarray
+    place: np.ndarray
 
 
 @njit(cache=True)
-def begin_step(large, body, touch, grip, displacement, depth, step):
-    """Begin steps of so many seconds (LANES,) at some displacements (size + 1, LANES) and depths."""
+def normal_distribution(x):
+    """Return Phi(x), not below 1e-28."""
+    return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0))
+
+
+@njit(cache=True, error_model="numpy")
+def width_of(contact, state, k, lane):
+    """Return the width w over which the gap of a node closes."""
+    narrowing = math.sqrt(state.pressure[lane] / state.pressure_then[lane])
+    return contact.width[k, lane] * state.rise[lane] * min(narrowing, 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def penetration(large, body, contact, state, displacement, depth, k, lane):
+    """Return x = g / w of a node, its distance from the axis, and slope and curvature of the tip over it."""
+    r, z = body.radial[k], body.vertical[k]
+    moved = displacement[r, lane] if r >= 0 else 0.0
+    height, slope, curvature = profile_at(large, contact.tip, lane, body.distance[k], moved)
+    x = (depth[lane] + displacement[z, lane] - height) / width_of(contact, state, k, lane)
+    return x, body.distance[k] + moved, slope, curvature
+
+
+@njit(cache=True, error_model="numpy")
+def force_on(contact, state, x, k, lane):
+    """Return force and derivative by the gap of the penetration x of a node."""
+    share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+    blend = contact.blend[0, lane] + (state.exponent[lane] - 1.0) * contact.blend[1, lane]
+    scale = contact.stiffness[lane] * state.pressure[lane] * contact.area[k]
+    width = width_of(contact, state, k, lane)
+    return scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
+
+
+@njit(cache=True, error_model="numpy")
+def begin_step(large, body, contact, state, displacement, depth):
+    """Note where the nodes are, and which share of them touches, at the start of a step."""
     for k in range(body.radial.shape[0]):
-        r, z, distance = body.radial[k], body.vertical[k], body.distance[k]
         for lane in range(LANES):
-            moved = displacement[r, lane] if r >= 0 else 0.0
-            height = beneath(large, touch, lane, distance, moved)[0]
-            set_out(grip, k, lane, distance + moved, height - depth[lane] - displacement[z, lane], step[lane])
+            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            state.share[k, lane] = normal_distribution(x)
+            state.place[k, lane] = place
 
 
-@njit(cache=True)
-def end_step(body, touch, grip, displacement, step):
-    """End steps of so many seconds (LANES,) at some displacements (size + 1, LANES)."""
+@njit(cache=True, error_model="numpy")
+def end_step(large, body, contact, state, displacement, depth):
+    """Move the anchors of friction, and take pressure and radius of the contact, at the end of a step."""
+    area, total = np.zeros(LANES), np.zeros(LANES)
     for k in range(body.radial.shape[0]):
-        r = body.radial[k]
         for lane in range(LANES):
-            moved = displacement[r, lane] if r >= 0 else 0.0
-            arrive(grip, k, lane, body.distance[k] + moved, touch.touching[k, lane] > 0.0, step[lane])
-
-
-@njit(cache=True)
-def follow(large, body, touch, grip, displacement, depth, done):
-    """Put the nodes that touch onto the indenters and let those join that lie inside, in the lanes not `done`."""
+            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            share, slip = normal_distribution(x), 2.0 * contact.slip[k, lane]
+            area[lane] += contact.area[k] * share
+            total[lane] += force_on(contact, state, x, k, lane)[0]
+            anchor = anchored(state, place, share, k, lane)
+            state.anchor[k, lane] = min(max(anchor, place - slip), place + slip)
     for lane in range(LANES):
-        if done[lane]:
-            continue
-        touch.joined[lane], grip.changed[lane] = False, False
-        for k in range(body.radial.shape[0]):
-            r, z, distance, moved = body.radial[k], body.vertical[k], body.distance[k], 0.0
-            if r >= 0:
-                if reverses(grip, k, lane, distance + displacement[r, lane]):
-                    displacement[r, lane] = grip.anchor[k, lane] - distance
-                moved = displacement[r, lane]
-            height, slope, curvature = beneath(large, touch, lane, distance, moved)
-            touch.slope[k, lane], touch.curvature[k, lane] = slope, curvature
-            gap = height - depth[lane] - displacement[z, lane]
-            touch.gap[k, lane] = 0.0
-            if touch.touching[k, lane] > 0.0:
-                displacement[z, lane] += gap
-            elif gap < -PENETRATION * abs(depth[lane]):
-                touch.touching[k, lane] = 1.0
-                touch.gap[k, lane] = gap
-                touch.joined[lane] = True
-                anchor(grip, k, lane, gap)
-            rub(grip, k, lane, distance + moved)
+        pressure, a = total[lane] / area[lane], math.sqrt(area[lane] / math.pi)
+        if total[lane] >= state.largest[lane]:
+            state.largest[lane], state.pressure_then[lane] = total[lane], pressure
+        state.pressure[lane] = max(pressure, LEAST_PRESSURE * state.pressure_then[lane])
+        height, slope, _ = profile_at(large, contact.tip, lane, a, 0.0)
+        state.exponent[lane] = a * slope / height
+        state.rise[lane] = 0.5 * slope * (1.0 + state.exponent[lane])
 
 
-@njit(cache=True)
-def pulled(body, touch, attraction, forces, lane, tolerance):
-    """Return whether the indenter of a lane would have to pull a node by a `tolerance` more than attraction does."""
-    for k in range(body.radial.shape[0]):
-        if touch.touching[k, lane] > 0.0 and pressing(body, touch, attraction, forces, k, lane) < -tolerance:
-            return True
-    return False
+@njit(cache=True, error_model="numpy")
+def contact_forces(large, body, contact, state, displacement, depth, forces, load, tangent, done):
+    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,) and `tangent` (k, 2, 4, LANES).
 
-
-@njit(cache=True)
-def pressing(body, touch, attraction, forces, k, lane):
-    """Return the force of the contact on a node along its normal, attraction aside, times 1 / cos of the slope."""
-    slope, radial = (touch.slope[k, lane], forces[body.radial[k], lane]) if body.radial[k] >= 0 else (0.0, 0.0)
-    return slope * radial - forces[body.vertical[k], lane] + (1.0 + slope**2) * attraction.hold[k, lane]
-
-
-@njit(cache=True)
-def release(body, touch, attraction, forces, lane, tolerance, keeps):
-    """Let go the nodes of a lane that are pulled, but keep one where the lane `keeps` it; return whether any went."""
-    before, kept, last, largest = 0, 0, 0, -np.inf
-    for k in range(body.radial.shape[0]):
-        if touch.touching[k, lane] > 0.0:
-            before += 1
-            if pressing(body, touch, attraction, forces, k, lane) < -tolerance:
-                touch.touching[k, lane] = 0.0
-                if forces[body.vertical[k], lane] > largest:
-                    last, largest = k, forces[body.vertical[k], lane]
-            else:
-                kept += 1
-    if kept == 0 and keeps:
-        touch.touching[last, lane] = 1.0
-        kept = 1
-    return before > kept
-
-
-@njit(cache=True)
-def close_gaps(body, touch, band, forces):
-    """Add to the `forces` what closing the gaps will add to them by the assembled stiffness."""
-    for k in range(body.radial.shape[0]):
-        z, gap = body.vertical[k], load(touch.gap, k)
-        if greatest(magnitude(gap)) > 0.0:
-            for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
-                store(forces, m, load(forces, m) + gap * load(band, entry(m, z, body.width)))
-
-
-@njit(cache=True)
-def constrain_forces(body, touch, grip, forces, reaction):
-    """Put balance along the profiles in place of the forces of the nodes that touch; add the rest to `reaction`."""
-    total = splat(0.0)
+    The tangent holds the derivatives of a node's radial residual by u_r and by u_z, and those of its vertical one; by
+    the depth they are those by u_z. The second of the two leaves out what keeps a matrix from being positive definite:
+    the rise of the force where b < 1 makes it fall, attraction that decays, and a tip that curves away.
+    """
+    load[:] = 0.0
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
-        vertical = load(forces, z)
-        force = load(touch.touching, k) * vertical
-        total = total + force
-        store(touch.upward, k, force)
-        store(forces, z, vertical - force)
-        if r >= 0:
-            radial = load(forces, r)
-            along, across = balance(touch, grip, k)
-            store(touch.outward, k, load(touch.touching, k) * radial)
-            store(forces, r, along * radial + across * vertical)
-    store(reaction, 0, total)
-
-
-@njit(cache=True, inline="always")
-def balance(touch, grip, k):
-    """Return what a node's two forces count along the profile: one and zero where it does not touch."""
-    held, slope, ratio = load(touch.touching, k), load(touch.slope, k), load(grip.ratio, k)
-    return 1.0 + held * (ratio * slope), held * (slope - ratio)
+        for lane in range(LANES):
+            if done[lane]:
+                continue
+            x, place, slope, curvature = penetration(large, body, contact, state, displacement, depth, k, lane)
+            push, rate = force_on(contact, state, x, k, lane)
+            if r < 0:
+                slope, curvature = 0.0, 0.0
+            net, net_rate = push, rate
+            if contact.attraction[k, lane] > 0.0:
+                share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+                gap = width_of(contact, state, k, lane) * (x * share + density - x)
+                pull = contact.attraction[k, lane] * math.exp(-gap / contact.reach[lane])
+                net, net_rate = net - pull, net_rate - pull * (1.0 - share) / contact.reach[lane]
+            pressing, pressing_rate = max(push, 0.0), rate if push > 0.0 else 0.0
+            m, m_r, m_g = 0.0, 0.0, 0.0
+            if contact.friction[lane] > 0.0 and r >= 0:
+                width = width_of(contact, state, k, lane)
+                m, m_r, m_g = friction_ratio(contact, state, place, normal_distribution(x), x, width, k, lane)
+            forces[z, lane] += net + m * pressing * slope
+            load[lane] += net + m * pressing * slope
+            if r >= 0:
+                forces[r, lane] += m * pressing - net * slope
+            for part in range(2):
+                if part == 1:
+                    net_rate, curvature = max(rate, 0.0), min(curvature, 0.0)
+                along = m * pressing_rate + m_g * pressing
+                by_gap, vertical = along - net_rate * slope, net_rate + along * slope
+                tangent[k, part, 0, lane] = m_r * pressing - by_gap * slope - net * curvature
+                tangent[k, part, 1, lane] = by_gap
+                tangent[k, part, 2, lane] = m_r * pressing * slope - vertical * slope + m * pressing * curvature
+                tangent[k, part, 3, lane] = vertical
 
 
 @njit(cache=True)
-def constrain_matrix(body, touch, grip, geometric, lower, upper, column, row, corner):
-    """Eliminate the nodes that touch from the matrix; write column and row (size, LANES) and diagonal of the depth.
+def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
+    """Add the tangent of the contact to the band; write column and row (size + 1, LANES) and diagonal of the depth.
 
-    The curvature of the profiles counts where `geometric` (LANES,) is one. Without friction the matrix is symmetric:
-    `upper` is empty, see `palpate.fem.batch_banded`, and the `row` the `column`.
+    Without friction the matrix is symmetric: `upper` is empty, see `palpate.fem.batch_banded`, and the `row` the
+    `column`. `geometric` (LANES,) is zero where the matrix is to be positive definite.
     """
     symmetric = len(upper) == 0
     column[:] = 0.0
@@ -253,52 +224,23 @@ def constrain_matrix(body, touch, grip, geometric, lower, upper, column, row, co
         upper[:] = lower
         row[:] = 0.0
     for k in range(body.radial.shape[0]):
-        r, z, held = body.radial[k], body.vertical[k], load(touch.touching, k)
-        if greatest(held) == 0.0:
-            continue
-        slope = held * load(touch.slope, k)
-        along, across = balance(touch, grip, k)
-        diagonal = load(lower, entry(z, z, body.width))
-        side, below = load(column, z), load(row, z)
-        store(corner, 0, load(corner, 0) + held * (diagonal - side - below))
-        if r >= 0:
-            shared = load(lower, entry(z, r, body.width))
-            own = load(lower, entry(r, r, body.width))
-            own = along * (own + slope * shared) + across * (shared + slope * diagonal)
-            upward, outward = load(touch.upward, k), load(touch.outward, k)
-            own = own + load(touch.curvature, k) * load(geometric, 0) * (upward + load(grip.ratio, k) * outward)
-            own = own + load(grip.steepness, k) * (load(touch.slope, k) * outward - upward)
-            store(lower, entry(r, r, body.width), own)
-            store(column, r, along * (load(column, r) - held * shared) + across * (side - held * diagonal))
-            store(lower, entry(z, r, body.width), shared - held * shared)
+        r, z = body.radial[k], body.vertical[k]
+        for lane in range(LANES):
+            part = 0 if geometric[lane] > 0.0 else 1
+            vertical = tangent[k, part, 3, lane]
+            lower[entry(z, z, body.width), lane] += vertical
+            column[z, lane] += vertical
+            corner[lane] += vertical
             if not symmetric:
-                store(row, r, load(row, r) + slope * below - held * (shared + slope * diagonal))
-                store(upper, entry(z, r, body.width), shared - held * shared)
-        store(column, z, side - held * side)
-        if symmetric:
-            fold(body, k, held, splat(1.0), slope, lower, lower, column)
-        else:
-            store(row, z, below - held * below)
-            fold(body, k, held, splat(1.0), slope, lower, upper, column)
-            fold(body, k, held, along, across, upper, lower, row)
-
-
-@njit(cache=True)
-def fold(body, k, held, own, other, below, above, border):
-    """Add to a node's radial column, times `own`, its vertical one times `other`, and take that to the `border`.
-
-    With the halves of the matrix exchanged the same happens to its rows.
-    """
-    r, z = body.radial[k], body.vertical[k]
-    for m in range(max(0, z - body.width + PANEL), min(body.size, z + body.width - PANEL + 1)):
-        if r <= m <= z:
-            continue
-        half = below if m > z else above
-        value = load(half, entry(m, z, body.width))
-        store(half, entry(m, z, body.width), value - held * value)
-        store(border, m, load(border, m) - held * value)
-        if r >= 0:
-            store(half, entry(m, r, body.width), own * load(half, entry(m, r, body.width)) + other * value)
+                row[z, lane] += vertical
+            if r >= 0:
+                by_gap, across = tangent[k, part, 1, lane], tangent[k, part, 2, lane]
+                lower[entry(r, r, body.width), lane] += tangent[k, part, 0, lane]
+                lower[entry(z, r, body.width), lane] += by_gap
+                column[r, lane] += by_gap
+                if not symmetric:
+                    upper[entry(z, r, body.width), lane] += across
+                    row[r, lane] += across
 
 
 @njit(cache=True, inline="always")

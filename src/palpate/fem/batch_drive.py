@@ -16,6 +16,8 @@ import numpy as np
 
 from palpate.protocol import LOAD, Protocol
 
+NO_LOAD = 1e-4  # of the largest load: what stands for none
+
 
 @dataclass(frozen=True, eq=False)
 class Drives:
@@ -30,6 +32,8 @@ class Drives:
     force_weight, depth_weight : ndarray, shape (LANES,)
     scale : ndarray, shape (LANES,)
         Largest load, as expected under displacement control.
+    least : ndarray, shape (LANES,)
+        Least target: a contact under no load has no depth of its own.
     """
 
     protocols: Sequence[Protocol]
@@ -37,10 +41,16 @@ class Drives:
     force_weight: np.ndarray
     depth_weight: np.ndarray
     scale: np.ndarray
+    least: np.ndarray
 
     @classmethod
-    def of(cls, protocols: Sequence[Protocol], expected: Sequence[float], units: np.ndarray) -> Drives:
-        """Return the drives of histories whose largest loads are `expected` to be so much [mN]; `units` in um."""
+    def of(
+        cls, protocols: Sequence[Protocol], expected: Sequence[float], adhesive: np.ndarray, units: np.ndarray
+    ) -> Drives:
+        """Return the drives of histories whose largest loads are `expected` to be so much [mN]; `units` in um.
+
+        Where the contact is `adhesive` (LANES,) it bears no load at a depth of its own.
+        """
         loads = np.array(expected)
         free = np.array([protocol.control == LOAD for protocol in protocols])
         compliance = np.array([protocol.compliance for protocol in protocols])
@@ -52,6 +62,7 @@ class Drives:
             np.where(free, 1.0, series * compliance),
             np.where(free, 0.0, 1e3 * series / units),
             loads / units**2,
+            np.where(free & ~adhesive, NO_LOAD * loads / units**2, -np.inf),
         )
 
     def at(self, times: np.ndarray) -> np.ndarray:
@@ -60,7 +71,7 @@ class Drives:
 
     def equation(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return force weights, depth weights and targets (LANES,) at times (LANES,) [s]."""
-        return self.force_weight, self.depth_weight, self.factor * self.at(times)
+        return self.force_weight, self.depth_weight, np.maximum(self.factor * self.at(times), self.least)
 
     def loading(self, times: np.ndarray) -> np.ndarray:
         """Return numbers (LANES,) that grow as the loads of sharp tips do until the times (LANES,) [s]."""

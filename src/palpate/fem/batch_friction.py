@@ -1,109 +1,94 @@
-"""Coulomb friction, as `palpate.fem.friction`, for `LANES` indentations at once.
+"""Coulomb friction along the generator of a rigid tip, in SIMD lanes.
 
-Nodes of a lane without friction take part in nothing here: their ratio m stays zero.
+The tip moves along z only, so a node at the distance R from the axis slips exactly when R changes. Friction T = -m N
+opposes the slip,
+
+    m = mu tanh((R - A) / d),
+
+with the anchor A, which a node that slips drags along at the distance 2 d. The little slip d stands for sticking; in
+proportion to the rise of the tip it adds no length to a sharp cone.
+
+A node comes to touch gradually. What comes to touch of it in a step is anchored where it then is, midway, and the
+anchor is the mean over all that touches: with the shares S_0 and S_1 > S_0 that touch before and after a step
+
+    A_1 = (S_0 A_0 + (S_1 - S_0) (R_0 + R_1) / 2) / S_1.
+
+Source: return mapping after Wriggers, Computational Contact Mechanics, 2nd ed. (2006), chapter 5.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import math
 
 import numpy as np
 from numba import njit
 
 from palpate.fem.batch_vector import LANES
-from palpate.fem.friction import ELASTIC_SLIP
+
+LEAST_SHARE = 1e-12  # of a node's area in contact, below which it knows no friction
+SLIPPING = 1.0  # slip in units of d from which a node counts as slipping
+SATURATED = 20.0  # from which tanh is one
 
 
-class Grip(NamedTuple):
-    """The friction of the surface nodes.
+@njit(cache=True, error_model="numpy")
+def anchored(state, place, share, k, lane):
+    """Return the anchor of a node at a `place`, of which such a `share` touches."""
+    before = state.share[k, lane]
+    if share <= before:
+        return state.anchor[k, lane]
+    return (before * state.anchor[k, lane] + (share - before) * 0.5 * (state.place[k, lane] + place)) / share
 
-    Attributes
+
+@njit(cache=True, error_model="numpy")
+def friction_ratio(contact, state, place, share, x, width, k, lane):
+    """Return m with its derivatives by the distance from the axis, and by the gap, of a node at x widths."""
+    mu, slip_length, before = contact.friction[lane], contact.slip[k, lane], state.share[k, lane]
+    if share < LEAST_SHARE:
+        return 0.0, 0.0, 0.0
+    slip = (place - anchored(state, place, share, k, lane)) / slip_length
+    if abs(slip) > SATURATED:
+        return math.copysign(mu, slip), 0.0, 0.0
+    m = mu * math.tanh(slip)
+    rate = (mu - m * m / mu) / slip_length
+    if share <= before:
+        return m, rate, 0.0
+    midway = 0.5 * (state.place[k, lane] + place)
+    density = math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+    drag = before * (midway - state.anchor[k, lane]) / share**2 * density / width
+    return m, rate * (1.0 - 0.5 * (share - before) / share), -rate * drag
+
+
+@njit(cache=True, error_model="numpy")
+def turn_back(contact, state, shares, distance, radial, displacement, slips, changed, done):
+    """Put nodes whose slip reverses within one iteration back to where they stuck.
+
+    Parameters
     ----------
-    coefficient : ndarray, shape (LANES,)
-    reach : ndarray, shape (k, LANES)
-        Slip at which a node that stuck reaches the limit.
-    anchor : ndarray, shape (k, LANES)
-        Distance from the axis at which a node sticks; NaN where it does not touch.
-    pace : ndarray, shape (k, LANES)
-        By how much the distance from the axis changed per time in the last step.
-    start, drift, opening : ndarray, shape (k, LANES)
-        That distance at the start of the step, by how much it will change at the same pace, and the gap at the start.
-    slip : ndarray, shape (k, LANES)
-        Slip since the anchor, in units of the reach.
-    ratio, steepness : ndarray, shape (k, LANES)
-        The ratio m of tangential to normal force, and dm/dR.
+    shares : ndarray, shape (k, LANES)
+        Of the nodes that touch.
+    distance, radial : ndarray, shape (k,)
+        Their undeformed distances from the axis, and the rows of their radial displacements.
+    slips : ndarray, shape (k, LANES)
+        In: slip in the iteration before; out: now.
     changed : ndarray of bool, shape (LANES,)
-        Whether nodes began or ceased to slip in this iteration.
+        Out: whether some node began or ceased to slip.
     """
-
-    coefficient: np.ndarray
-    reach: np.ndarray
-    anchor: np.ndarray
-    pace: np.ndarray
-    start: np.ndarray
-    drift: np.ndarray
-    opening: np.ndarray
-    slip: np.ndarray
-    ratio: np.ndarray
-    steepness: np.ndarray
-    changed: np.ndarray
-
-    @classmethod
-    def untouched(cls, coefficients: Sequence[float], heights: np.ndarray) -> Grip:
-        """Return the friction of nodes that never touched, under these heights (k, LANES) of the indenters."""
-        pace, start, drift, opening, slip, ratio, steepness = np.zeros((7, *heights.shape))
-        return cls(
-            np.array(coefficients),
-            ELASTIC_SLIP * np.maximum(heights, heights[1]),
-            np.full(heights.shape, np.nan),
-            pace, start, drift, opening, slip, ratio, steepness,
-            np.zeros(LANES, dtype=np.bool_),
-        )  # fmt: skip
+    changed[:] = False
+    for k in range(1, len(distance)):
+        for lane in range(LANES):
+            if done[lane] or contact.friction[lane] == 0.0 or shares[k, lane] < LEAST_SHARE:
+                continue
+            place = distance[k] + displacement[radial[k], lane]
+            anchor = anchored(state, place, shares[k, lane], k, lane)
+            slip, past = (place - anchor) / contact.slip[k, lane], slips[k, lane]
+            if slip * past < 0.0 and min(abs(slip), abs(past)) > SLIPPING:
+                displacement[radial[k], lane] = anchor - distance[k]
+                slip = 0.0
+            if (abs(slip) > SLIPPING) != (abs(past) > SLIPPING):
+                changed[lane] = True
+            slips[k, lane] = slip
 
 
-@njit(cache=True)
-def reverses(grip, k, lane, distance):
-    """Return whether the slip of a node at a `distance` from the axis has reversed since the iteration before."""
-    slip, last = (distance - grip.anchor[k, lane]) / grip.reach[k, lane], grip.slip[k, lane]
-    return grip.coefficient[lane] > 0.0 and slip * last < 0.0 and abs(slip) > 1.0 and abs(last) > 1.0
-
-
-@njit(cache=True)
-def anchor(grip, k, lane, gap):
-    """Anchor a node that joins with a negative `gap`: where that first closed, by linear interpolation in the step."""
-    opening = grip.opening[k, lane]
-    if opening > 0.0 and np.isnan(grip.anchor[k, lane]):
-        grip.anchor[k, lane] = grip.start[k, lane] + opening / (opening - gap) * grip.drift[k, lane]
-
-
-@njit(cache=True)
-def rub(grip, k, lane, distance):
-    """Write the slip of a node at a `distance` from the axis, and what friction makes of it."""
-    coefficient, reach = grip.coefficient[lane], grip.reach[k, lane]
-    slip = (distance - grip.anchor[k, lane]) / reach
-    slips = abs(slip) > 1.0
-    if slips != (abs(grip.slip[k, lane]) > 1.0):
-        grip.changed[lane] = True
-    grip.slip[k, lane] = slip
-    grip.ratio[k, lane], grip.steepness[k, lane] = 0.0, 0.0
-    if slips:
-        grip.ratio[k, lane] = coefficient if slip > 0.0 else -coefficient
-    elif slip == slip:
-        grip.ratio[k, lane], grip.steepness[k, lane] = coefficient * slip, coefficient / reach
-
-
-@njit(cache=True)
-def set_out(grip, k, lane, distance, opening, step):
-    """Begin a step of so many seconds with a node at a `distance` from the axis, under a gap."""
-    grip.start[k, lane], grip.opening[k, lane] = distance, opening
-    grip.drift[k, lane], grip.slip[k, lane] = step * grip.pace[k, lane], 0.0
-
-
-@njit(cache=True)
-def arrive(grip, k, lane, distance, touching, step):
-    """End a step of so many seconds with a node at a `distance` from the axis: it drags its anchor along."""
-    reach = grip.reach[k, lane]
-    dragged = min(max(grip.anchor[k, lane], distance - reach), distance + reach)
-    grip.anchor[k, lane] = dragged if touching else np.nan
-    grip.pace[k, lane] = (distance - grip.start[k, lane]) / step
+def no_slips(count: int) -> np.ndarray:
+    """Return the slips (count, LANES) at the start of a step."""
+    return np.zeros((count, LANES))

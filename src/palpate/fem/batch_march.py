@@ -1,6 +1,6 @@
 """From one time to the next in SIMD lanes, each lane in as many steps as its convergence asks for.
 
-The rule is that of `palpate.fem.march`: what does not converge is halved. Lanes that had found equilibrium keep it
+What does not converge is halved. Lanes that had found equilibrium keep it
 meanwhile, so that no lane depends on its neighbours.
 """
 
@@ -11,16 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.batch_adhesion import Attraction
-from palpate.fem.batch_contact import Touch, begin_step, end_step
+from palpate.fem.batch_contact import Contact, ContactState, begin_step, end_step
 from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
-from palpate.fem.batch_friction import Grip
 from palpate.fem.batch_law import Points, turn
 from palpate.fem.batch_newton import advance
 from palpate.fem.batch_specimens import Specimens
-from palpate.fem.march import HALVINGS
 from palpate.specimen import halfway
+
+HALVINGS = 6  # of a step that finds no equilibrium
+FARTHEST = 0.2  # of the depth, that one iteration moves a node
+STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
 
 @dataclass(eq=False)
@@ -29,18 +30,17 @@ class States:
 
     Attributes
     ----------
-    points, touch, grip
-        See `palpate.fem.batch_law`, `palpate.fem.batch_contact` and `palpate.fem.batch_friction`.
+    points, contact
+        See `palpate.fem.batch_law` and `palpate.fem.batch_contact`.
     laws, weights : ndarray, shape (1 or m, rows, LANES)
         Of the last step, see `palpate.fem.batch_specimens`.
     displacement : ndarray, shape (size + 1, LANES)
     depth, reaction : ndarray, shape (LANES,)
-        Of the indenter; the reaction is its load with the sign turned.
+        Of the indenter; the reaction is its load.
     """
 
     points: Points
-    touch: Touch
-    grip: Grip
+    contact: ContactState
     laws: np.ndarray
     weights: np.ndarray
     displacement: np.ndarray
@@ -54,7 +54,7 @@ class States:
 
     def _arrays(self) -> list[np.ndarray]:
         own = [self.laws, self.weights, self.displacement, self.depth, self.reaction]
-        return [*self.points, *self.touch, *self.grip, *own]
+        return [*self.points, *self.contact, *own]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class March:
     large: bool
     body: Body
     bodies: Specimens
-    attraction: Attraction
+    contact: Contact
     drives: Drives
     units: np.ndarray
     band: np.ndarray
@@ -108,7 +108,7 @@ class March:
             The lanes that found equilibrium.
         """
         shallower = states.depth
-        begin_step(self.large, self.body, states.touch, states.grip, states.displacement, shallower, end - begin)
+        begin_step(self.large, self.body, self.contact, states.contact, states.displacement, shallower)
         states.displacement, states.depth = states.displacement + change, shallower + deepening
         midway = np.array(list(map(halfway, shallower, self.drives.loading(begin), self.drives.loading(end))))
         resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
@@ -116,13 +116,24 @@ class March:
         states.laws, states.weights = resisting, following
         found = lanes.copy()
         advance(
-            self.large, self.body, states.points, states.touch, states.grip, self.attraction, states.laws,
-            states.weights, *self.drives.equation(end), self.drives.scale, self.attraction.stride(change),
+            self.large, self.body, states.points, self.contact, states.contact, states.laws,
+            states.weights, *self.drives.equation(end), self.drives.scale, self._stride(states, change),
             states.displacement, states.depth, states.reaction, self.band, self.upper, found, self.iterations,
         )  # fmt: skip
-        end_step(self.body, states.touch, states.grip, states.displacement, end - begin)
+        end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
         self.steps[found] += 1
         return found
+
+    def _stride(self, states: States, change: np.ndarray) -> np.ndarray:
+        """Return the farthest (LANES,) that one iteration may move a node of a step with a guess of its `change`.
+
+        A share of the depth, lest the tip leaves the surface for good; with adhesion, what its attraction spans.
+        """
+        largest = np.abs(change).max(axis=0)
+        rise = states.contact.rise * self.contact.width[-1]
+        free = np.maximum(FARTHEST * np.abs(states.depth) + rise, largest)
+        held = np.maximum(STRIDE * self.contact.reach, largest)
+        return np.where(self.contact.attraction.any(axis=0), held, free)
 
     def in_parts(
         self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray

@@ -1,9 +1,16 @@
-"""One time step of `LANES` indentations at once: the iteration of `palpate.fem.newton`, each lane on its own path.
+"""One time step of `LANES` indentations at once: Newton's method on equilibrium, law and contact together.
 
-All lanes assemble and factor together; one that has converged or searches along a line leaves the solution unused. What
-a lane does thus never depends on its neighbours. The matrix is needed only where some lane takes a Newton step, and
-letting nodes go leaves the forces of the stress as they are: neither costs a pass over the elements of its own. A lane
-whose matrix at large strains is not positive definite takes its step without the stiffness that stress gives.
+The depth h of the tip is one more unknown beside the displacements u, and what is prescribed of load F and depth one
+more equation (`palpate.fem.batch_drive`). With the band matrix K of body and contact, the derivatives k of all forces
+by the depth, and those of the load by displacements r and depth c, every iteration solves
+
+    K du + k dh = -R,    force_weight (r du + c dh) + depth_weight dh = -excess.
+
+A factor of the matrix serves `REUSES` iterations. Each lane goes its own path: a line search along Newton's direction,
+by the secant, until the work of the forces along it falls below 0.8 of what it was. All lanes are assembled and
+factored together, at iterations that depend on their number alone; a lane that has converged or searches along a line
+leaves the solution unused. What a lane does thus never depends on its neighbours. A lane whose matrix is not positive
+definite takes its step without what takes that away.
 """
 
 from __future__ import annotations
@@ -12,43 +19,36 @@ import numpy as np
 from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
-from palpate.fem.batch_adhesion import attract_forces, attract_matrix
-from palpate.fem.batch_banded import solve
-from palpate.fem.batch_contact import (
-    close_gaps,
-    constrain_forces,
-    constrain_matrix,
-    follow,
-    pulled,
-    release,
-)
+from palpate.fem.batch_banded import solve, solve_again
+from palpate.fem.batch_contact import add_tangent, contact_forces, normal_distribution, penetration
+from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
-from palpate.fem.newton import ADHESIVE_ITERATIONS, ITERATIONS, TOLERANCE
 
 _small_forces, _small_stiffness = batch_element.internal_forces, batch_element.stiffness
 _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.stiffness
 
+ITERATIONS = 60
+TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
+REUSES = 3  # iterations with one factor of the matrix
+PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
 STIFFEST = 1e-3  # share of the force in the last equation, below which the line search takes it for that
-TRIES = 5  # of the line search, see `palpate.fem.newton.Search`
+TRIES = 5  # of the line search
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance(
-    large, body, points, touch, grip, attraction, laws, weights, force_weight, depth_weight, target, scale, farthest,
+    large, body, points, contact, state, laws, weights, force_weight, depth_weight, target, scale, farthest,
     displacement, depth, reaction, band, upper, alive, spent,
 ):  # fmt: skip
     """Bring all lanes into equilibrium under what is prescribed at the end of a step.
-
-    The depth h follows from the last equation, force_weight * F + depth_weight * h = target, of the load F.
 
     Parameters
     ----------
     large : bool
         See `palpate.fem.batch_hencky`.
-    body, points, touch, grip, attraction, laws, weights
-        See `palpate.fem.batch_element`, `palpate.fem.batch_law`, `palpate.fem.batch_contact`,
-        `palpate.fem.batch_friction` and `palpate.fem.batch_adhesion`; `points`, `touch` and `grip` are advanced.
+    body, points, contact, state, laws, weights
+        See `palpate.fem.batch_element`, `palpate.fem.batch_law` and `palpate.fem.batch_contact`; `points` is advanced.
     force_weight, depth_weight, target : ndarray, shape (LANES,)
         See `palpate.fem.batch_drive`.
     scale : ndarray, shape (LANES,)
@@ -60,7 +60,7 @@ def advance(
     depth : ndarray, shape (LANES,)
         Likewise.
     reaction : ndarray, shape (LANES,)
-        Out: the force of the indenter on the body along z, the load with its sign turned.
+        Out: the load.
     band, upper : ndarray, shape (size * width + 1, LANES)
         Storage for both halves of the matrix; `upper` is empty without friction.
     alive : ndarray of bool, shape (LANES,)
@@ -68,59 +68,43 @@ def advance(
     spent : ndarray of int, shape (LANES,)
         Iterations of each lane are added.
     """
-    size = body.size
+    size, count = body.size, body.radial.shape[0]
     forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     row = border if len(upper) == 0 else np.zeros((size + 1, LANES))
+    forward, sideways = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
-    corner, excess = np.zeros(LANES), np.zeros(LANES)
-    norm, work = np.zeros(LANES), np.zeros(LANES)
+    corner, excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    tangent, slips, changed = np.zeros((count, 2, 4, LANES)), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
-    taken, held = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.bool_)
-    geometric, done = np.ones(LANES), ~alive
-    sticky = np.any(attraction.hold > 0.0)
-    limit = ADHESIVE_ITERATIONS if sticky else ITERATIONS
-    for iteration in range(limit):
-        follow(large, body, touch, grip, displacement, depth, done)
+    geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
+    for iteration in range(ITERATIONS):
+        patient = iteration < PATIENT
+        fresh = not patient or iteration % REUSES == 0
+        if rough:
+            shares = shares_of(large, body, contact, state, displacement, depth)
+            turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        joined = np.any(touch.joined & ~done)
-        if joined:
-            stiffness(large, body, points, laws, displacement, geometric, band)
-            close_gaps(body, touch, band, forces)
-        for lane in range(LANES):
-            if done[lane]:
-                continue
-            taken[lane] += 1
-            tolerance = TOLERANCE * scale[lane]
-            held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
-            may_go = iteration > 0 and held[lane] and not touch.joined[lane]
-            kept = depth_weight[lane] == 0.0
-            if may_go and release(body, touch, attraction, forces, lane, tolerance, kept):
-                held[lane] = pulled(body, touch, attraction, forces, lane, tolerance)
-                taken[lane] += 1
-                searching[lane] = False
-        constrain_forces(body, touch, grip, forces, reaction)
-        attract_forces(large, body, touch, grip, attraction, displacement, depth, forces, reaction)
-        excess[:] = -reaction * force_weight + depth * depth_weight - target
+        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, done)
+        excess[:] = reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
         work += toward * excess / np.maximum(force_weight, STIFFEST)
         for lane in range(LANES):
             solving[lane] = False
             if done[lane]:
                 continue
+            spent[lane] += 1
             imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
-            if taken[lane] > limit or (broken and not (large and searching[lane] and fraction[lane] > SHORTEST)):
+            if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
                 move(displacement, depth, direction, toward, lane, -fraction[lane])
-            elif imbalance < TOLERANCE and not held[lane] and not touch.joined[lane]:
+            elif imbalance < TOLERANCE:
                 done[lane] = True
             elif (
-                searching[lane]
-                and not (touch.joined[lane] or grip.changed[lane])
-                and unbalanced(work[lane], start[lane], tries[lane])
+                searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
@@ -130,25 +114,28 @@ def advance(
                 solving[lane] = True
         if np.all(done):
             break
-        if not np.any(solving):
-            continue
-        if not joined:
+        if fresh:
             stiffness(large, body, points, laws, displacement, geometric, band)
-        constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
-        attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
-        step(
-            band, upper, body.width, forces, border, row, corner, force_weight, depth_weight, excess, solving,
-            direction, toward, start,
+            add_tangent(body, tangent, geometric, band, upper, border, row, corner)
+            forward[:], sideways[:] = forces, border
+            solve(band, upper, size, body.width, forward, sideways)
+        elif np.any(solving):
+            forward[:] = forces
+            solve_again(band, upper, size, body.width, forward)
+        direct(
+            forces, forward, sideways, row, corner, force_weight, depth_weight, excess, solving, direction, toward,
+            start,
         )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
-        if (large or sticky) and np.any(indefinite):
+        if np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, band)
-            constrain_matrix(body, touch, grip, geometric, band, upper, border, row, corner)
-            attract_matrix(body, touch, grip, attraction, geometric, band, upper, border, row, corner)
-            step(
-                band, upper, body.width, forces, border, row, corner, force_weight, depth_weight, excess, indefinite,
-                direction, toward, start,
+            add_tangent(body, tangent, geometric, band, upper, border, row, corner)
+            forward[:], sideways[:] = forces, border
+            solve(band, upper, size, body.width, forward, sideways)
+            direct(
+                forces, forward, sideways, row, corner, force_weight, depth_weight, excess, indefinite, direction,
+                toward, start,
             )  # fmt: skip
             geometric[:] = 1.0
         for lane in range(LANES):
@@ -157,7 +144,17 @@ def advance(
                 shorten(direction, toward, start, lane, farthest[lane])
                 move(displacement, depth, direction, toward, lane, 1.0)
     alive &= done
-    spent += taken
+
+
+@njit(cache=True)
+def shares_of(large, body, contact, state, displacement, depth):
+    """Return the share (k, LANES) of each surface node that touches."""
+    shares = np.zeros((body.radial.shape[0], LANES))
+    for k in range(body.radial.shape[0]):
+        for lane in range(LANES):
+            x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            shares[k, lane] = normal_distribution(x)
+    return shares
 
 
 @njit(cache=True)
@@ -180,7 +177,7 @@ def stiffness(large, body, points, laws, displacement, geometric, band):
 
 @njit(cache=True)
 def unbalanced(work, start, tries):
-    """Return whether the line search goes on, see `palpate.fem.newton.Search.shorten`."""
+    """Return whether the line search goes on."""
     return tries < TRIES and work * start <= 0.0 and abs(work) >= 0.8 * abs(start)
 
 
@@ -217,18 +214,15 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def step(
-    band, upper, width, forces, border, row, corner, force_weight, depth_weight, excess, solving, direction, toward,
-    start,
+def direct(
+    forces, forward, sideways, row, corner, force_weight, depth_weight, excess, solving, direction, toward, start
 ):  # fmt: skip
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    The depth is eliminated from the bordered system as in `palpate.fem.newton.newton_direction`. Where the matrix is
-    not positive definite, the work is NaN.
+    The depth is eliminated from the bordered system, whose matrix times `forward` is the `forces` and times `sideways`
+    their derivatives by the depth. Where it is not positive definite, the work is NaN.
     """
     size = forces.shape[0] - 1
-    forward, sideways = forces.copy(), border.copy()
-    solve(band, upper, size, width, forward, sideways)
     ahead, aside = splat(0.0), splat(0.0)
     for i in range(size):
         ahead = ahead + load(row, i) * load(forward, i)

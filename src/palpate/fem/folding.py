@@ -24,7 +24,7 @@ DOUBLINGS = 3
 
 def mergings(specimen: Specimen, large: bool) -> int:
     """Return how many times the innermost rings may be merged, one wider than the other."""
-    return DOUBLINGS if large and specimen.yields else 0
+    return DOUBLINGS if large else 0
 
 
 def merged(radii: np.ndarray, resolution: Resolution, rounded: bool, times: int) -> np.ndarray:

@@ -154,7 +154,10 @@ def polar_mesh(radii: np.ndarray, sectors: int) -> Mesh:
     free[number[-1]] = False
     free[0, 0] = False
     free[number[:, -1], 0] = False
-    equations = np.where(free, np.cumsum(free.ravel()).reshape(free.shape) - 1, -1)
+    order = (
+        np.cumsum(free[:, ::-1].ravel()).reshape(free.shape)[:, ::-1] - 1
+    )  # of a node along z first: contact is stiff
+    equations = np.where(free, order, -1)
     gradients, weights = _integration(nodes[elements])
     return Mesh(
         nodes=nodes,

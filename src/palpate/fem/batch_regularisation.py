@@ -1,0 +1,111 @@
+"""How wide and how stiff the contact is: the numbers behind `palpate.fem.batch_contact`.
+
+All are chosen. `WIDTH` and `STIFFNESS` make the scatter of the depth over offsets of the mesh smaller than 5e-5 in
+elastic and creeping bodies and 2e-4 in yielding ones; in a body that flows under a small share of the elastic pressure
+the pressure ends abruptly at the edge of contact, which asks for a wider and softer one. `BLEND` then makes the depth
+at fixed load that of a mesh of infinitely many elements, to first order in their size. `tests/test_ripple.py` measures
+both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from palpate.fem.adhesion import Adhesion
+from palpate.fem.batch_contact import FARTHEST, SLIP, Contact, ContactState
+from palpate.fem.batch_tip import Tip
+from palpate.fem.batch_vector import LANES
+from palpate.fem.contact_size import contact_range, mean_pressure, plane_strain_modulus
+from palpate.fem.profile import Profile
+from palpate.indenters import Indenter
+from palpate.protocol import Protocol
+from palpate.specimen import Specimen
+
+WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
+STIFFNESS, STIFFNESS_POWER = 4.0, -0.13  # C, likewise
+BLEND, BLEND_OF_GROWTH = 0.555, 0.65  # b under a cone, and what it grows by with the growth of the rings
+BLEND_OF_SPHERE = 0.545  # b under a sphere
+
+
+def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
+    """Return the mean pressure that an elastic body of the same moduli would bear, over that of the body."""
+    slope = indenter.slope
+    if not indenter.sharp:
+        largest = contact_range(specimen, indenter, protocol)[1]
+        slope = min(slope, 0.7 * Profile.of(indenter).slope_for(largest))
+    pressure = mean_pressure(specimen.coefficients, slope, 0.6 * float(protocol.knot_time[-1]))
+    return 0.5 * slope * plane_strain_modulus(specimen.coefficients) / pressure
+
+
+def contact_of(
+    profiles: Sequence[Profile],
+    excess: np.ndarray,
+    friction: Sequence[float],
+    adhesions: Sequence[Adhesion | None],
+    units: np.ndarray,
+    distance: np.ndarray,
+    area: np.ndarray,
+    smallest: np.ndarray,
+    largest: float,
+    growth: float,
+) -> Contact:
+    """Return the contact of surface nodes at distances (k,) from the axis.
+
+    Parameters
+    ----------
+    profiles
+        Of each lane, lengths in its unit.
+    excess : ndarray, shape (LANES,)
+        See `elastic_excess`.
+    friction, adhesions
+        Of each lane.
+    units : ndarray, shape (LANES,)
+        Unit of length of each lane [um].
+    area : ndarray, shape (k,)
+        That belongs to each node.
+    smallest : ndarray, shape (LANES,)
+        Smallest contact radius that counts.
+    largest
+        Largest contact radius.
+    growth
+        Ratio of neighbouring rings.
+    """
+    spacing = np.gradient(distance)
+    spacing[0] = distance[1]
+    spacing = np.minimum(spacing, spacing[min(np.searchsorted(distance, FARTHEST * largest), len(distance) - 1)])
+    slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
+    blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
+    reach, attraction = np.ones(LANES), np.zeros((len(distance), LANES))
+    for lane, adhesion in enumerate(adhesions):
+        if adhesion is not None:
+            reach[lane], attraction[:, lane] = adhesion.reach / units[lane], adhesion.hold
+    return Contact(
+        Tip.of(profiles),
+        spacing[:, None] * WIDTH * excess**WIDTH_POWER,
+        area,
+        STIFFNESS * excess**STIFFNESS_POWER,
+        np.repeat([[blend], [BLEND_OF_SPHERE - blend]], LANES, axis=1),
+        attraction,
+        reach,
+        np.array(friction),
+        SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
+    )
+
+
+def first_contact(
+    profiles: Sequence[Profile], specimens: Sequence[Specimen], durations: Sequence[float], distance: np.ndarray,
+    smallest: np.ndarray,
+) -> ContactState:  # fmt: skip
+    """Return the state of a contact before it begins, as it is expected at the `smallest` radii (LANES,)."""
+    slope = np.array([p.slope_for(s) for p, s in zip(profiles, smallest, strict=True)])
+    height = np.array([p.depth_for(s) for p, s in zip(profiles, smallest, strict=True)])
+    pressure = np.array(
+        [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
+    )
+    exponent, places = smallest * slope / height, np.repeat(distance[:, None], LANES, axis=1)
+    rise = 0.5 * slope * (1.0 + exponent)
+    return ContactState(
+        pressure, np.zeros(LANES), pressure.copy(), rise, exponent, places, np.zeros_like(places), places.copy()
+    )

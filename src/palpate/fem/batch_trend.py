@@ -1,0 +1,49 @@
+"""Where the next step begins its iteration: the last two changes carried on, by Newton's divided differences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.fem.batch_vector import LANES
+
+
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """The last two changes of displacements and depth, and how long they took.
+
+    Parameters
+    ----------
+    last, before : ndarray, shape (size + 2, LANES)
+        Changes of the last step and of the one before; the depth comes last.
+    taken, earlier : ndarray, shape (LANES,)
+        Durations of both [s]; `earlier` is NaN where the last step did not carry on from the one before.
+    """
+
+    last: np.ndarray
+    before: np.ndarray
+    taken: np.ndarray
+    earlier: np.ndarray
+
+    @classmethod
+    def none(cls, size: int) -> Trend:
+        """Return the trend of what has not moved yet, for displacements (size, LANES)."""
+        still = np.zeros((size + 1, LANES))
+        return cls(still, still, np.ones(LANES), np.full(LANES, np.nan))
+
+    def guess(self, step: np.ndarray, carries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the changes of displacements (size, LANES) and depth (LANES,) expected in a `step` (LANES,) [s].
+
+        None is expected where the next step does not carry the last change on: `carries` (LANES,).
+        """
+        bends = carries & np.isfinite(self.earlier)
+        earlier = np.where(bends, self.earlier, 1.0)
+        bend = np.where(bends, step * (step + self.taken) / (self.taken + earlier), 0.0)
+        change = np.where(carries, step / self.taken, 0.0) * self.last
+        change = change + bend * (self.last / self.taken - self.before / earlier)
+        return change[:-1], change[-1]
+
+    def followed(self, change: np.ndarray, step: np.ndarray, carried: np.ndarray) -> Trend:
+        """Return the trend after one more `change` (size + 1, LANES) in a `step` that carried on or not."""
+        return Trend(change, self.last, step, np.where(carried, self.taken, np.nan))
