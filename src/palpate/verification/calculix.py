@@ -150,6 +150,23 @@ def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
     return (protocol.sample_load >= LOADED_FROM * protocol.max_load) & np.isfinite(theirs)
 
 
+def refined(
+    specification: Specification, long: np.ndarray, short: np.ndarray, fine: np.ndarray, extrapolate: bool = False
+) -> tuple[np.ndarray, float]:
+    """Return the depth (n,) on the fine mesh in short steps, and its refinement error in mesh and time step.
+
+    Parameters
+    ----------
+    long, short, fine : ndarray, shape (n,)
+        Depth on a coarse mesh in long and in half as long steps, and on a fine mesh in long ones.
+    extrapolate
+        To no time step, of an error of first order.
+    """
+    change = 2 * short / long - 1 if extrapolate else short / long
+    depths = fine * change
+    return depths, refinement_error(specification, depths, fine * (short / long if extrapolate else 1.0), long * change)
+
+
 def refinement_error(specification: Specification, fine: np.ndarray, *others: np.ndarray) -> float:
     """Return the sum of the largest relative differences between a curve and coarser ones, where they count."""
     counts = counted(specification, fine)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.export.quadratic import RESOLUTIONS
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refinement_error, run_deck
+from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refined, run_deck
 from palpate.verification.case import Case, Outcome, Settings
 from palpate.verification.materials import STEADY_CREEP
 
@@ -23,9 +23,7 @@ def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
     tests = [CREEP.specification(points, friction=friction) for points in (POINTS, 2 * POINTS)]
     long, short = (run_deck(program, test, RESOLUTIONS["standard"]) for test in tests)
     fine = run_deck(program, tests[0], RESOLUTIONS["fine"])
-    short = short[1::2]
-    depths = fine * (2 * short - long) / long
-    return depths, refinement_error(tests[0], depths, fine * short / long, depths * long / fine)
+    return refined(tests[0], long, short[1::2], fine, extrapolate=True)
 
 
 def run(settings: Settings) -> Outcome:

@@ -1,6 +1,7 @@
-"""Aluminium at large strains in CalculiX, without and with friction, on two meshes.
+"""Aluminium at large strains in CalculiX, without and with friction, on two meshes and in two steps of the motion.
 
-CalculiX moves the body onto the indenter and tells the load; palpate is given that load, and its depth compared.
+CalculiX moves the body onto the indenter and tells the load; palpate is given that load, and its depth compared. Steps
+grow with the depth: in a step that doubles the contact the plastic flow would have one direction.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ from palpate.export.quadratic import quadratic_mesh
 from palpate.fem.mesh import Resolution
 from palpate.protocol import Protocol
 from palpate.specification import Specification
-from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, compared, printed, refinement_error, table
+from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, compared, printed, refined, table
 from palpate.verification.case import Case, Outcome, Settings
 from palpate.verification.materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
 WEDGES = 180  # CalculiX takes a body of revolution for a wedge of two degrees
-DEEPEST, BACK = 620.0, 0.975  # nm; back until about a tenth of the load is left
-UP, DOWN = 20, 10
+KNOTS = 620.0 * np.array([0.0, 0.125, 0.25, 0.5, 1.0, 0.975])  # nm; back until about a tenth of the load is left
+POINTS = 8  # from one of them to the next
 LEAST = 0.05
 
 
@@ -58,13 +59,13 @@ def specification(protocol: Protocol, friction: float) -> Specification:
     return Specification("bilinear_plasticity", ALUMINIUM, indenter, protocol, kinematics="large", accuracy="fine")
 
 
-def moved(program: Path, friction: float, resolution: Resolution) -> Curve:
-    """Run CalculiX; raises `PalpateError` when it stops without any result."""
-    times = np.concatenate([np.arange(1.0, UP + 1), UP + np.arange(1.0, DOWN + 1)])
-    knots = np.array([0.0, UP, UP + DOWN])
-    asked = specification(Protocol(knots, np.array([0.0, 4.9, 0.0]), times), friction)
+def moved(program: Path, friction: float, points: int, resolution: Resolution) -> Curve:
+    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops without any result."""
+    ends = np.arange(float(len(KNOTS)))
+    times = np.arange(1, points * (len(KNOTS) - 1) + 1) / points
+    asked = specification(Protocol(ends, 4.9 * (KNOTS / KNOTS.max()) ** 2, times), friction)
     mesh = quadratic_mesh(asked, resolution)
-    text = printed(program, deck(asked, np.array([0.0, DEEPEST, BACK * DEEPEST]), mesh))
+    text = printed(program, deck(asked, KNOTS, mesh))
     time, rise = table(PRINTED, text).T
     load = -WEDGES * table(FORCE, text)[:, 0]
     bears = np.logical_and.accumulate((load >= LEAST * load.max()) | (time <= time[np.argmax(load)]))
@@ -77,14 +78,18 @@ def run(settings: Settings) -> Outcome:
         return Outcome([], notes=[NOT_RUN])
     rows, plots = [], []
     for friction in (0.0, FRICTION):
-        coarse, fine = (moved(settings.calculix, friction, SHEARED[mesh]) for mesh in ("standard", "fine"))
+        long, short, fine = (
+            moved(settings.calculix, friction, points, SHEARED[mesh])
+            for points, mesh in ((POINTS, "standard"), (2 * POINTS, "standard"), (POINTS, "fine"))
+        )
         test = specification(fine.protocol, friction)
-        own_error = refinement_error(test, fine.depth, coarse.depth_under(fine.load))
+        in_long, in_short = (curve.depth_under(fine.load) for curve in (long, short))
+        theirs, own_error = refined(test, in_long, in_short, fine.depth)
         name = "aluminium, large strains" + (f", friction {friction:g}" if friction else "")
-        found, plot = compared(name, test, fine.depth, own_error)
+        found, plot = compared(name, test, theirs, own_error)
         rows += found
         plots.append(plot)
-    return Outcome(rows, plots, [RULE])
+    return Outcome(rows, plots, [RULE, "The refinement error is that of the mesh and that of the steps."])
 
 
 CASE = Case("calculix_large", "CalculiX: aluminium at large strains", run)
