@@ -34,6 +34,7 @@ RULE = (
     "From 15 % of the load on; allowed is 1 % at the worst sample, or the refinement error of CalculiX' own curve "
     "where that is larger."
 )
+STEPS = "Extrapolated to no step; the refinement error is that of the mesh and that of the shorter steps together."
 
 
 def printed(program: Path, text: str) -> str:
@@ -151,20 +152,20 @@ def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
 
 
 def refined(
-    specification: Specification, long: np.ndarray, short: np.ndarray, fine: np.ndarray, extrapolate: bool = False
+    specification: Specification, long: np.ndarray, short: np.ndarray, fine: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """Return the depth (n,) on the fine mesh in short steps, and its refinement error in mesh and time step.
+    """Return the depth (n,) on the fine mesh, extrapolated to no step, and its refinement error in mesh and step.
+
+    CalculiX integrates creep and plastic flow by Euler's backward rule, whose error is of first order.
 
     Parameters
     ----------
     long, short, fine : ndarray, shape (n,)
         Depth on a coarse mesh in long and in half as long steps, and on a fine mesh in long ones.
-    extrapolate
-        To no time step, of an error of first order.
     """
-    change = 2 * short / long - 1 if extrapolate else short / long
+    change = 2 * short / long - 1
     depths = fine * change
-    return depths, refinement_error(specification, depths, fine * (short / long if extrapolate else 1.0), long * change)
+    return depths, refinement_error(specification, depths, fine * short / long, long * change)
 
 
 def refinement_error(specification: Specification, fine: np.ndarray, *others: np.ndarray) -> float:

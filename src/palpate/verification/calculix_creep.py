@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.export.quadratic import RESOLUTIONS
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refined, run_deck
+from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
 from palpate.verification.case import Case, Outcome, Settings
 from palpate.verification.materials import STEADY_CREEP
 
@@ -23,7 +23,7 @@ def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
     tests = [CREEP.specification(points, friction=friction) for points in (POINTS, 2 * POINTS)]
     long, short = (run_deck(program, test, RESOLUTIONS["standard"]) for test in tests)
     fine = run_deck(program, tests[0], RESOLUTIONS["fine"])
-    return refined(tests[0], long, short[1::2], fine, extrapolate=True)
+    return refined(tests[0], long, short[1::2], fine)
 
 
 def run(settings: Settings) -> Outcome:
@@ -37,7 +37,7 @@ def run(settings: Settings) -> Outcome:
         found, plot = compared(CREEP.titled(friction), test, theirs, own_error)
         rows += found
         plots.append(plot)
-    return Outcome(rows, plots, [RULE, "The refinement error is that of the mesh and that of the shorter time step."])
+    return Outcome(rows, plots, [RULE, STEPS])
 
 
 CASE = Case("calculix_creep", "CalculiX: steady creep", run)

@@ -17,7 +17,7 @@ from palpate.export.quadratic import quadratic_mesh
 from palpate.fem.mesh import Resolution
 from palpate.protocol import Protocol
 from palpate.specification import Specification
-from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, compared, printed, refined, table
+from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, STEPS, compared, printed, refined, table
 from palpate.verification.case import Case, Outcome, Settings
 from palpate.verification.materials import ALUMINIUM, CONE
 
@@ -89,7 +89,7 @@ def run(settings: Settings) -> Outcome:
         found, plot = compared(name, test, theirs, own_error)
         rows += found
         plots.append(plot)
-    return Outcome(rows, plots, [RULE, "The refinement error is that of the mesh and that of the steps."])
+    return Outcome(rows, plots, [RULE, STEPS])
 
 
 CASE = Case("calculix_large", "CalculiX: aluminium at large strains", run)

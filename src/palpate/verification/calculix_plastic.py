@@ -6,7 +6,7 @@ The direction of plastic flow is that at the end of a step, and the contact that
 from __future__ import annotations
 
 from palpate.export.quadratic import RESOLUTIONS
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refined, run_deck
+from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
 from palpate.verification.case import Case, Outcome, Settings
 from palpate.verification.materials import ALUMINIUM
 
@@ -28,7 +28,7 @@ def run(settings: Settings) -> Outcome:
         found, plot = compared(PLASTIC.titled(friction), test, theirs, own_error)
         rows += found
         plots.append(plot)
-    return Outcome(rows, plots, [RULE, "The refinement error is that of the mesh and that of the load's steps."])
+    return Outcome(rows, plots, [RULE, STEPS])
 
 
 CASE = Case("calculix_plastic", "CalculiX: aluminium at small strains", run)
