@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.errors import PalpateError
 from palpate.export.calculix_moved import SHEARED, deck
 from palpate.export.quadratic import quadratic_mesh
 from palpate.fem.mesh import Resolution
@@ -23,8 +24,8 @@ from palpate.verification.materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
 WEDGES = 180  # CalculiX takes a body of revolution for a wedge of two degrees
-KNOTS = 620.0 * np.array([0.0, 0.125, 0.25, 0.5, 1.0, 0.975])  # nm; back until about a tenth of the load is left
-POINTS = 8  # from one of them to the next
+KNOTS = 620.0 * np.array([0.0, 0.2, 0.45, 1.0, 0.975])  # nm; back until about a tenth of the load is left
+POINTS = 10  # from one of them to the next
 LEAST = 0.05
 
 
@@ -60,13 +61,15 @@ def specification(protocol: Protocol, friction: float) -> Specification:
 
 
 def moved(program: Path, friction: float, points: int, resolution: Resolution) -> Curve:
-    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops without any result."""
+    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops before it turns back."""
     ends = np.arange(float(len(KNOTS)))
     times = np.arange(1, points * (len(KNOTS) - 1) + 1) / points
     asked = specification(Protocol(ends, 4.9 * (KNOTS / KNOTS.max()) ** 2, times), friction)
     mesh = quadratic_mesh(asked, resolution)
     text = printed(program, deck(asked, KNOTS, mesh))
     time, rise = table(PRINTED, text).T
+    if time[-1] < ends[-2]:
+        raise PalpateError(f"CalculiX stopped at {1e3 * (mesh.overlap + rise[-1]):.0f} of {KNOTS.max():g} nm")
     load = -WEDGES * table(FORCE, text)[:, 0]
     bears = np.logical_and.accumulate((load >= LEAST * load.max()) | (time <= time[np.argmax(load)]))
     return Curve(time[bears], 1e3 * (mesh.overlap + rise[bears]), load[bears])
