@@ -122,13 +122,14 @@ def test_refinement_errors_add_up_where_the_curve_counts():
     assert calculix.refinement_error(test, fine, *others) == pytest.approx(0.03)
 
 
-def test_mesh_and_step_are_refined_apart():
+@pytest.mark.parametrize("ripples", [False, True])
+def test_mesh_and_step_are_refined_apart(ripples):
     """A depth with errors of first order in the step and in the mesh: that of the mesh is left, and told."""
     test = ELASTIC.specification(20)
     exact = curve_of(test)
     errors = ((0.02, 0.04), (0.02, 0.02), (0.01, 0.04))
     long, short, fine = ((1 + mesh) * (1 + step) * exact for mesh, step in errors)
-    depths, own_error = calculix.refined(test, long, short, fine)
+    depths, own_error = calculix.refined(test, long, short, fine, ripples)
     assert depths / exact - 1 == pytest.approx(0.01, rel=0.1)
     assert own_error == pytest.approx(0.01 + 0.02, rel=0.1)
 

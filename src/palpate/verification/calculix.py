@@ -152,7 +152,7 @@ def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
 
 
 def refined(
-    specification: Specification, long: np.ndarray, short: np.ndarray, fine: np.ndarray
+    specification: Specification, long: np.ndarray, short: np.ndarray, fine: np.ndarray, ripples: bool = False
 ) -> tuple[np.ndarray, float]:
     """Return the depth (n,) on the fine mesh, extrapolated to no step, and its refinement error in mesh and step.
 
@@ -162,10 +162,14 @@ def refined(
     ----------
     long, short, fine : ndarray, shape (n,)
         Depth on a coarse mesh in long and in half as long steps, and on a fine mesh in long ones.
+    ripples
+        Whether depths ripple as the contact passes from node to node, so that the change by the step is its mean.
     """
-    change = 2 * short / long - 1
-    depths = fine * change
-    return depths, refinement_error(specification, depths, fine * short / long, long * change)
+    change = short / long
+    if ripples:
+        change = np.full(len(change), change[counted(specification, change)].mean())
+    depths = fine * (2 * change - 1)
+    return depths, refinement_error(specification, depths, fine * change, long * (2 * change - 1))
 
 
 def refinement_error(specification: Specification, fine: np.ndarray, *others: np.ndarray) -> float:

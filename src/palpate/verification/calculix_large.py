@@ -87,7 +87,7 @@ def run(settings: Settings) -> Outcome:
         )
         test = specification(fine.protocol, friction)
         in_long, in_short = (curve.depth_under(fine.load) for curve in (long, short))
-        theirs, own_error = refined(test, in_long, in_short, fine.depth)
+        theirs, own_error = refined(test, in_long, in_short, fine.depth, ripples=True)
         name = "aluminium, large strains" + (f", friction {friction:g}" if friction else "")
         found, plot = compared(name, test, theirs, own_error)
         rows += found
