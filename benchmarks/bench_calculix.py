@@ -14,7 +14,8 @@ import pytest
 from palpate.export.quadratic import RESOLUTIONS
 from palpate.fem.mesh import Resolution
 from palpate.model import simulate
-from palpate.verification.calculix import ELASTIC, run_deck
+from palpate.verification.calculix import run_deck
+from palpate.verification.calculix_elastic import ELASTIC
 
 MESHES = [Resolution(growth=g, sectors=s, inner=0.1, far=500.0) for g, s in ((1.7, 3), (1.5, 4), (1.3, 5), (1.2, 6))]
 os.environ["OMP_NUM_THREADS"] = "1"

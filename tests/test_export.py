@@ -5,6 +5,8 @@ import pytest
 import yaml
 
 from palpate.cli import main
+from palpate.errors import InputError
+from palpate.export import calculix_moved
 from palpate.export.abaqus import user_constants
 from palpate.export.calculix import deck, norton
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
@@ -140,6 +142,37 @@ def test_what_a_program_lacks_is_refused_in_one_line(export, given, form, words)
     assert code == 2
     assert len(lines) == 1 and words in lines[0] and "spec.yaml" in lines[0]
     assert not path.exists()
+
+
+def moved(given, depth):
+    specification = specification_from(given)
+    mesh = quadratic_mesh(specification, calculix_moved.SHEARED["standard"])
+    return mesh, calculix_moved.deck(specification, np.array(depth), mesh)
+
+
+def test_at_large_strains_the_body_is_moved_to_the_depths_asked_for():
+    """Less the overlap from which it begins; with elements that are integrated fully, and the force asked for."""
+    depth = [0.0, 620.0, 620.0, 600.0]
+    mesh, text = moved(values(METAL, kinematics="large"), depth)
+    amplitude = text.split("NAME=LOAD, TIME=TOTAL TIME\n")[1].split("*")[0].split("\n")[:-1]
+    rise = np.array([float(row.split(",")[1]) for row in amplitude])
+    assert 1e3 * (rise[1:] + mesh.overlap) == pytest.approx(depth[1:])
+    assert text.count("*STEP, NLGEOM") == text.count("*STEP") == 4
+    assert "CAX8, ELSET=RINGS" in text and "RF" in text
+    assert "CLOAD" not in text and "*BOUNDARY, AMPLITUDE" not in text.split("*END STEP")[0]
+
+
+def test_the_overlap_takes_in_more_than_one_element():
+    for resolutions in (RESOLUTIONS, calculix_moved.SHEARED):
+        mesh = quadratic_mesh(specification_from(values(METAL)), resolutions["standard"])
+        inside = np.tan(np.radians(70.3)) * mesh.overlap
+        assert inside > 2 * mesh.nodes[mesh.triangles].max()
+
+
+@pytest.mark.parametrize("given", [values(METAL), values(kinematics="large")])
+def test_only_bodies_that_yield_are_moved_at_large_strains(given):
+    with pytest.raises(InputError, match="where the body yields alone"):
+        moved(given, [0.0, 620.0, 620.0, 600.0])
 
 
 def test_abaqus_folder(export):

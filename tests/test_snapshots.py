@@ -1,5 +1,10 @@
 """Addresses, the store, and what happens to failures."""
 
+import copy
+import json
+import math
+from dataclasses import fields, is_dataclass
+
 import numpy as np
 import pytest
 import yaml
@@ -7,8 +12,11 @@ import yaml
 from palpate import snapshots
 from palpate.config import load_study
 from palpate.errors import PalpateError
-from palpate.fingerprint import without_docstrings
+from palpate.fingerprint import content, without_docstrings
+from palpate.indenters import Indenter
 from palpate.model import Simulation, simulate
+from palpate.protocol import Protocol, trapezoid
+from palpate.specification import Specification
 
 STUDY = {
     "study": "s",
@@ -108,6 +116,86 @@ def test_whatever_decides_the_curve_changes_the_address(tmp_path, change):
     one, other = study(tmp_path), study(tmp_path, **change)
     files = [set(f for b in snapshots.plan(s, tmp_path) for f in b.files) for s in (one, other)]
     assert not files[0] & files[1]
+
+
+SPECIFICATION = Specification(
+    "elastic",
+    {"youngs_modulus": 3.0, "poisson_ratio": 0.3},
+    Indenter("cone", half_angle=70.3),
+    trapezoid(1.0, 1.0, 0.0, 1.0, points=10),
+)
+
+
+def another(value):
+    """Return a value of the same kind that differs."""
+    if is_dataclass(value):
+        name = next(f.name for f in fields(value) if f.init)
+        return with_field(value, name, another(getattr(value, name)))
+    if isinstance(value, dict):
+        return value | {"another": {"x": 1.0}}
+    if isinstance(value, np.ndarray):
+        return np.append(value[:-1], np.nextafter(value[-1], np.inf))
+    if isinstance(value, tuple):
+        return (*value, 1.0)
+    if isinstance(value, str):
+        return f"{value}, another"
+    if value is None:
+        return 1.0
+    return not value if isinstance(value, bool) else (np.nextafter(value, np.inf) if math.isfinite(value) else 1.0)
+
+
+def with_field(value, name, changed):
+    """Return a copy of a frozen object with one field changed, unchecked, so that any value will do."""
+    copied = copy.copy(value)
+    object.__setattr__(copied, name, changed)
+    return copied
+
+
+def given(kind):
+    return [f.name for f in fields(kind) if f.init]
+
+
+@pytest.mark.parametrize(
+    ("part", "name"),
+    [(None, name) for name in given(Specification)]
+    + [("indenter", name) for name in given(Indenter)]
+    + [("protocol", name) for name in given(Protocol)],
+)
+def test_every_field_is_in_the_address(part, name):
+    """To the last digit: fields are not listed anywhere, so that one that is added cannot be forgotten."""
+    whole = getattr(SPECIFICATION, part) if part else SPECIFICATION
+    changed = with_field(whole, name, another(getattr(whole, name)))
+    other = with_field(SPECIFICATION, part, changed) if part else changed
+    assert snapshots.address(other) != snapshots.address(SPECIFICATION)
+
+
+@pytest.mark.parametrize(
+    "length", [{"film_thickness": 500.0}, {"size_length": 100.0}, {"adhesion": 50.0}, {"substrate_modulus": 80.0}]
+)
+def test_curves_that_differ_in_a_length_of_the_specimen_alone_do_not_share_an_address(length):
+    parts = SPECIFICATION.model, SPECIFICATION.parameters, SPECIFICATION.indenter, SPECIFICATION.protocol
+    film = {"film_thickness": 1000.0, "substrate_modulus": 70.0}
+    addresses = {snapshots.address(Specification(*parts, **lengths)) for lengths in (film, film | length)}
+    assert len(addresses) == 2
+
+
+def test_equal_numbers_of_any_kind_have_the_same_address():
+    """Whole, of NumPy, or a negative zero, in a different order of keys."""
+    indenter = Indenter("cone", half_angle=np.float64(70.3), radius=0, friction=-0.0)
+    parameters = {"poisson_ratio": 0.3, "youngs_modulus": 3}
+    same = Specification("elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf)
+    assert snapshots.address(same) == snapshots.address(SPECIFICATION)
+
+
+def test_content_is_written_in_json_that_restores_it():
+    written = json.dumps(content(SPECIFICATION))
+    assert json.loads(written)["Specification"]["film_thickness"] == math.inf
+    assert json.loads(written) == content(SPECIFICATION)
+
+
+def test_what_has_no_content_is_refused():
+    with pytest.raises(TypeError, match="function has no content"):
+        content({"law": fake})
 
 
 def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):

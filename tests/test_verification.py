@@ -13,6 +13,8 @@ from palpate.errors import PalpateError
 from palpate.export.quadratic import RESOLUTIONS
 from palpate.fem.mesh import Resolution
 from palpate.verification import calculix, runner
+from palpate.verification.calculix_elastic import ELASTIC
+from palpate.verification.calculix_large import Curve
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
 from palpate.verification.convergence import richardson
 
@@ -85,10 +87,64 @@ def test_a_missing_reference_folder_is_refused(tmp_path, capsys):
     assert "folder is missing" in capsys.readouterr().err
 
 
-def test_without_calculix_it_says_so():
-    outcome = calculix.run(Settings())
+@pytest.mark.parametrize(
+    "case", [case for case in runner.CASES if case.key.startswith("calculix")], ids=lambda c: c.key
+)
+def test_without_calculix_it_says_so(case):
+    outcome = case.run(Settings())
     assert not outcome.rows
     assert "not run" in outcome.notes[0]
+
+
+def curve_of(specification):
+    load = specification.protocol.sample_load
+    return 400.0 * np.sqrt(load)
+
+
+@pytest.mark.parametrize(("own_error", "allowed"), [(0.003, 0.01), (0.02, 0.02)])
+def test_allowed_is_one_per_cent_or_the_curves_own_refinement_error(monkeypatch, own_error, allowed):
+    """Whatever happens below 15 % of the load; all else is only told."""
+    test = ELASTIC.specification(20)
+    monkeypatch.setattr(calculix, "depth", curve_of)
+    low = test.protocol.sample_load < 0.15
+    theirs = curve_of(test) / np.where(low, 1.5, 1.008)
+    rows, plot = calculix.compared("a cone", test, theirs, own_error)
+    assert [row.allowed for row in rows] == [allowed, None, None]
+    assert [row.deviation for row in rows] == pytest.approx([0.008] * 3)
+    assert f"{100 * own_error:.2f} %" in rows[0].note
+    assert len(plot.lower[0].y) == (~low).sum()
+
+
+def test_refinement_errors_add_up_where_the_curve_counts():
+    test = ELASTIC.specification(20)
+    fine = curve_of(test)
+    others = (np.where(test.protocol.sample_load < 0.15, 2.0, factor) * fine for factor in (1.01, 0.98))
+    assert calculix.refinement_error(test, fine, *others) == pytest.approx(0.03)
+
+
+@pytest.mark.parametrize("ripples", [False, True])
+def test_mesh_and_step_are_refined_apart(ripples):
+    """A depth with errors of first order in the step and in the mesh: that of the mesh is left, and told."""
+    test = ELASTIC.specification(20)
+    exact = curve_of(test)
+    errors = ((0.02, 0.04), (0.02, 0.02), (0.01, 0.04))
+    long, short, fine = ((1 + mesh) * (1 + step) * exact for mesh, step in errors)
+    depths, own_error = calculix.refined(test, long, short, fine, ripples)
+    assert depths / exact - 1 == pytest.approx(0.01, rel=0.1)
+    assert own_error == pytest.approx(0.01 + 0.02, rel=0.1)
+
+
+def test_a_curve_under_another_load_obeys_the_law_of_a_sharp_tip():
+    """Depth goes with the root of the load in loading; what a metal springs back does so by the share of its load."""
+    up, down = np.linspace(0.1, 1.0, 10), np.linspace(0.9, 0.5, 5)
+
+    def curve(peak):
+        depth = np.concatenate([np.sqrt(up), 0.95 + 0.05 * down]) * np.sqrt(peak)
+        return Curve(np.arange(1.0, 16.0), depth, peak * np.concatenate([up, down]))
+
+    one, other = curve(4.9), curve(5.6)
+    assert other.depth_under(one.load) == pytest.approx(one.depth)
+    assert one.protocol.sample_load == pytest.approx(one.load)
 
 
 def test_a_program_that_writes_nothing_is_an_error(tmp_path):
@@ -96,7 +152,7 @@ def test_a_program_that_writes_nothing_is_an_error(tmp_path):
     program.write_text("#!/bin/sh\nexit 1\n")
     program.chmod(0o755)
     with pytest.raises(PalpateError, match="no depths"):
-        calculix.run_deck(program, calculix.ELASTIC.specification(2), RESOLUTIONS["standard"])
+        calculix.run_deck(program, ELASTIC.specification(2), RESOLUTIONS["standard"])
 
 
 def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
@@ -105,7 +161,7 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
     text = "".join(block.format(f"{t:.7E}", f"{t / 10:.6E}") for t in (0.5, 1.0))
     program.write_text(f"#!/bin/sh\ncat > deck.dat <<'END'\n{text}END\n")
     program.chmod(0o755)
-    specification = calculix.ELASTIC.specification(2)
+    specification = ELASTIC.specification(2)
     found = calculix.run_deck(program, specification, RESOLUTIONS["standard"])
     assert found[1] - found[0] == pytest.approx(50.0)
     assert np.isnan(found[2:]).all()
@@ -114,7 +170,7 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
 @pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
 def test_calculix_agrees_with_the_solver():
     """On a coarse mesh; with fewer samples its increments would be too long for it to settle the contact."""
-    specification = calculix.ELASTIC.specification(20, "standard")
+    specification = ELASTIC.specification(20, "standard")
     mesh = Resolution(growth=1.7, sectors=3, inner=0.1, far=500.0)
     found = calculix.run_deck(Path(shutil.which("ccx")), specification, mesh)
     counts = specification.protocol.sample_load >= 0.15 * specification.protocol.max_load

@@ -4,6 +4,7 @@ import hashlib
 import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -241,7 +242,34 @@ def test_recordings_that_were_not_fetched_are_told_before_anything_runs(tmp_path
 def test_keys_of_a_study_are_not_given_on_the_command_line(tmp_path):
     run = snakemake(copied(tmp_path), "--dry-run", "--config", "points=50")
     assert run.returncode == 2
-    assert "palpate: --config points: only data=FILE may be given there" in run.stderr
+    assert "palpate: --config points: only data=FILE, quick=1 (verification)" in run.stderr
+
+
+def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp_path):
+    """The keys that rules ask for, those that comments and documents name, and those of the message are the same."""
+    rules = "".join(file.read_text() for file in (ROOT / "workflow/rules").glob("*.smk"))
+    named = [rules, *(file.read_text() for file in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])]
+    asked = set(re.findall(r'config\.get\("(\w+)"\)', rules))
+    documented = {
+        key
+        for text in named
+        for keys in re.findall(r"--config((?: \w+=\w+)+)", text)
+        for key in re.findall(r"(\w+)=", keys)
+    }
+    assert documented == asked
+    (tmp_path / "curves").mkdir()
+    values = {"data": "none", "quick": "1", "reference": "curves"}
+    assert set(values) == asked
+    run = execute(copied(tmp_path, "config"), "verification", "--dry-run", "--config", *map("=".join, values.items()))
+    assert run.returncode == 0, run.stderr
+    assert "rule verification" in run.stdout + run.stderr
+
+
+def test_a_missing_folder_of_reference_curves_is_told_before_anything_runs(tmp_path):
+    run = execute(copied(tmp_path, "config"), "verification", "-n", "--config", "reference=nofolder")
+    assert run.returncode == 2
+    assert "palpate: nofolder: the folder is missing; give a folder of curves" in run.stderr
+    assert "Traceback" not in run.stderr
 
 
 def test_a_study_under_a_pyramid_is_planned_without_a_diagnosis(tmp_path):

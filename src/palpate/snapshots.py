@@ -23,7 +23,7 @@ import pandas as pd
 from palpate.config import Condition, Study
 from palpate.errors import PalpateError
 from palpate.fem.batch_vector import LANES
-from palpate.fingerprint import PHYSICS, fingerprint
+from palpate.fingerprint import PHYSICS, content, fingerprint
 from palpate.model import Simulation, alike, simulate_batch
 from palpate.specification import Specification
 
@@ -81,29 +81,9 @@ class Batch:
 
 
 def address(specification: Specification) -> str:
-    """Return the address of the curve that `specification` decides."""
-    protocol, indenter = specification.protocol, specification.indenter
-    content = {
-        "model": specification.model,
-        "parameters": {name: float(value) for name, value in sorted(specification.parameters.items())},
-        "indenter": [
-            indenter.shape,
-            indenter.half_angle,
-            indenter.face_angle,
-            indenter.radius,
-            indenter.friction,
-            indenter.compliance,
-            list(indenter.area),
-        ],
-        "protocol": [np.asarray(a).tolist() for a in (protocol.knot_time, protocol.knot_drive, protocol.sample_time)],
-        "drive": [protocol.control, protocol.compliance],
-        "kinematics": specification.kinematics,
-        "accuracy": specification.accuracy,
-        "mechanisms": {key: dict(values) for key, values in specification.mechanisms.items()},
-        "physics": fingerprint(*PHYSICS),
-        "meshes": specification.meshes,
-    }
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+    """Return the address of the curve that `specification` decides: a hash of all its fields and of the physics."""
+    decides = {"specification": content(specification), "physics": fingerprint(*PHYSICS)}
+    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:24]
 
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:

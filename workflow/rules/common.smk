@@ -21,10 +21,22 @@ from palpate.threads import one_thread_each
 
 one_thread_each()
 
-from palpate import snapshots
+from palpate.errors import InputError
+
+
+def refuse(problem):
+    """End the execution with one line."""
+    print(f"palpate: {problem}", file=sys.stderr)
+    sys.exit(2)
+
+
+try:
+    from palpate import snapshots
+except InputError as error:  # compiled kernels can be kept nowhere
+    refuse(error)
+
 from palpate.checking import checked_study
 from palpate.diagnosis import design
-from palpate.errors import InputError
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import files_of
 from palpate.yaml_file import read_yaml
@@ -33,14 +45,17 @@ STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
 )
 DATA = config.get("data") if workflow.configfiles else None
+COMMAND_LINE = {  # what --config takes, and the rules that it is for
+    "data": "data=FILE",
+    "quick": "quick=1 (verification)",
+    "reference": "reference=FOLDER (verification)",
+}
 
-if others := set(workflow.config_settings.config) - {"data"}:
-    print(
-        f"palpate: --config {' '.join(sorted(others))}: only data=FILE may be given there; "
-        "write the study's keys in its file",
-        file=sys.stderr,
+if others := set(workflow.config_settings.config) - set(COMMAND_LINE):
+    refuse(
+        f"--config {' '.join(sorted(others))}: only {', '.join(COMMAND_LINE.values())} may be given there; "
+        "write the study's keys in its file"
     )
-    sys.exit(2)
 
 
 @functools.cache
@@ -49,8 +64,7 @@ def checked(file, data):
     try:
         return checked_study(file, data)
     except InputError as error:
-        print(f"palpate: {error}", file=sys.stderr)
-        sys.exit(2)
+        refuse(error)
 
 
 def vendor_file(wildcards):
@@ -64,6 +78,18 @@ def real_pages(wildcards):
     for name in REAL:
         source = read_yaml(f"{workflow.basedir}/config/real/{name}.yaml")["source"]
         yield f"results/{name}/{source['recordings']}/diagnosis.html"
+
+
+def reference_curves(wildcards):
+    """The files of the folder of reference curves, where one is given."""
+    folder = config.get("reference")
+    if folder and not Path(folder).is_dir():
+        refuse(
+            InputError(
+                "the folder is missing", remedy="give a folder of curves", file=folder
+            )
+        )
+    return sorted(map(str, Path(folder).glob("*.csv"))) if folder else []
 
 
 STUDY = checked(STUDY_FILE, DATA)

@@ -1,5 +1,7 @@
 # The solver's verification, apart from any study: snakemake --cores 1 verification [--config quick=1 reference=FOLDER]
 rule verification:
+    input:
+        reference_curves,
     output:
         report="results/verification/report.html",
         result="results/verification/verification.json",

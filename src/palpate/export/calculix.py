@@ -23,6 +23,7 @@ from palpate.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
 from palpate.export.terms import steady_creep, strength, voigt_elements
 from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
+from palpate.protocol import Protocol
 from palpate.specification import Specification
 
 PENETRATION = 5e-4
@@ -81,13 +82,14 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
         [
             *mesh_cards(mesh),
             *material,
-            *_contact_cards(specification, mesh),
+            *contact_cards(specification, mesh),
             *_steps(specification),
         ]
     )
 
 
-def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[str]:
+def contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[str]:
+    """Return the sections and the contact between body and indenter."""
     values = specification.parameters
     pressure = specification.protocol.max_load / (np.pi * mesh.contact_radius**2)
     stiffness = pressure / (PENETRATION * Profile.of(specification.indenter).depth_for(mesh.contact_radius))
@@ -107,6 +109,11 @@ def _contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[st
     ]
 
 
+def sample_cards(protocol: Protocol) -> list[str]:
+    """Return the times of which results are printed."""
+    return ["*TIME POINTS, NAME=SAMPLES, TIME=TOTAL TIME", *(f"{time:.12g}," for time in protocol.sample_time)]
+
+
 def _steps(specification: Specification) -> list[str]:
     protocol = specification.protocol
     creeps = specification.parameters.get("steady_coefficient", 0.0) > 0
@@ -114,8 +121,7 @@ def _steps(specification: Specification) -> list[str]:
     output = (f"*NODE PRINT, NSET={REFERENCE}, TIME POINTS=SAMPLES", "U")
     return [
         *amplitude_cards(protocol),
-        "*TIME POINTS, NAME=SAMPLES, TIME=TOTAL TIME",
-        *(f"{time:.12g}," for time in protocol.sample_time),
+        *sample_cards(protocol),
         *step_cards(protocol, header, "*VISCO, CETOL=1." if creeps else "*STATIC", output),
     ]
 

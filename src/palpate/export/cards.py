@@ -11,12 +11,19 @@ from palpate.protocol import Protocol
 
 REFERENCE = "REFERENCE"
 HELD = ("AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2")
+LOADED = ("*CLOAD, AMPLITUDE=LOAD", f"{REFERENCE}, 2, 1.")
 ONSET = 1e-8
 STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 
 
-def mesh_cards(mesh: QuadraticMesh) -> list[str]:
-    """Return nodes, elements, surfaces, sets, the far boundary's equations, and what is held."""
+def mesh_cards(mesh: QuadraticMesh, rings: str = "CAX8R") -> list[str]:
+    """Return nodes, elements, surfaces, sets, the far boundary's equations, and what is held.
+
+    Parameters
+    ----------
+    rings
+        Type of the elements of the rings: with reduced integration, or with full (``CAX8``).
+    """
     lines = [
         f"** palpate: axisymmetric indentation. Units um, mN, s, GPa. Depth = {mesh.overlap:.12g} + U2 of {REFERENCE}."
     ]
@@ -24,7 +31,7 @@ def mesh_cards(mesh: QuadraticMesh) -> list[str]:
     number = 1
     for kind, name, elements in (
         ("CAX6", "TIP", mesh.triangles),
-        ("CAX8R", "RINGS", mesh.quads),
+        (rings, "RINGS", mesh.quads),
         ("CAX8R", "INDENTER", mesh.indenter),
     ):
         lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
@@ -54,7 +61,9 @@ def amplitude_cards(protocol: Protocol) -> list[str]:
     return ["*AMPLITUDE, NAME=LOAD, TIME=TOTAL TIME", *(f"{time:.12g}, {load:.12g}" for time, load in knots)]
 
 
-def step_cards(protocol: Protocol, header: str, procedure: str, output: Sequence[str]) -> list[str]:
+def step_cards(
+    protocol: Protocol, header: str, procedure: str, output: Sequence[str], drive: Sequence[str] = LOADED
+) -> list[str]:
     """Return the steps: an onset, then one for each segment of the load history.
 
     In the onset, a hundred-millionth of the first segment, the body is held while the initial overlap becomes contact.
@@ -65,6 +74,8 @@ def step_cards(protocol: Protocol, header: str, procedure: str, output: Sequence
         Cards that begin a step; the onset is always static.
     output
         Cards that ask for the depth of the reference node.
+    drive
+        Cards that load the reference node, or move it.
     """
     ends = np.concatenate([[0.0, ONSET * protocol.knot_time[1]], protocol.knot_time[1:]])
     interval = float(np.max(np.diff(protocol.sample_time, prepend=0.0)))
@@ -78,6 +89,6 @@ def step_cards(protocol: Protocol, header: str, procedure: str, output: Sequence
             "*BOUNDARY, OP=NEW",
             *HELD,
         ]
-        lines += ["*CLOAD, AMPLITUDE=LOAD", f"{REFERENCE}, 2, 1.", *output] if k else [f"{REFERENCE}, 2, 2"]
+        lines += [*drive, *output] if k else [f"{REFERENCE}, 2, 2"]
         lines.append("*END STEP")
     return [*lines, ""]

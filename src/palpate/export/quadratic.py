@@ -63,7 +63,7 @@ def quadratic_mesh(specification: Specification, resolution: Resolution) -> Quad
     smallest, largest = contact_range(specification.specimen, specification.indenter, specification.protocol)
     radii = ring_radii(smallest, largest, resolution)
     profile = Profile.of(specification.indenter)
-    overlap = 0.3 * profile.depth_for(smallest)
+    overlap = profile.depth_for(max(0.3 * smallest, 2.5 * radii[0]))  # over more than one element
     body, triangles, quads, number = _body(radii, resolution.sectors)
     face = _indenter(profile, radii[radii < REACH * largest], overlap)
     pieces = len(face) // 5

@@ -1,1 +1,5 @@
 """Axisymmetric finite elements for indentation: mesh, element, contact, Newton, load history."""
+
+from palpate import kernel_cache
+
+kernel_cache.require()

@@ -1,9 +1,12 @@
 """Constitutive laws: every module of this folder that defines ``LAW`` is found by itself."""
 
+from palpate import kernel_cache
 from palpate.discovery import discover
 from palpate.errors import InputError
 from palpate.materials.joined import joined
 from palpate.materials.law import Law
+
+kernel_cache.require()
 
 LAWS: dict[str, Law] = {law.key: law for law in discover(__name__, __path__, "LAW")}
 ELASTIC = LAWS["elastic"]

@@ -21,7 +21,7 @@ from palpate.materials import LAWS
 from palpate.protocol import Protocol
 from palpate.specification import Specification
 from palpate.specimen import Specimen
-from palpate.verification.calculix import printed
+from palpate.verification.calculix import NOT_RUN, printed
 from palpate.verification.case import Case, Outcome, Row, Settings, depth
 from palpate.verification.materials import HOOKE
 from palpate.verification.pyramid import PYRAMID
@@ -73,7 +73,7 @@ def depth_at_one(
 def run(settings: Settings) -> Outcome:
     """Compare the depth under 1 mN, or say why there is nothing to compare."""
     if settings.calculix is None:
-        return Outcome([], notes=["CalculiX (ccx) was not run: it is not on the PATH, or a quick run was asked for."])
+        return Outcome([], notes=[NOT_RUN])
     guess = float(berkovich.depth(1.0, **HOOKE))
     theirs, scatter = depth_at_one(settings.calculix, PYRAMID, HOOKE, guess, MESH)
     note = f"single increments of CalculiX' differ by {100 * scatter:.1f} %"

@@ -15,8 +15,8 @@ from palpate.verification.materials import ALUMINIUM, BURGERS, CONE
 WHERE = ("peak", "1/15 of the load")
 WAYS = (("small", 0.0), ("small", 0.25), ("large", 0.0), ("large", 0.25))
 NOTES = (
-    "CalculiX 2.20 ran the same tests; allowed is the sum of what both programs state: 0.4 % each for the epoxy, 1 % "
-    "each for the aluminium.",
+    "CalculiX 2.20 ran the same tests; allowed is the sum of what both programs state for the epoxy, 0.4 % each, and "
+    "the difference of CalculiX' own depths on three meshes for the aluminium, 1.2 %.",
     "At large strains the law relates true stress to logarithmic strain, as Abaqus and its user materials do.",
 )
 
@@ -76,7 +76,7 @@ METAL = Test(
     ALUMINIUM,
     trapezoid(4.9, 15.0, 0.0, 15.0, points=90),
     {("small", 0.0): (675.0, 658.0), ("small", 0.25): (643.0, 625.0), ("large", 0.0): (617.0, 600.0)},
-    0.02,
+    0.012,
 )
 
 

@@ -1,4 +1,4 @@
-"""Reference curves that another program computed beforehand, kept in a folder of recordings with stated errors."""
+"""Reference curves that CalculiX computed beforehand, kept in a folder of recordings with stated refinement errors."""
 
 from __future__ import annotations
 
@@ -15,21 +15,24 @@ from palpate.verification.materials import ALUMINIUM, BURGERS, CONE, HOOKE, STEA
 
 @dataclass(frozen=True)
 class Reference:
-    """A curve's file name, the test that it belongs to, and its stated relative error."""
+    """A curve's file name, the test that it belongs to, and its refinement error, relative.
+
+    That of the plastic curve is the largest difference of its depths at peak on three meshes: 672.9 to 680.9 nm.
+    """
 
     name: str
     law: str
     values: dict[str, float]
     load: float
     duration: float
-    stated: float
+    refinement: float
 
 
 REFERENCES = (
     Reference("elastic", "elastic", HOOKE, 1.0, 1.0, 0.004),
     Reference("norton_creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0, 0.004),
     Reference("burgers", "nonlinear_burgers", BURGERS, 1.0, 30.0, 0.004),
-    Reference("bilinear_plasticity", "bilinear_plasticity", ALUMINIUM, 4.9, 15.0, 0.01),
+    Reference("bilinear_plasticity", "bilinear_plasticity", ALUMINIUM, 4.9, 15.0, 0.012),
 )
 
 
@@ -49,10 +52,9 @@ def run(settings: Settings) -> Outcome:
         protocol = Protocol(knots, reference.load * np.array([0.0, 1.0, 0.0]), time)
         found = depth(Specification(reference.law, reference.values, CONE, protocol, accuracy="fine"))
         counts = curve.load[kept] >= 0.15 * reference.load
-        scatters = "yield_stress" in reference.values
-        measure, name = (rms, "root mean square") if scatters else (worst, "worst sample")
-        quantity = f"{reference.name}: depth, {name} [nm]"
-        rows.append(measure(quantity, expected[counts], found[counts], reference.stated, "allowed: the stated error"))
+        quantity, note = f"{reference.name}: depth, worst sample [nm]", "allowed: the curve's own refinement error"
+        rows.append(worst(quantity, expected[counts], found[counts], reference.refinement, note))
+        rows.append(rms(f"{reference.name}: depth, root mean square [nm]", expected[counts], found[counts], None))
         series = [
             Series("reference", time.tolist(), expected.tolist(), True),
             Series("fine", time.tolist(), found.tolist()),
@@ -60,9 +62,7 @@ def run(settings: Settings) -> Outcome:
         deviation = 100 * (found[counts] / expected[counts] - 1)
         lower = [Series("deviation", time[counts].tolist(), deviation.tolist())]
         plots.append(Plot(f"reference_{reference.name}", "time [s]", f"depth, {reference.name} [nm]", series, lower))
-    notes = [
-        "Compared from 15 % of the load on. The plastic curve scatters about its own scaling law, so its rms counts."
-    ]
+    notes = ["Compared from 15 % of the load on."]
     return Outcome(rows, plots, notes if rows else [f"{settings.reference} holds no reference curve."])
 
 

@@ -17,7 +17,10 @@ from palpate import __version__, report
 from palpate.errors import PalpateError
 from palpate.figures import verification as figures
 from palpate.verification import (
-    calculix,
+    calculix_creep,
+    calculix_elastic,
+    calculix_large,
+    calculix_plastic,
     calculix_pyramid,
     convergence,
     elastic,
@@ -37,7 +40,10 @@ CASES = (
     kinematics.CASE,
     pyramid.CASE,
     convergence.CASE,
-    calculix.CASE,
+    calculix_elastic.CASE,
+    calculix_creep.CASE,
+    calculix_plastic.CASE,
+    calculix_large.CASE,
     calculix_pyramid.CASE,
     reference.CASE,
 )

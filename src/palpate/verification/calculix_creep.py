@@ -1,0 +1,43 @@
+"""Steady creep at small strains in CalculiX, without and with friction, on two meshes and in two time steps.
+
+CalculiX' creep is first order in the time step, so its curve is extrapolated from two.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from palpate.export.quadratic import RESOLUTIONS
+from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
+from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.materials import STEADY_CREEP
+
+CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
+POINTS = 25
+
+
+def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
+    """Return the depth [nm] on the fine mesh at no time step, and its refinement error in mesh and step."""
+    tests = [CREEP.specification(points, friction=friction) for points in (POINTS, 2 * POINTS)]
+    long, short = (run_deck(program, test, RESOLUTIONS["standard"]) for test in tests)
+    fine = run_deck(program, tests[0], RESOLUTIONS["fine"])
+    return refined(tests[0], long, short[1::2], fine)
+
+
+def run(settings: Settings) -> Outcome:
+    """Compare both, or say why there is nothing to compare."""
+    if settings.calculix is None:
+        return Outcome([], notes=[NOT_RUN])
+    rows, plots = [], []
+    for friction in (0.0, FRICTION):
+        theirs, own_error = extrapolated(settings.calculix, friction)
+        test = CREEP.specification(POINTS, friction=friction)
+        found, plot = compared(CREEP.titled(friction), test, theirs, own_error)
+        rows += found
+        plots.append(plot)
+    return Outcome(rows, plots, [RULE, STEPS])
+
+
+CASE = Case("calculix_creep", "CalculiX: steady creep", run)

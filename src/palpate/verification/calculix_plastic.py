@@ -1,0 +1,49 @@
+"""Aluminium at small strains in CalculiX, without and with friction, on two meshes and in two steps of the load.
+
+The direction of plastic flow is that at the end of a step, and the contact that spreads turns it meanwhile: steps grow
+with the load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.export.quadratic import RESOLUTIONS
+from palpate.protocol import Protocol
+from palpate.specification import Specification
+from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, compared, refined, run_deck
+from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.materials import ALUMINIUM, CONE
+
+KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
+POINTS = 6  # from one of them to the next
+
+
+def specification(points: int, friction: float) -> Specification:
+    """Return the test, with so many samples from knot to knot."""
+    ends = np.arange(float(len(KNOTS)))
+    protocol = Protocol(ends, KNOTS, np.arange(1, points * (len(KNOTS) - 1) + 1) / points)
+    return Specification("bilinear_plasticity", ALUMINIUM, replace(CONE, friction=friction), protocol, accuracy="fine")
+
+
+def run(settings: Settings) -> Outcome:
+    """Compare both, or say why there is nothing to compare."""
+    program = settings.calculix
+    if program is None:
+        return Outcome([], notes=[NOT_RUN])
+    rows, plots = [], []
+    for friction in (0.0, FRICTION):
+        test, halved = (specification(points, friction) for points in (POINTS, 2 * POINTS))
+        long, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
+        short = run_deck(program, halved, RESOLUTIONS["standard"])[1::2]
+        theirs, own_error = refined(test, long, short, fine, ripples=True)
+        name = "aluminium, small strains" + (f", friction {friction:g}" if friction else "")
+        found, plot = compared(name, test, theirs, own_error)
+        rows += found
+        plots.append(plot)
+    return Outcome(rows, plots, [RULE, STEPS])
+
+
+CASE = Case("calculix_plastic", "CalculiX: aluminium at small strains", run)

@@ -1,0 +1,116 @@
+"""Where compiled kernels are kept when neither the package nor the home folder can be written."""
+
+import os
+import shutil
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from palpate import kernel_cache
+from palpate.errors import InputError
+
+SOURCE = Path(kernel_cache.__file__).parent
+READ_ONLY = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
+NAMESPACE = ("unshare", "--mount", "--map-root-user", "sh", "-c", READ_ONLY, "sh")
+KERNELS = "import os, palpate.fem.batch; print(os.environ['NUMBA_CACHE_DIR'])"
+SPECIFICATION = """
+material: {model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}
+indenter: {shape: cone, half_angle: 70.3}
+protocol: {max_load: 1.0, loading_time: 1, unloading_time: 1}
+"""
+
+
+@pytest.fixture
+def read_only(tmp_path):
+    """Return a function that runs Python with a package and a home that are mounted read-only."""
+    fixed, temporary = tmp_path / "fixed", tmp_path / "temporary"
+    temporary.mkdir()
+    (fixed / "home").mkdir(parents=True)
+    (fixed / "specification.yaml").write_text(SPECIFICATION)
+    shutil.copytree(SOURCE, fixed / "palpate", ignore=shutil.ignore_patterns("__pycache__"))
+    kept = {key: value for key, value in os.environ.items() if key not in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")}
+    environment = kept | {"HOME": str(fixed / "home"), "TMPDIR": str(temporary), "PYTHONPATH": str(fixed)}
+
+    def run(*arguments, **changes):
+        command = [*NAMESPACE, str(fixed), *arguments]
+        return subprocess.run(command, env=environment | changes, cwd=temporary, capture_output=True, text=True)
+
+    try:
+        usable = run("touch", str(fixed / "x")).returncode != 0 and run("touch", str(temporary / "x")).returncode == 0
+    except OSError:
+        usable = False
+    if not usable:
+        pytest.skip("this system lets nobody mount a folder read-only in a namespace of its own")
+    return run
+
+
+def test_with_package_and_home_read_only_kernels_are_kept_in_a_folder_of_the_user(read_only, tmp_path):
+    found = read_only(sys.executable, "-c", KERNELS)
+    assert found.returncode == 0, found.stderr
+    kept = Path(found.stdout.strip())
+    assert kept.parent == tmp_path / f"temporary/palpate-kernels-{os.getuid()}"
+    assert stat.S_IMODE(kept.parent.stat().st_mode) == 0o700
+    assert list(kept.iterdir())
+
+
+def test_where_nothing_can_be_written_one_line_names_the_remedy(read_only, tmp_path):
+    (tmp_path / f"temporary/palpate-kernels-{os.getuid()}").symlink_to(tmp_path)
+    asked = read_only(sys.executable, "-m", "palpate.cli", "simulate", "../fixed/specification.yaml", "-o", "curve.csv")
+    assert asked.returncode == 2
+    assert len(asked.stderr.splitlines()) == 1
+    assert "set NUMBA_CACHE_DIR to a folder of yours" in asked.stderr
+
+
+def test_a_given_folder_that_cannot_be_written_is_named(read_only, tmp_path):
+    given = str(tmp_path / "fixed/kernels")
+    found = read_only(sys.executable, "-c", KERNELS, NUMBA_CACHE_DIR=given)
+    assert f"NUMBA_CACHE_DIR is {given}, which cannot be written; set" in found.stderr.splitlines()[-1]
+
+
+@pytest.fixture
+def nowhere_else(monkeypatch, tmp_path):
+    """Leave the folder for temporary files alone: a file is where the package's and the user's own should be."""
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(kernel_cache.VARIABLE, "unset at the end")
+    monkeypatch.delenv(kernel_cache.VARIABLE)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setattr(kernel_cache, "PACKAGE", tmp_path / "file")
+    monkeypatch.setattr(kernel_cache.tempfile, "tempdir", str(tmp_path))
+    return tmp_path / f"palpate-kernels-{os.getuid()}"
+
+
+def test_the_temporary_folder_is_the_last_choice(nowhere_else):
+    kernel_cache.choose()
+    kernel_cache.require()
+    assert Path(os.environ[kernel_cache.VARIABLE]).parent == nowhere_else
+
+
+@pytest.mark.parametrize("planted", ["link", "file", "open to others", "another user's"])
+def test_what_somebody_else_may_have_planted_is_refused(nowhere_else, planted):
+    if planted == "link":
+        nowhere_else.symlink_to(nowhere_else.parent)
+    elif planted == "file":
+        nowhere_else.write_text("")
+    elif planted == "open to others":
+        nowhere_else.mkdir()
+        nowhere_else.chmod(0o777)
+    else:
+        nowhere_else.mkdir(mode=0o700)
+        try:
+            os.chown(nowhere_else, os.getuid() + 1, -1)
+        except PermissionError:
+            pytest.skip("only root can give a folder to somebody else")
+    kernel_cache.choose()
+    assert kernel_cache.VARIABLE not in os.environ
+    with pytest.raises(InputError, match=f"{nowhere_else.name}: they are read-only, or another user's; set NUMBA"):
+        kernel_cache.require()
+
+
+def test_every_folder_that_holds_kernels_is_hashed_and_asks_first_whether_they_can_be_kept():
+    folders = {f.relative_to(SOURCE).parts[0] for f in SOURCE.rglob("*.py") if "from numba import" in f.read_text()}
+    assert folders == set(kernel_cache.SOURCES)
+    for folder in folders:
+        assert "kernel_cache.require()" in (SOURCE / folder / "__init__.py").read_text()
