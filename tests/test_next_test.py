@@ -64,13 +64,13 @@ def test_a_drift_has_another_rate_in_the_next_test():
     assert np.sqrt(covariance[-1, -1]) == pytest.approx(0.3 * end / np.sqrt(3), rel=0.1)
 
 
-def test_ripples_of_the_simulation_do_not_tell_explanations_apart():
-    """A ripple of a two-thousandth stands far above quiet recordings, and within the error of the simulation."""
+def test_a_common_factor_of_the_depth_does_not_tell_explanations_apart():
+    """A factor within the error of grid convergence, which stands far above quiet recordings."""
     study, (condition, curve) = load_study(CHALLENGE), next_hold()
     quiet = fitted(problem(recordings(np.random.default_rng(1), sigma=0.1)))
     covariance = error_of_means(study, quiet, condition, curve)
-    noise = covariance - model_covariance({"next": curve}, study.calibration["solver_error"])
-    ripple = 0.0005 * curve * np.sin(np.linspace(0.0, 4.0 * np.pi, len(curve)))
-    distance, without = (ripple @ np.linalg.solve(of, ripple) for of in (covariance, noise))
+    noise = covariance - model_covariance(curve, study.calibration["solver_error"])
+    level = 0.003 * curve
+    distance, without = (level @ np.linalg.solve(of, level) for of in (covariance, noise))
     assert without > 10.0
     assert distance < 2.0

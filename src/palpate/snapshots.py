@@ -101,7 +101,6 @@ def address(specification: Specification) -> str:
         "accuracy": specification.accuracy,
         "mechanisms": {key: dict(values) for key, values in specification.mechanisms.items()},
         "physics": fingerprint(*PHYSICS),
-        "meshes": specification.meshes,
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
 
