@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from test_diagnosis import CHALLENGE, fitted, problem, recordings
 
-from palpate.calibration.noise import model_covariance
 from palpate.config import load_study
 from palpate.diagnosis.next_test import _of_test, error_of_means, feasible
 from palpate.indenters import Indenter
@@ -62,15 +61,3 @@ def test_a_drift_has_another_rate_in_the_next_test():
     covariance = error_of_means(load_study(CHALLENGE), fitted(problem(drifting), DRIFT), condition, curve)
     end = condition.protocol.sample_time[-1]
     assert np.sqrt(covariance[-1, -1]) == pytest.approx(0.3 * end / np.sqrt(3), rel=0.1)
-
-
-def test_a_common_factor_of_the_depth_does_not_tell_explanations_apart():
-    """A factor within the error of grid convergence, which stands far above quiet recordings."""
-    study, (condition, curve) = load_study(CHALLENGE), next_hold()
-    quiet = fitted(problem(recordings(np.random.default_rng(1), sigma=0.1)))
-    covariance = error_of_means(study, quiet, condition, curve)
-    noise = covariance - model_covariance(curve, study.calibration["solver_error"])
-    level = 0.003 * curve
-    distance, without = (level @ np.linalg.solve(of, level) for of in (covariance, noise))
-    assert without > 10.0
-    assert distance < 2.0

@@ -111,21 +111,22 @@ def test_what_a_fit_leaves_open_rests_on_the_forward_models_slopes(forward):
 
 
 def test_a_bent_valley_is_followed_and_its_length_seen(forward):
-    """Where the slope fades along what it leaves open, the interval reaches further on that side."""
-    task = problem(recordings(np.random.default_rng(1)))
+    """Where the slope fades, by e over four standard deviations, the interval reaches further on that side."""
+    task = problem(recordings(np.random.default_rng(2)))
     rough = fitted(task)
     slope = task.split(rough.tangent[:, 1])
-    bend = 0.2 / np.sqrt(rough.posterior[1, 1])
+    over = 4.0 * np.sqrt(rough.posterior[1, 1])
 
     def faded(condition, z):
         off = z[1] - rough.z[1]
-        return -(0.7 * off + 0.5 * bend * off * abs(off)) * slope[condition.name] * (off > 0.0)
+        return (over * (1.0 - np.exp(-off / over)) - off) * slope[condition.name]
 
     forward(faded)
     found = sharpen.sharpen(STUDY, refine.refine(STUDY, rough, nothing))
     draws = posterior_draws(found, np.random.default_rng(2))[:, 1]
     low, middle, high = np.percentile(draws, [2.5, 50.0, 97.5])
-    assert high - middle > 1.5 * (middle - low)
+    assert high - middle > 1.3 * (middle - low)
+    assert middle - low < 2.0 * 0.25 * over
 
 
 def bare(condition, factor):
