@@ -178,10 +178,7 @@ def sensitivities(
 ) -> tuple[Simulation, np.ndarray]:
     """Simulate one indentation together with the derivatives of its depth curve.
 
-    They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
-    two nodes they scatter about those of a smooth contact, by 1 to 5 % of their largest value (root mean square) at
-    ``accuracy: standard`` and about half as much at ``fine``. The mean over three simulations with `radii` a third of
-    a ring apart scatters by about 1 %.
+    They are the exact derivatives of the simulated curve on its mesh.
 
     Parameters
     ----------
