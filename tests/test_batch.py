@@ -1,7 +1,5 @@
 """Simulations that run through the SIMD lanes together are those of the single solver."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numba import njit
@@ -17,9 +15,8 @@ from palpate.fem.indent import indent
 from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS, radial
-from palpate.model import simulate, simulate_batch, smooth, specification_from
+from palpate.model import simulate, simulate_batch, specification_from
 from palpate.protocol import trapezoid
-from palpate.specification import Specification
 from palpate.specimen import Specimen
 from palpate.variation import acting
 from palpate.verification.materials import BURGERS as EPOXY
@@ -315,24 +312,6 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, 
         within = 1e-3
     for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
         assert np.abs(history.depth - depth).max() < within * depth.max()
-
-
-@pytest.mark.parametrize("model", ["nonlinear_burgers", "burgers_plasticity"])
-def test_the_mean_over_meshes_does_not_ripple(model):
-    """Depth over sqrt(load) of a sharp tip on an elastic body is constant; what departs from it is the mesh's doing."""
-    law = {"nonlinear_burgers": {}, "burgers_plasticity": {"yield_stress": 1e3, "hardening": 0.0}}[model]
-    still = {"steady_coefficient": 0.0, "steady_exponent": 0.2, "transient_coefficient": 0.0, "transient_exponent": 0.4}
-    material = {"youngs_modulus": 3.0, "poisson_ratio": 0.3, "retardation_time": 1.0} | still | law
-    specification = Specification(model, material, Indenter("cone", 70.3), trapezoid(1.0, 10, 0, 10, points=100))
-
-    def ripple(simulation):
-        loading = slice(20, 50)
-        ratio = simulation.depth[loading] / np.sqrt(simulation.load[loading])
-        return np.std(np.diff(ratio)) / np.mean(ratio)
-
-    once, twice = ripple(simulate(specification)), ripple(simulate(replace(specification, meshes=2)))
-    assert twice < 0.5 * once
-    assert ripple(simulate(smooth(specification))) < 0.1 * once
 
 
 def losing_the_second(tries):

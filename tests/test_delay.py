@@ -43,9 +43,6 @@ class Nothing:
     def predict(self, x):
         return np.zeros((len(x), len(TIME)))
 
-    def mesh_share(self, x):
-        return np.zeros((*np.shape(x)[:-1], len(TIME)))
-
 
 def task(depth):
     """Return a problem with recordings (n, n_points)."""

@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import toeplitz
 
 from palpate.calibration import Observation
+from palpate.calibration.noise import model_covariance
 from palpate.calibration.space import Space
 from palpate.config import Condition
 from palpate.diagnosis.correction import Correction
@@ -115,8 +116,8 @@ def p_value(task, rng):
     return examine(fitted(task), RECORD_ONLY, rng, 400, 0.01)
 
 
-def learnt(predict, share=0.0):
-    return SimpleNamespace(predict=predict, mesh_share=lambda x: share * x[..., :1])
+def learnt(predict):
+    return SimpleNamespace(predict=predict)
 
 
 def test_what_can_be_derived_is_made_of_the_sum_of_what_was_learnt():
@@ -136,30 +137,34 @@ def test_what_can_be_derived_is_made_of_the_sum_of_what_was_learnt():
         assert curves[condition.name] == pytest.approx(delayed)
 
 
-def test_a_film_errs_by_the_same_part_everywhere_but_for_its_ripple():
-    """Its mesh makes the whole effect too small; what ripples was 0.05 to 0.3 % of it in twelve simulated tests."""
+def test_an_effect_errs_by_the_same_part_everywhere():
     rest = {c.name: learnt(lambda points: np.full((len(points), 60), 40.0)) for c in CONDITIONS}
     effects = {name: {"film_on_substrate": effect} for name, effect in rest.items()}
     task = replace(problem(recordings(np.random.default_rng(1))), effects=effects)
-    scatter = solver_scatter(task, ("film_on_substrate",), np.full(4, 0.5)) / 40.0**2
-    film = MECHANISMS["film_on_substrate"]
-    assert np.diag(scatter) == pytest.approx(film.solver_scatter**2)
-    smooth = film.solver_scatter**2 - film.solver_ripple**2
-    assert scatter[0, 59] == pytest.approx(smooth, rel=1e-3), "a whole test apart"
-    assert scatter.min() >= smooth
+    scatter = solver_scatter(task, ("film_on_substrate",), np.full(4, 0.5))
+    assert scatter == pytest.approx(
+        np.full(scatter.shape, (40.0 * MECHANISMS["film_on_substrate"].solver_scatter) ** 2)
+    )
 
 
-def test_the_fine_mesh_adds_its_share_where_a_mechanism_acts():
+def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
+    """A depth that is off by a common factor costs what that factor costs, however long the curves are."""
     task = problem(recordings(np.random.default_rng(1)))
-    fewer = learnt(lambda points: np.zeros((len(points), 60)), share=-0.002)
-    task = replace(task, effects={c.name: {"tip_rounding": fewer} for c in CONDITIONS})
-    z = np.array([[0.5, 0.5, 0.7]])
-    with_share, without = (task.curves(key, z[:, :n])[0] for key, n in ((("tip_rounding",), 3), ((), 2)))
-    assert with_share == pytest.approx((1.0 - 0.0014) * without)
-    elsewhere = replace(CONDITIONS[0], name="not learnt")
-    for condition in (CONDITIONS[0], elsewhere):
-        factor = task.mesh_factor(condition, task.parts(("tip_rounding",), z[0])[1])
-        assert factor == pytest.approx(1.0 - 0.0014)
+    covariance = model_covariance(task.split(task.mean), 0.003)
+    assert covariance == pytest.approx(np.outer(0.003 * task.mean, 0.003 * task.mean))
+    off = 0.006 * task.mean
+    assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
+
+
+def test_the_fine_mesh_takes_the_base_models_factor_whatever_acts():
+    task = problem(recordings(np.random.default_rng(1)))
+    factors = {c.name: np.linspace(1.002, 1.001, 60) for c in CONDITIONS}
+    finer, z = replace(task, refinement=factors), np.array([[0.5, 0.5]])
+    ratio = task.split(finer.curves((), z)[0] / task.curves((), z)[0])
+    for condition in CONDITIONS:
+        assert ratio[condition.name] == pytest.approx(factors[condition.name])
+        assert np.array_equal(finer.mesh_factor(condition), factors[condition.name])
+    assert finer.mesh_factor(replace(CONDITIONS[0], name="not learnt")) == pytest.approx(1.0015)
 
 
 def test_effects_are_learnt_at_small_loads_in_full():

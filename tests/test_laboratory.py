@@ -10,8 +10,7 @@ import yaml
 from palpate import laboratory
 from palpate.config import load_study
 from palpate.errors import PalpateError
-from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
-from palpate.model import Simulation
+from palpate.model import Simulation, simulate_batch
 from palpate.protocol import trapezoid
 from palpate.recording import read_recording
 
@@ -91,14 +90,21 @@ def test_a_truth_that_fails_on_one_mesh_is_tried_on_another(study, monkeypatch):
     specification = study.specification({"youngs_modulus": 3.0}, study.condition("a"), "fine")
     tried = []
 
-    def failing_once(specification, radii):
-        tried.append(radii)
-        return Simulation(*np.ones((3, 1)), "ok" if len(tried) == 2 else "failed", "no equilibrium", 0.0)
+    def failing_once(specifications, shift):
+        tried.append(shift)
+        return [Simulation(*np.ones((3, 1)), "ok" if len(tried) == 2 else "failed", "no equilibrium", 0.0)]
 
-    monkeypatch.setattr(laboratory, "simulate", failing_once)
-    assert laboratory.exact_curve(specification, "a").status == "ok"
-    assert tried[0] is None
-    default = mesh_radii(specification.specimen, specification.indenter, specification.protocol, RESOLUTIONS["fine"])
-    assert np.all((tried[1][:-1] > default[:-1]) & (tried[1][:-1] < default[1:]))
-    with pytest.raises(PalpateError, match="no equilibrium"):
-        laboratory.exact_curve(specification, "a")
+    monkeypatch.setattr(laboratory, "simulate_batch", failing_once)
+    (found,) = laboratory.off_the_mesh([specification], ["a"])
+    assert found.status == "ok"
+    assert len(set(tried)) == 2
+    assert all(0.0 < shift < 1.0 for shift in tried), "its nodes lie between those of a fit's mesh"
+    with pytest.raises(PalpateError, match="a: no equilibrium"):
+        laboratory.off_the_mesh([specification], ["a"])
+
+
+def test_its_curves_share_no_node_with_those_of_a_fit_and_agree_within_grid_convergence(study):
+    specification = study.specification({"youngs_modulus": 3.0}, study.condition("a"), "fine")
+    (off,), (on,) = laboratory.off_the_mesh([specification], ["a"]), simulate_batch([specification])
+    assert not np.array_equal(off.depth, on.depth)
+    assert off.depth == pytest.approx(on.depth, rel=study.calibration["solver_error"], abs=1e-3 * on.depth.max())

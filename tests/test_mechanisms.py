@@ -10,7 +10,7 @@ from palpate import model
 from palpate.errors import InputError
 from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate, smooth, specification_from
+from palpate.model import simulate, specification_from
 from palpate.verification.materials import BURGERS as EPOXY
 
 BASE = {
@@ -190,7 +190,7 @@ def test_what_the_mesh_cannot_hold_is_refused_with_the_range(mechanism, place):
 def test_a_sample_right_behind_a_lag_is_resolved():
     """Sneddon's depth goes with the root of the load, however small the load that acts on a sample is."""
     elastic = {"material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3}}
-    base = smooth(specification_from(BASE | elastic))
+    base = specification_from(BASE | elastic)
     first = float(base.protocol.sample_time[0])
     for behind in (0.3, 0.007):
         found = simulate(replace(base, mechanisms={"controller_lag": {"lag": first - behind}}))

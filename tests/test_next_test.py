@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from test_diagnosis import CHALLENGE, fitted, problem, recordings
 
-from palpate.calibration.noise import model_covariance
 from palpate.config import load_study
 from palpate.diagnosis.next_test import _of_test, error_of_means, feasible
 from palpate.indenters import Indenter
@@ -62,15 +61,3 @@ def test_a_drift_has_another_rate_in_the_next_test():
     covariance = error_of_means(load_study(CHALLENGE), fitted(problem(drifting), DRIFT), condition, curve)
     end = condition.protocol.sample_time[-1]
     assert np.sqrt(covariance[-1, -1]) == pytest.approx(0.3 * end / np.sqrt(3), rel=0.1)
-
-
-def test_ripples_of_the_simulation_do_not_tell_explanations_apart():
-    """A ripple of a two-thousandth stands far above quiet recordings, and within the error of the simulation."""
-    study, (condition, curve) = load_study(CHALLENGE), next_hold()
-    quiet = fitted(problem(recordings(np.random.default_rng(1), sigma=0.1)))
-    covariance = error_of_means(study, quiet, condition, curve)
-    noise = covariance - model_covariance({"next": curve}, study.calibration["solver_error"])
-    ripple = 0.0005 * curve * np.sin(np.linspace(0.0, 4.0 * np.pi, len(curve)))
-    distance, without = (ripple @ np.linalg.solve(of, ripple) for of in (covariance, noise))
-    assert without > 10.0
-    assert distance < 2.0

@@ -13,10 +13,8 @@ from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.model import simulate, specification_from
 from palpate.protocol import trapezoid
-from palpate.surrogate import PODRBF
 from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from palpate.thesis import index as page
-from palpate.thesis.aluminium import error_curves
 from palpate.thesis.dimensionless import MODULUS, NAMES, groups
 from palpate.thesis.fitted import Fitted
 from palpate.thesis.friction import reductions
@@ -142,20 +140,6 @@ def test_sobol_indices_of_a_product():
     for row in rows:
         assert row["depth_first_percent"] == pytest.approx(100 * 3 / 7, abs=1)
         assert row["depth_total_percent"] == pytest.approx(100 * 4 / 7, abs=1)
-
-
-def test_scatter_of_the_mesh_is_kept_on_unloading_and_fades_as_the_contact_grows():
-    points = np.random.default_rng(1).random((20, 2))
-    surrogate = PODRBF().fit(points, np.outer(1 + points.sum(axis=1) ** 2, [100.0, 105.0, 200.0, 195.0]))
-    curves = error_curves(surrogate, np.array([100.0, 105.0, 200.0, 195.0]), 1.05)
-    covariance = curves.T @ curves / len(curves)
-    mesh = covariance - surrogate.loo_error_.T @ surrogate.loo_error_ / 20
-    rms = surrogate.loo_rms_
-    correlation = mesh / np.outer(rms, rms)
-    assert np.diag(correlation) == pytest.approx(1)
-    assert correlation[0, 1] == pytest.approx(np.exp(-1))
-    assert correlation[2, 3] == pytest.approx(1)
-    assert correlation[0, 2] < 1e-6
 
 
 @pytest.mark.parametrize(

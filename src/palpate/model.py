@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError
 from palpate.fem.batch import Case, indent_batch
-from palpate.fem.batch_vector import LANES
 from palpate.fem.directions import Directions
-from palpate.fem.discretisation import RESOLUTIONS, ROUGH
+from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.fields import Fields
 from palpate.fem.indent import History, indent
 from palpate.fem.similar import indent_distinct, length_ratio
@@ -112,9 +111,7 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    if specification.meshes > 1 and radii is None:
-        return simulate_batch([specification])[0]
-    return _simulation(specification, [_indent(acting(specification), radii)])
+    return _simulation(specification, _indent(acting(specification), radii))
 
 
 def _indent(
@@ -156,17 +153,14 @@ def _under_displacement(
             )
     if not solid.indenter.of_revolution:
         raise axisymmetric_only("displacement control", "indenter.shape")
-    return indent_batch([_case(solid, False)])[0]
+    return indent_batch([_case(solid)])[0]
 
 
-def _simulation(specification: Specification, histories: Sequence[History]) -> Simulation:
-    """Return what is recorded of one indentation, simulated on some meshes."""
+def _simulation(specification: Specification, history: History) -> Simulation:
+    """Return what is recorded of one simulated indentation."""
     protocol = specification.protocol
-    time = protocol.sample_time
-    depth, load = (np.mean([getattr(h, name) for h in histories], axis=0) for name in ("depth", "load"))
-    if protocol.control == LOAD:
-        load = protocol.sample_load
-    reason = next((history.reason for history in histories if history.reason), "")
+    time, depth, reason = protocol.sample_time, history.depth, history.reason
+    load = protocol.sample_load if protocol.control == LOAD else history.load
     indenter = specification.indenter
     sunk = np.maximum.accumulate(depth) > indenter.radius
     if indenter.shape == "sphere" and sunk.any() and not reason:
@@ -176,8 +170,7 @@ def _simulation(specification: Specification, histories: Sequence[History]) -> S
         depth = np.where(sunk, np.nan, depth)
         load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
     depth = recorded(specification, depth, load)
-    seconds = sum(history.seconds for history in histories)
-    return Simulation(time, load, depth, "failed" if reason else "ok", reason, seconds, protocol.response)
+    return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
 
 
 def sensitivities(
@@ -185,10 +178,7 @@ def sensitivities(
 ) -> tuple[Simulation, np.ndarray]:
     """Simulate one indentation together with the derivatives of its depth curve.
 
-    They are the exact derivatives of the simulated curve on its mesh, whose contact grows from node to node: between
-    two nodes they scatter about those of a smooth contact, by 1 to 5 % of their largest value (root mean square) at
-    ``accuracy: standard`` and about half as much at ``fine``. The mean over three simulations with `radii` a third of
-    a ring apart scatters by about 1 %.
+    They are the exact derivatives of the simulated curve on its mesh.
 
     Parameters
     ----------
@@ -215,7 +205,7 @@ def sensitivities(
         half = 0.5 * variation.width * column
         low = recorded(variation.low, history.depth - half, history.load)
         columns.append((recorded(variation.high, history.depth + half, history.load) - low) / variation.width)
-    return _simulation(specification, [history]), np.stack(columns, axis=1)
+    return _simulation(specification, history), np.stack(columns, axis=1)
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
@@ -263,7 +253,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
     return found[0][0], [state for _, state in found]
 
 
-def simulate_batch(specifications: Iterable[Specification], roughly: bool = False) -> list[Simulation]:
+def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
     Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding as long as both
@@ -273,21 +263,15 @@ def simulate_batch(specifications: Iterable[Specification], roughly: bool = Fals
 
     Parameters
     ----------
-    roughly
-        Take elements twice as wide whatever the accuracy, for 0.4 of the time. A small difference between two curves
-        then departs by 5 % (creep) to 30 % (yielding, friction) of itself. A pyramid is simulated as it would be.
+    shift
+        Part of the spacing of rings [-] by which all nodes lie further out: another mesh of the same accuracy, for
+        curves that must not share the mesh of a fit. A pyramid keeps its mesh.
     """
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
-        return [simulate(replace(specification, meshes=1)) for specification in specifications]
-    cases = [
-        replace(case, shift=part / specification.meshes)
-        for specification in specifications
-        for case in [_case(acting(specification), roughly)]
-        for part in range(specification.meshes)
-    ]
-    histories = iter(indent_distinct(cases))
-    return [_simulation(s, [next(histories) for _ in range(s.meshes)]) for s in specifications]
+        return [simulate(specification) for specification in specifications]
+    histories = indent_distinct([replace(_case(acting(each)), shift=shift) for each in specifications])
+    return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
 def alike(specification: Specification, other: Specification) -> bool:
@@ -296,18 +280,9 @@ def alike(specification: Specification, other: Specification) -> bool:
         return True
     if not (specification.indenter.of_revolution and other.indenter.of_revolution):
         return False
-    return length_ratio(_case(acting(specification), False), _case(acting(other), False)) is not None
+    return length_ratio(_case(acting(specification)), _case(acting(other))) is not None
 
 
-def smooth(specification: Specification) -> Specification:
-    """Return the specification with as many meshes as free the depth of the mesh's ripple at the least cost.
-
-    On one mesh the depth ripples by about a thousandth at ``accuracy: standard``. All lanes of one run cost little more
-    than one. A pyramid keeps its one mesh.
-    """
-    return replace(specification, meshes=LANES) if specification.indenter.of_revolution else specification
-
-
-def _case(solid: Specification, roughly: bool) -> Case:
-    resolution = ROUGH if roughly else RESOLUTIONS[solid.accuracy]
+def _case(solid: Specification) -> Case:
+    resolution = RESOLUTIONS[solid.accuracy]
     return Case(solid.specimen, solid.indenter, solid.protocol, resolution, solid.kinematics == "large")

@@ -8,8 +8,7 @@ import numpy as np
 
 from palpate.config import Study
 from palpate.errors import PalpateError
-from palpate.model import alike, simulate_batch, smooth
-from palpate.specification import Specification
+from palpate.model import alike, simulate_batch
 
 
 class SolvedCurves(Mapping):
@@ -62,17 +61,9 @@ class SolvedCurves(Mapping):
         study, points = self._study, self._points
         places = [(k, name) for k in range(len(points)) for name in names]
         simulations = simulate_batch(
-            free_of_ripple(study.specification(points[k], study.condition(name), self._accuracy)) for k, name in places
+            study.specification(points[k], study.condition(name), self._accuracy) for k, name in places
         )
         for (k, name), simulation in zip(places, simulations, strict=True):
             if simulation.status != "ok":
                 raise PalpateError(f"{name} at {dict(points[k])}: {simulation.reason}")
             self._curves[k][name] = simulation.response
-
-
-def free_of_ripple(specification: Specification) -> Specification:
-    """Return a body that yields with several meshes: on one its depth ripples by more than recordings err.
-
-    A search would go after the ripple: 13 to 59 nm were left of a metal under a sphere where 4 to 14 are, on the mean.
-    """
-    return smooth(specification) if specification.specimen.yields else specification

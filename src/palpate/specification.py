@@ -42,9 +42,6 @@ class Specification:
         Length of the size effect [nm], see `palpate.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
-    meshes
-        Number of meshes, equal parts of a ring apart, over which the simulated depth is averaged: it ripples as the
-        edge of contact passes from node to node, which many meshes cancel.
 
     Raises
     ------
@@ -63,7 +60,6 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
-    meshes: int = 1
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

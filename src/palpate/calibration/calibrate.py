@@ -37,8 +37,8 @@ class CalibrationSettings:
     site_scatter
         Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
     solver_error
-        Relative discretisation error of the forward model, standard deviation [-]; the default is that of
-        `accuracy: standard` against `accuracy: fine` (0.2 to 0.4 % too stiff, the same at all rates).
+        Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
+        `palpate.calibration.noise.model_covariance` says where the default comes from.
     corrections
         Largest number of times that the estimate is improved by the forward model itself, after its confirmation.
     """

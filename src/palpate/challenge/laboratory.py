@@ -12,10 +12,8 @@ import numpy as np
 from palpate.challenge.cases import Case
 from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import Condition, Study
-from palpate.errors import PalpateError
-from palpate.laboratory import MESHES, correlated_noise
+from palpate.laboratory import correlated_noise, off_the_mesh
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate_batch
 from palpate.recording import Recording
 
 REPLICATES = 3
@@ -41,11 +39,8 @@ def body_depths(
     for condition, case in wanted:
         acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
         specification = study.specification(case.parameters, condition, accuracy)
-        specifications.append(replace(specification, mechanisms=acting, meshes=MESHES))
-    outcomes = simulate_batch(specifications)
-    for (condition, case), outcome in zip(wanted, outcomes, strict=True):
-        if outcome.status != "ok":
-            raise PalpateError(f"{case.name}, {condition.name}: {outcome.reason}")
+        specifications.append(replace(specification, mechanisms=acting))
+    outcomes = off_the_mesh(specifications, [f"{case.name}, {condition.name}" for condition, case in wanted])
     depths = iter([outcome.depth for outcome in outcomes])
     return [list(itertools.islice(depths, len(cases))) for _ in conditions]
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.noise import mesh_ripple, model_covariance
+from palpate.calibration.noise import model_covariance
 from palpate.config import Condition
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
@@ -183,19 +183,16 @@ def errors(
 
 
 def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) -> np.ndarray:
-    """Return the covariance of what mesh and time steps add to the effects at z (k,).
+    """Return the covariance (n_all, n_all) of what mesh and time steps make of the effects at z (k,) [nm^2].
 
-    One part of it is the same part of the effect everywhere; the other is correlated over a tenth of each curve, as the
-    contact passes from node to node.
+    As the depth, each effect is off by the same part of it everywhere, which is the mechanism's `solver_scatter`.
     """
     u, own = problem.parts(explanation, z)
     scatter = np.zeros((len(problem.mean), len(problem.mean)))
     for key, x in own.items():
-        if whole := MECHANISMS[key].solver_scatter:
-            effect, ripple = problem.effect(key, u, x)[0], MECHANISMS[key].solver_ripple
-            rippling = 0.5 * whole**2 if ripple is None else ripple**2
-            parts = (whole**2 - rippling) + rippling * mesh_ripple(problem.split(problem.mean))
-            scatter += np.outer(effect, effect) * parts
+        if relative := MECHANISMS[key].solver_scatter:
+            effect = relative * problem.effect(key, u, x)[0]
+            scatter += np.outer(effect, effect)
     return scatter
 
 

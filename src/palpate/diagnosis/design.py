@@ -1,9 +1,8 @@
 """Which simulations show what each mechanism does: paired runs with and without it, over material and amplitude.
 
 The points are a Sobol sequence over the grid's parameters and the mechanism's search ranges together. Every mechanism
-uses the same materials, so each material is simulated once without any (and once more on two meshes for mechanisms
-under which the depth ripples otherwise). Since only the difference of the two curves is kept, a third of the points in
-time is enough.
+uses the same materials, so each material is simulated once without any. Since only the difference of the two curves is
+kept, a third of the points in time is enough.
 """
 
 from __future__ import annotations
@@ -23,15 +22,12 @@ from palpate.fem.contact_size import check_size, contact_range, expected_load, m
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.profile import Profile
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
-from palpate.model import smooth
 from palpate.protocol import DISPLACEMENT, LOAD, Protocol
 from palpate.snapshots import Batch, Snapshot, conditions_by_shape, divided
 from palpate.variation import acting
 
 THINNING = 3
 SMALL = {LOAD: 0.2, DISPLACEMENT: 0.45}  # of the largest drive: a sharp tip carries a fifth of the load there
-QUARTERS = (0.25, 0.75)
-MESHES = 2
 PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
 MOST_COORDINATES = 3
 KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
@@ -248,7 +244,7 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
     made = []
     for cell, point in zip(cells, points, strict=True):
         coordinates = point[len(free) : len(free) + dimensions]
-        plain = replace(study.specification(cell, short), meshes=mechanism.meshes)
+        plain = study.specification(cell, short)
         disturbed = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
         made.append(
             Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, disturbed))
@@ -259,28 +255,11 @@ def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
 def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
     """Return the study's middle material under one condition, as the snapshots are simulated and at `accuracy: fine`.
 
-    Their ratio is the error of the mesh, which hardly depends on the material. Both are free of ripple.
+    Their ratio is the error of the mesh, which hardly depends on the material.
     """
     cell = middle(study)
-    usual = smooth(study.specification(cell, condition))
-    fine = replace(study.specification(cell, condition, "fine"), meshes=min(usual.meshes, MESHES))
+    usual, fine = (study.specification(cell, condition, accuracy) for accuracy in ("standard", "fine"))
     return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
-
-
-def refinements(study: Study, condition: Condition, key: str) -> list[tuple[np.ndarray, Snapshot, Snapshot]]:
-    """Return the same with a mechanism that adds an error of the mesh, at the quarters (k,) of its search ranges."""
-    mechanism, scale = MECHANISMS[key], scale_of(study)
-    if not mechanism.mesh_dependent:
-        return []
-    made, without = [], refinement(study, condition)
-    for quarters in itertools.product(QUARTERS, repeat=mechanism_dimensions(mechanism, scale)):
-        coordinates = np.array(quarters)
-        disturbing = {key: amplitudes(mechanism, scale, coordinates)}
-        usual, fine = (
-            replace(plain, specification=replace(plain.specification, mechanisms=disturbing)) for plain in without
-        )
-        made.append((coordinates, usual, fine))
-    return made
 
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
@@ -303,6 +282,4 @@ def needed(study: Study, condition: Condition, keys: Sequence[str]) -> list[Snap
     for key in keys:
         for pair in pairs(study, condition, key):
             snapshots += [pair.plain, pair.acting]
-        for _, usual, fine in refinements(study, condition, key):
-            snapshots += [usual, fine]
     return snapshots

@@ -7,7 +7,7 @@ several mechanisms are added; the forward model itself has the last word (`refin
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from palpate import snapshots
 from palpate.config import Condition, Study
-from palpate.diagnosis.design import PAIRS_FOR_EACH, Pair, candidates, pairs, refinement, refinements, thinned
+from palpate.diagnosis.design import PAIRS_FOR_EACH, Pair, candidates, pairs, refinement, thinned
 from palpate.errors import PalpateError
 from palpate.mechanisms import Mechanism
 from palpate.surrogate import PODRBF
@@ -59,9 +59,6 @@ class Effect:
         What interpolation in time is expected to miss [nm].
     failures
         Number of pairs that could not be simulated.
-    mesh : ndarray, shape (1 + k, n_points)
-        Share of the depth that the fine mesh adds where the mechanism acts: in the middle of its ranges, and the slopes
-        by its coordinates. ``None`` where it adds nothing beyond the base model's factor.
     """
 
     surrogate: PODRBF
@@ -69,15 +66,10 @@ class Effect:
     error: np.ndarray
     unresolved: np.ndarray
     failures: int
-    mesh: np.ndarray | None = None
 
     def predict(self, points: np.ndarray) -> np.ndarray:
         """Return the difference (n, n_points) [nm] at points (n, p + k)."""
         return self.surrogate.evaluate(points) @ self.spread.T
-
-    def mesh_share(self, x: np.ndarray) -> np.ndarray | float:
-        """Return the share (n, n_points) of the depth that the fine mesh adds at the mechanism's coordinates (n, k)."""
-        return 0.0 if self.mesh is None else self.mesh[0] + (x - 0.5) @ self.mesh[1:]
 
 
 def interpolation(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
@@ -110,8 +102,8 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
     Raises
     ------
     PalpateError
-        When most simulations of a mechanism failed, there are fewer than three for each parameter, or one by which
-        the error of the mesh is judged failed.
+        When most simulations of a mechanism failed, there are fewer than three for each parameter, or the middle
+        material could not be simulated.
     """
     times = thinned(condition.protocol).sample_time
     spread = interpolation(times, condition.protocol.sample_time)
@@ -127,14 +119,9 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
             plain = mechanism.on_curve(protocol.sample_time, protocol.sample_drive, plain, values)
         return curve(pair.acting) - plain
 
-    def mesh_factor(usual: snapshots.Snapshot, fine: snapshots.Snapshot) -> np.ndarray:
-        on_usual, on_fine = curve(usual), curve(fine)
-        if not np.isfinite([on_usual, on_fine]).all():
-            raise PalpateError(f"the middle material could not be simulated under {condition.name}")
-        return depth_ratio(on_fine, on_usual)
-
-    usual, fine = refinement(study, condition)
-    factor = mesh_factor(usual, fine)
+    usual, fine = (curve(snapshot) for snapshot in refinement(study, condition))
+    if not np.isfinite([usual, fine]).all():
+        raise PalpateError(f"the middle material could not be simulated under {condition.name}")
     fitted = {}
     for key, mechanism in candidates(study).items():
         found = pairs(study, condition, key)
@@ -150,28 +137,14 @@ def fit_effects(study: Study, condition: Condition, folder: str | Path) -> Effec
             )
         surrogate = PODRBF(kernel="multiquadric", shape="loo_each").fit(points[good], difference[good])
         unresolved = missed_between(times, condition.protocol.sample_time, difference[good])
-        further = [(x, mesh_factor(*members) / factor - 1.0) for x, *members in refinements(study, condition, key)]
-        fitted[key] = Effect(
-            surrogate,
-            spread,
-            surrogate.loo_error_ @ spread.T,
-            unresolved,
-            int((~good).sum()),
-            mesh=linear(*zip(*further, strict=True)) if further else None,
-        )
-    return Effects(fitted, factor, curve(usual))
+        fitted[key] = Effect(surrogate, spread, surrogate.loo_error_ @ spread.T, unresolved, int((~good).sum()))
+    return Effects(fitted, depth_ratio(fine, usual), usual)
 
 
 def depth_ratio(depth: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return one depth curve (n,) over another [nm]; one where the other has come out of the body again."""
     deep = np.abs(other) > NO_DEPTH * np.abs(other).max()
     return np.divide(depth, other, out=np.ones_like(depth), where=deep)
-
-
-def linear(coordinates: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> np.ndarray:
-    """Return value (first) and slopes (1 + k, n) in the middle of the ranges of `values` (n,) at coordinates (k,)."""
-    terms = np.column_stack([np.ones(len(coordinates)), np.array(coordinates) - 0.5])
-    return np.linalg.lstsq(terms, np.array(values), rcond=None)[0]
 
 
 def summary(effects: Effects) -> dict[str, dict[str, float]]:

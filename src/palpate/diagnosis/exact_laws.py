@@ -17,7 +17,7 @@ from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import law_of_reference, laws_of
 from palpate.diagnosis.refine import specification_at
-from palpate.model import simulate_batch, smooth
+from palpate.model import simulate_batch
 from palpate.recording import Recording
 
 MOST_POINTS = 400
@@ -72,7 +72,7 @@ def undisturbed(study: Study, base: Fit, recorded: Mapping[str, Sequence[Recordi
         Recordings of each condition; the first says when points are taken, of which there are at most 400.
     """
     conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
-    outcomes = simulate_batch([smooth(specification_at(study, condition, base, base.z)) for condition in conditions])
+    outcomes = simulate_batch(specification_at(study, condition, base, base.z) for condition in conditions)
     return {
         condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)
         for condition, outcome in zip(conditions, outcomes, strict=True)

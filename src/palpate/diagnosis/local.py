@@ -1,12 +1,12 @@
 """The forward model's own curves around an optimum, fitted to a design of runs: linear, and quadratic in a few axes.
 
 Where recordings leave parameters open, the curves hardly change between them. A surrogate's error, which is as rough
-as its snapshots are far apart, may exceed that change, so that its slopes make known what is not. A two-level design
-(Plackett & Burman, Biometrika 33 (1946) 305-325), in which every run moves all coordinates, tells slopes with the least
-error for its number of runs. Along the axes on which least is known the range is wide, and what was level at the
-optimum may not be so further on: runs at their ends tell by how much the curves bend (a central composite design; Box &
-Wilson, J. R. Stat. Soc. B 13 (1951) 1-45). How they twist, the slope along one such axis changing along another, is
-told by columns of the two-level design that are kept free for it; else that would pass for the slope of a third axis.
+as its snapshots are far apart, may exceed that change, so that its slopes make known what is not. The slopes here are
+central differences of the forward model, over one standard deviation either way along each principal axis of the
+posterior. Along the axes on which least is known the range is wide, and what was level at the optimum may not be so
+further on: there the differences reach over two, and their second differences tell by how much the curves bend. How
+they twist, the slope along one such axis changing along another, is told by runs that move both. All this is the second
+order of a Taylor series (Box & Wilson, J. R. Stat. Soc. B 13 (1951) 1-45).
 """
 
 from __future__ import annotations
@@ -15,12 +15,10 @@ import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import hadamard
 
 BENT = 3  # axes along which the curves may bend, and twist from one to another
 REACH = 2.0  # standard deviations from the optimum to an end; beyond it curves go on straight
 STILL = 1e-9  # coordinates that vary by no more are not moved
-NEAR = 0.5  # standard deviations: an end nearer than that, at a bound, is not worth a run
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,30 +155,16 @@ def design(
     among = np.eye(len(centre))[:, np.ones(len(centre), dtype=bool) if moved is None else moved]
     variances, axes = np.linalg.eigh(among.T @ (covariance * np.outer(slope, slope)) @ among)
     deviations, axes = np.sqrt(variances), among @ axes
-    widest = axes[:, -BENT:] * deviations[-BENT:]
-    ends = _ends(middle, widest, straight.of(np.zeros_like(centre)), straight.of(np.ones_like(centre)))
-    places = np.vstack([middle + _levels(len(deviations)) @ (axes * deviations).T, ends])
+    steps = (axes * deviations).T
+    known, widest = steps[:-BENT], steps[-BENT:]
+    both = np.array([a + b for a, b in itertools.combinations(widest, 2)]).reshape(-1, len(centre))
+    straightened = straight.of(np.zeros_like(centre)), straight.of(np.ones_like(centre))
+    ends = [_end(middle, step, *straightened) for step in np.vstack([widest, -widest])]
+    places = middle + np.vstack([known, -known, both, -both, ends])
     return straight.back(places), axes[:, -BENT:] / deviations[-BENT:]
 
 
-def _ends(middle: np.ndarray, steps: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return places (m, k) as far as `REACH` steps (k, n) up and down from a middle, within bounds."""
-    places = []
-    for step in np.hstack([steps, -steps]).T:
-        room = np.where(step > 0.0, upper - middle, middle - lower) / np.maximum(np.abs(step), 1e-12)
-        if (far := min(REACH, float(room.min()))) > NEAR:
-            places.append(middle + far * step)
-    return np.array(places).reshape(-1, len(middle))
-
-
-def _levels(factors: int) -> np.ndarray:
-    """Return orthogonal columns (m, factors) of levels -1 and 1, of which none is the product of two of the last three.
-
-    The product of two columns of a Hadamard matrix of Sylvester's is the one whose number is their exclusive or.
-    """
-    last = [2**n for n in range(min(BENT, factors))]
-    taken = {0, *last, *(a ^ b for a, b in itertools.combinations(last, 2))}
-    runs, others = 8, factors - len(last)
-    while len(free := [column for column in range(runs) if column not in taken]) < others:
-        runs *= 2
-    return hadamard(runs)[:, [*free[:others], *last]]
+def _end(middle: np.ndarray, step: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return `step` (k,) as far as `REACH` of it goes from a middle within bounds, but never less than the step."""
+    room = np.where(step > 0.0, upper - middle, middle - lower) / np.maximum(np.abs(step), 1e-12)
+    return step * np.clip(room.min(), 1.0, REACH)

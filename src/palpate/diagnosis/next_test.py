@@ -16,7 +16,7 @@ from palpate.diagnosis.own_values import about
 from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import InputError
 from palpate.indenters import Indenter
-from palpate.model import Simulation, simulate_batch, smooth
+from palpate.model import Simulation, simulate_batch
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
 
@@ -130,7 +130,7 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
     """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test about its simulated `curve` (n,).
 
     A mechanism that varies will have values in the new recordings that nobody knows yet. The simulation's error counts
-    as it does in a diagnosis: ripples of the mesh, which differ between the explanations, tell nothing apart.
+    as it does in a diagnosis: a common factor of the depth tells nothing apart.
     """
     keys, errors = varying(fit.explanation), fit.errors
     parts = components_under(fit.problem, keys, condition, curve)
@@ -148,25 +148,25 @@ def _predicted(
     rows = [
         [_of_test(specification_at(study, test.condition, fit, z), test) for z in (fit.z, *draws)] for test in tests
     ]
-    at_best = _simulated([[smooth(first)] for first, *_ in rows])
     predicted: list[tuple[np.ndarray, np.ndarray] | None] = []
-    for test, best, outcomes in zip(tests, at_best, _simulated(rows, roughly=True), strict=True):
-        if any(outcome.status != "ok" for outcome in (*best, *outcomes)) or not (best and outcomes):
+    for test, outcomes in zip(tests, _simulated(rows), strict=True):
+        if not outcomes or any(outcome.status != "ok" for outcome in outcomes):
             predicted.append(None)
             continue
-        departures = np.array([outcome.depth - outcomes[0].depth for outcome in outcomes[1:]])
+        best, *others = outcomes
+        departures = np.array([outcome.depth - best.depth for outcome in others])
         spread = departures.T @ departures / len(draws)
-        predicted.append((on_fine_mesh(best[0], test.condition, fit, fit.z), spread))
+        predicted.append((on_fine_mesh(best, test.condition, fit, fit.z), spread))
     return predicted
 
 
-def _simulated(rows: list[list[Specification]], roughly: bool = False) -> list[list[Simulation]]:
+def _simulated(rows: list[list[Specification]]) -> list[list[Simulation]]:
     """Simulate what each row holds, all together, or row by row where one is refused; that one comes back empty."""
     try:
-        outcomes = iter(simulate_batch([specification for row in rows for specification in row], roughly))
+        outcomes = iter(simulate_batch([specification for row in rows for specification in row]))
         return [[next(outcomes) for _ in row] for row in rows]
     except InputError:
-        return [found for row in rows for found in _simulated([row], roughly)] if len(rows) > 1 else [[]]
+        return [found for row in rows for found in _simulated([row])] if len(rows) > 1 else [[]]
 
 
 def _of_test(specification: Specification, test: FeasibleTest) -> Specification:

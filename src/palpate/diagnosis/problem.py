@@ -105,19 +105,11 @@ class Problem:
         """Whether most conditions were tested more than once, so that replicates fix the noise of all."""
         return 2 * len(self.repeated) > len(self.conditions)
 
-    def mesh_factor(self, condition: Condition, own: Mapping[str, np.ndarray]) -> np.ndarray | float:
-        """Return what takes the depth of a condition to the fine mesh (..., n_points).
-
-        Parameters
-        ----------
-        own
-            Coordinates (..., k) of each mechanism that acts. A condition that took no part gets the mean factor.
-        """
-        if condition.name not in self.refinement:
-            return float(np.mean([np.mean(self.mesh_factor(c, own)) for c in self.conditions]))
-        learnt = self.effects[condition.name]
-        shares = [learnt[key].mesh_share(x) for key, x in own.items() if key in learnt]
-        return self.refinement[condition.name] * (1.0 + sum(shares))
+    def mesh_factor(self, condition: Condition) -> np.ndarray | float:
+        """Return what takes the depth of a condition to the fine mesh (n_points,); the mean where it took no part."""
+        if condition.name in self.refinement:
+            return self.refinement[condition.name]
+        return float(np.mean([np.mean(self.refinement[c.name]) for c in self.conditions]))
 
     def split(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """Return the part of `values` (n_all, ...) that belongs to each condition."""
@@ -261,7 +253,7 @@ class Problem:
             for key in [key for key in own if MECHANISMS[key].learnt_under(control)]:
                 points = np.column_stack([material[:, self.space.free], own[key]])
                 curve = curve + self.effects[condition.name][key].predict(points)
-            curve = curve * self.mesh_factor(condition, own)
+            curve = curve * self.mesh_factor(condition)
             for key in sorted(derived, key=lambda key: MECHANISMS[key].shortcut is None):
                 curve = self._derived(key, condition, curve, own[key])
             whole.append(curve)

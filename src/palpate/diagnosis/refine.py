@@ -6,8 +6,7 @@ Bandler et al., IEEE Trans. Microw. Theory Tech. 52 (2004) 337-361); there, a pr
 step that makes it worse is tried again within a third of its length (Bakr et al., same Trans. 46 (1998) 2412-2425).
 
 The surrogates' slopes are corrected by secants, of the steps that were taken. Around an explanation that stands the
-forward model's own slopes take their place (`palpate.diagnosis.sharpen`). Its curves ripple, by a thousandth, and the
-surrogates with them; the mean over several meshes takes their place.
+forward model's own slopes take their place (`palpate.diagnosis.sharpen`).
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.fit import Fit, solve
 from palpate.errors import PalpateError
-from palpate.model import Simulation, simulate_batch, smooth
+from palpate.model import Simulation, simulate_batch
 from palpate.specification import Specification
 
 ROUNDS = 8
@@ -54,7 +53,7 @@ def simulated_at(study: Study, conditions: Iterable[Condition], fit: Fit, z: np.
         When the solver fails.
     """
     conditions = list(conditions)
-    outcomes = simulate_batch([smooth(specification_at(study, condition, fit, z)) for condition in conditions])
+    outcomes = simulate_batch(specification_at(study, condition, fit, z) for condition in conditions)
     return [on_fine_mesh(outcome, condition, fit, z) for outcome, condition in zip(outcomes, conditions, strict=True)]
 
 
@@ -83,8 +82,7 @@ def body_of(outcome: Simulation, condition: Condition, fit: Fit, z: np.ndarray) 
 
 def corrected(body: np.ndarray, condition: Condition, fit: Fit, z: np.ndarray) -> np.ndarray:
     """Return what is recorded of a body's depth (n_points,) [nm]: the mesh errs by that, not by what is added to it."""
-    factor = fit.problem.mesh_factor(condition, fit.problem.parts(fit.explanation, z)[1])
-    return body * factor + fit.problem.recorded(fit.explanation, condition, z)
+    return body * fit.problem.mesh_factor(condition) + fit.problem.recorded(fit.explanation, condition, z)
 
 
 def curve_under(study: Study, condition: Condition, fit: Fit) -> np.ndarray:

@@ -1,13 +1,12 @@
 """The forward model's own curves around an explanation that stands, in place of the surrogates.
 
-Surrogates are rough, and add up effects that were learnt one by one: friction beside yielding would seem known to half
-its uncertainty. The solver's own derivatives ripple from node to node of the contact by some per cent, which would make
-coordinates that the data hardly tell apart look independent. So it runs in a design over the posterior, and the fit
-goes downhill with the slopes that this tells, each step simulated.
+Surrogates add up effects that were learnt one by one: friction beside yielding would seem known to half its
+uncertainty. So the solver runs at places one standard deviation of the posterior apart, and the fit goes downhill with
+the central differences that these give, each step simulated.
 
-Where the optimum leaves the design, or what is left open around it reaches far beyond it, the slopes are those of
-another place: in a long and bent valley a search ends early, and looks surer than it is. Then a second design lies
-there, and a third.
+Where the optimum leaves these places, or what is left open around it reaches far beyond them, the slopes are those of
+another place: in a long and bent valley a search ends early, and looks surer than it is. Then a second set of places
+lies there, and a third.
 """
 
 from __future__ import annotations
@@ -29,7 +28,6 @@ from palpate.model import simulate_batch
 
 DESIGNS, STEPS = 3, 5  # designs at most, and steps downhill in each
 LEFT = 1.0  # standard deviations, as a root mean square over coordinates, by which the optimum may move within a design
-MESHES = 4  # over which differences are averaged: they ripple by 5e-5 of the depth then, by 2e-4 in a metal
 GREW = 1.5  # ratio of what is left open in some direction to the design's extent, beyond which that was too small
 
 
@@ -102,8 +100,7 @@ def _grown(region: np.ndarray, grew: np.ndarray, directions: np.ndarray) -> np.n
 def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     """Return by how much the curves (m, n_all) differ from the first, between some coordinates (m, k) [nm].
 
-    With a third of the points in time, so that there are fewer steps, and on wider elements: in differences their error
-    cancels.
+    With a third of the points in time, so that there are fewer steps: in differences their error cancels.
 
     Raises
     ------
@@ -113,8 +110,7 @@ def changes_from(study: Study, fit: Fit, places: np.ndarray) -> np.ndarray:
     problem = fit.problem
     short = [replace(condition, protocol=thinned(condition.protocol)) for condition in problem.conditions]
     wanted = [(z, *pair) for z in places for pair in zip(short, problem.conditions, strict=True)]
-    specifications = [replace(specification_at(study, condition, fit, z), meshes=MESHES) for z, condition, _ in wanted]
-    outcomes = simulate_batch(specifications, roughly=True)
+    outcomes = simulate_batch(specification_at(study, condition, fit, z) for z, condition, _ in wanted)
     curves = []
     for (z, condition, whole), outcome in zip(wanted, outcomes, strict=True):
         spread = interpolation(condition.protocol.sample_time, whole.protocol.sample_time)

@@ -17,7 +17,6 @@ RESOLUTIONS = {
     ),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
 }
-ROUGH = Resolution(growth=1.20, sectors=6, far=1000.0, outer_growth=1.6, load_growth=0.25)  # for differences of curves
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 

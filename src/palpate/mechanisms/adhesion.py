@@ -28,5 +28,4 @@ MECHANISM = Mechanism(
     lambda s: {"work": Range(0.0, 500.0)},
     simulate=simulate,
     solver_scatter=0.03,
-    meshes=4,
 )

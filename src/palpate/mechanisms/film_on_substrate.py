@@ -29,5 +29,4 @@ MECHANISM = Mechanism(
     },
     simulate=simulate,
     solver_scatter=0.02,
-    solver_ripple=0.003,
 )

@@ -105,16 +105,8 @@ class Mechanism:
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
     solver_scatter
-        Scatter of its simulated effect between meshes, relative to the effect: root mean square of what `standard`
-        differs from `fine`, for some materials and amplitudes, where depths are means over eight meshes each.
-    solver_ripple
-        The part of it that ripples along the curve; the other part is the same part of the effect everywhere. Both are
-        equal where this is not given.
-    mesh_dependent
-        Whether it adds an error of the mesh to that of the base model, which must be learnt before `solver_scatter`
-        describes the rest.
-    meshes
-        Over the mean of how many meshes its effect is learnt: it may depend on where nodes lie.
+        Error of its simulated effect, relative to the effect and the same part of it everywhere: root mean square of
+        what `standard` differs from `fine`, for some materials and amplitudes.
     shortcut
         What it makes of a known depth curve, nearly, with the arguments of `record`; only the rest must be learnt.
     """
@@ -130,9 +122,6 @@ class Mechanism:
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
-    solver_ripple: float | None = None
-    mesh_dependent: bool = False
-    meshes: int = 1
     shortcut: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] | None = None
 
     @property

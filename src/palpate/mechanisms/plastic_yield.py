@@ -43,6 +43,4 @@ MECHANISM = Mechanism(
     simulate=simulate,
     from_search=from_search,
     solver_scatter=0.01,
-    mesh_dependent=True,
-    meshes=2,
 )

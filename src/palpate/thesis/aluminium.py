@@ -1,8 +1,6 @@
 """Chapter 4 from end to end: surrogates of 64 and 36 points, calibration against recordings of known truth, errors.
 
-Simulations with plasticity scatter by 1 per cent from mesh to mesh, because the contact grows from node to node.
-Differences of the solver over small steps are then noise, so the solver judges the estimate and does not correct it;
-and the scatter of the recording's own mesh joins the surrogate's leave-one-out errors in the covariance.
+The surrogate's leave-one-out errors join the covariance; the solver judges the estimate and does not correct it.
 """
 
 from __future__ import annotations
@@ -13,8 +11,7 @@ import numpy as np
 
 from palpate.calibration import calibrate
 from palpate.calibration.measures import relative
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.laboratory import exact_curve
+from palpate.model import simulate
 from palpate.observations import observations
 from palpate.steps import settings_of
 from palpate.surrogate import PODRBF
@@ -27,7 +24,7 @@ GRIDS = {"64": "aluminium_full", "36": "aluminium_reduced"}
 
 
 def run(context: Context) -> Outcome:
-    """Calibrate with both grids; the solver confirms and corrects."""
+    """Calibrate with both grids."""
     study = context.studies["aluminium"]
     measured = observations(study, "virtual")
     truth = study.laboratory["virtual"]["parameters"]
@@ -53,9 +50,9 @@ def run(context: Context) -> Outcome:
             bounds,
             rng=np.random.default_rng(study.seed),
             settings=settings_of(study),
-            surrogate_error={name: error_curves(surrogate, recorded, RESOLUTIONS[study.accuracy].growth)},
+            surrogate_error={name: surrogate.loo_error_},
         )
-        simulated = exact_curve(study.specification(found.values, study.condition(name)), name).depth
+        simulated = simulate(study.specification(found.values, study.condition(name))).depth
         fitted += [
             Fitted.surrogate(f"aluminium, {grid} points", surrogate, *snapshots),
             Fitted.of_calibration(f"aluminium, {grid} points", found, study=study.name),
@@ -91,25 +88,6 @@ def run(context: Context) -> Outcome:
         series=series,
         fitted=fitted,
     )
-
-
-def error_curves(surrogate: PODRBF, recorded: np.ndarray, growth: float) -> np.ndarray:
-    """Return curves (k, points) [nm] whose mean outer product is the covariance of surrogate and mesh.
-
-    To the leave-one-out errors comes a scatter of the same size whose correlation falls by e when the contact has grown
-    by one ring of nodes, and which stays as it is once the contact no longer grows: on unloading.
-
-    Parameters
-    ----------
-    growth
-        Ratio of the radii of neighbouring rings of nodes.
-    """
-    size = np.log(np.maximum.accumulate(recorded)) / np.log(growth)
-    scatter = np.outer(surrogate.loo_rms_, surrogate.loo_rms_) * np.exp(-np.abs(size[:, None] - size))
-    values, vectors = np.linalg.eigh(scatter)
-    parts = surrogate.loo_error_, np.sqrt(len(size) * np.maximum(values, 0.0))[:, None] * vectors.T
-    total = sum(map(len, parts))
-    return np.vstack([np.sqrt(total / len(part)) * part for part in parts])
 
 
 def findings(parameters: Rows, errors: Rows) -> list[Finding]:

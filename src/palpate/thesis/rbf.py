@@ -158,7 +158,7 @@ def run(context: Context) -> Outcome:
                     if (row["snapshots"], row["kernel"]) == ("36", "multiquadric")
                 ),
                 "not in the thesis",
-                "chosen without a single further simulation; the scatter from mesh to mesh is the floor of both",
+                "chosen without a single further simulation",
             ),
             compare(
                 "noise of 1 and 5 per cent on the training data",
