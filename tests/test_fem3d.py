@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from palpate.materials.radial import BULK, SHEAR, commit, history, state_size, step_weights
 from scipy.linalg import logm, polar
 
 from palpate.analytic import sneddon
@@ -24,7 +25,6 @@ from palpate.fem3d.shell import WEDGE, shell
 from palpate.fem3d.tip import tip_of
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.materials.radial import BULK, SHEAR, commit, history, state_size, step_weights
 from palpate.protocol import Protocol, trapezoid
 from palpate.specimen import Specimen, elastic_substrate
 from palpate.verification.calculix_pyramid import depth_at_one
