@@ -25,7 +25,7 @@ ORDER = [
     {"variation"},
     {"model"},
     {"readers"},
-    {"design"},
+    {"design", "levels"},
     {"config"},
     {"snapshots", "laboratory", "solved"},
     {"surrogate"},
