@@ -15,6 +15,17 @@ from palpate.materials.flow.row import BULK, SHEAR, step_weights
 DOUBLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # T : U = sum of DOUBLE * T * U
 FIRST, SECOND = np.array([0.6, 0.4, -1.0, 0.3, 0.0, 0.1]), np.array([-0.2, 0.5, -0.3, 0.0, 0.4, 0.6])
 DURATION = 10.0
+HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
+BURGERS_TERMS = {
+    "values": {
+        "steady_coefficient": 0.09,
+        "steady_exponent": 0.2,
+        "transient_coefficient": 0.24,
+        "transient_exponent": 0.47,
+        "retardation_time": 2.5,
+    },
+    "terms": {"creep": lambda q, p: 0.09 * q**0.4, "elements": [(2.5, lambda q: 0.24 * q**0.94)]},
+}
 
 
 def strain_at(time, size, squeeze=0.0):

@@ -28,7 +28,7 @@ ORDER = [
     {"variation"},
     {"model"},
     {"readers"},
-    {"design"},
+    {"design", "levels"},
     {"config"},
     {"snapshots", "laboratory", "solved"},
     {"surrogate"},

@@ -10,8 +10,7 @@ from palpate.export import calculix_moved
 from palpate.export.abaqus import user_constants
 from palpate.export.calculix import deck, norton
 from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
-from palpate.materials import LAWS
-from palpate.materials.radial import commit, history, invariant, solve_radial, state_size, step_weights
+from palpate.materials.flow.estimate import secant_compliance
 from palpate.model import specification_from
 from palpate.specification import ACCURACIES
 
@@ -32,6 +31,11 @@ METAL = {
     "yield_stress": 0.1,
     "hardening": 0.5,
 }
+HOOKE = {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
+LUDWIK = {"yield_stress": 0.06, "strength": 0.2, "hardening_exponent": 0.3}
+PRESSED = {"pressure_coefficient": 0.1}
+DRUCKER = HOOKE | PRESSED | {"model": "drucker_prager", "yield_stress": 0.1, "hardening": 0.5}
+EYRING = HOOKE | PRESSED | {"model": "eyring", "reference_rate": 1e-8, "eyring_stress": 0.004}
 BOTH = NORTON | {"model": "burgers_plasticity", "yield_stress": 0.1, "hardening": 0.5}
 
 
@@ -85,19 +89,12 @@ def test_mesh_fills_the_quarter_disc(indenter):
 
 
 def test_norton_is_steady_creep():
-    """A long uniaxial-like shear: the steady strain rate of the radial update is A q^n."""
-    coefficients = LAWS["nonlinear_burgers"].coefficients({k: v for k, v in NORTON.items() if k != "model"})
+    """In shear the strain rate of steady creep is A q^n."""
     factor, exponent = norton(NORTON["steady_coefficient"], NORTON["steady_exponent"])
-    rate, dt = 1e-3, 5.0
-    state, past, weights = np.zeros(state_size(coefficients)), np.empty(4), step_weights(coefficients, dt)
-    for k in range(1, 400):
-        history(state, weights, coefficients, past)
-        residual = np.array([0.0, 0.0, 0.0, rate * dt * k]) - past
-        rho = invariant(*residual)
-        q, _ = solve_radial(rho, 0.0, 0.0, weights, coefficients)
-        commit(state, residual, q, rho, weights, coefficients)
-    equivalent_rate = 2 / np.sqrt(3) * rate
-    assert factor * (np.sqrt(3) * state[3]) ** exponent == pytest.approx(equivalent_rate, rel=1e-6)
+    row, q = specification_from(values()).coefficients, 0.03
+    after, before = (q * secant_compliance(row, q, 0.0, duration) for duration in (1.0, 0.0))
+    equivalent_rate = 2 / np.sqrt(3) * (after - before)
+    assert factor * (np.sqrt(3) * q) ** exponent == pytest.approx(equivalent_rate, rel=1e-12)
 
 
 def test_calculix_deck_holds_the_law_and_the_load(export):
@@ -123,14 +120,18 @@ def test_friction_goes_with_the_contact(export, form, name):
 
 
 def test_plasticity_is_a_hardening_line():
-    assert "*PLASTIC\n0.1, 0.\n5.1, 10." in deck(specification_from(values(METAL)))
+    assert "*PLASTIC\n0.1, 0\n5.1, 10" in deck(specification_from(values(METAL)))
 
 
 @pytest.mark.parametrize(
     ("given", "form", "words"),
     [
-        (values(NORTON | {"transient_coefficient": 0.2}), "calculix", "material.transient_coefficient"),
-        (values(BOTH), "calculix", "creep and linear hardening"),
+        (values(NORTON | {"transient_coefficient": 0.2}), "calculix", "no Voigt elements"),
+        (values(BOTH), "calculix", "creep and hardening"),
+        (values(DRUCKER), "calculix", "drucker_prager"),
+        (values(DRUCKER), "abaqus", "drucker_prager"),
+        (values(EYRING), "calculix", "does not know the law eyring"),
+        (values(EYRING | NORTON | {"model": "nonlinear_burgers+eyring"}), "abaqus", "does not know the law eyring"),
         (values(kinematics="large"), "calculix", "kinematics"),
         (values(mechanisms={"thermal_drift": {"rate": 0.05}}), "calculix", "mechanisms"),
         (values(mechanisms={"thermal_drift": {"rate": 0.05}}), "abaqus", "mechanisms"),
@@ -193,6 +194,19 @@ def test_abaqus_needs_no_subroutine_for_its_own_laws(export):
     assert not (path / "burgers.f").exists()
 
 
-def test_user_constants_leave_plasticity_out():
-    coefficients = np.arange(12.0)
-    assert user_constants(coefficients) == pytest.approx([0, 1, 2, 3, 6, 7, 8, 9, 10, 11])
+def test_a_spectrum_is_written_as_linear_voigt_elements():
+    spectrum = {"spectrum_coefficient": 0.05, "spectrum_exponent": 0.2, "elements": 3}
+    constants = user_constants(specification_from(values(HOOKE | {"model": "retardation_spectrum"} | spectrum)))
+    assert constants[2:4] == pytest.approx([0.0, 0.0])
+    assert constants[4:].reshape(3, 3)[:, 2] == pytest.approx([0.1, 10.0, 1000.0])
+    assert constants[4:].reshape(3, 3)[:, :2] == pytest.approx(
+        np.array([[0.05 * t**0.2, 0.0] for t in (0.1, 10, 1000)])
+    )
+
+
+def test_curved_hardening_is_a_table():
+    text = deck(specification_from(values(HOOKE | {"model": "ludwik_plasticity"} | LUDWIK)))
+    lines = text.split("*PLASTIC\n")[1].split("*")[0].split()
+    table = np.array([float(part.rstrip(",")) for part in lines]).reshape(-1, 2)
+    assert table[:, 0] == pytest.approx(0.06 + 0.2 * table[:, 1] ** 0.3, rel=1e-10)
+    assert table[0].tolist() == [0.06, 0.0] and table[-1, 1] == 10.0

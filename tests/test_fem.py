@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from palpate.materials.radial import step_weights
 
 from palpate.fem import hencky, linear
 from palpate.fem.discretisation import RESOLUTIONS, mesh_radii, step_times
@@ -11,7 +12,6 @@ from palpate.fem.newton import Problem, State, Workspace, advance
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.materials.radial import step_weights
 from palpate.model import simulate
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from palpate.materials.radial import BULK, SHEAR, step_weights
 
 from palpate.fem import hencky
 from palpate.fem.mesh import _integration
 from palpate.materials import LAWS
-from palpate.materials.radial import BULK, SHEAR, step_weights
 from palpate.model import simulate
 from palpate.specification import Specification
 from palpate.verification.kinematics import EPOXY, WAYS

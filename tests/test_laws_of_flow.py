@@ -1,4 +1,4 @@
-"""Every law that is found, at a point and in SIMD lanes: derivatives, guesses, scaling, joining, and what is refused."""
+"""Every law, at a point and in SIMD lanes: derivatives, guesses, scaling, joining, and what is refused."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def row_and_weights(model, dt=0.6, resistance=1.0):
 def in_lanes(rho, alpha, pressure, law, step, out):
     for i in range(len(rho)):
         start = splat(NOTHING), splat(-1000.0), splat(0.0)
-        q, log_q, order, push = solve_radial(load(rho, i), *start, splat(alpha), splat(pressure), law, step)
+        q, _, order, push = solve_radial(load(rho, i), *start, splat(alpha), splat(pressure), law, step)
         store(out, 3 * i, q)
         store(out, 3 * i + 1, order * q / load(rho, i))
         store(out, 3 * i + 2, push)
@@ -194,5 +194,3 @@ def test_bad_parameters_are_refused_by_name(key, change, place):
         LAWS[key].coefficients(values(key) | change)
     assert caught.value.place == place
     assert "\n" not in str(caught.value)
-
-

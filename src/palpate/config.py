@@ -13,6 +13,7 @@ from typing import Any
 from palpate.design import factorial, sobol
 from palpate.errors import InputError
 from palpate.indenters import Indenter
+from palpate.levels import checked_levels
 from palpate.load_history import KEYS, SHAPES, control_from, protocol_from
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
@@ -180,7 +181,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(error.problem, remedy=error.remedy, place="material.model") from None
     source = _source(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
-    levels = _levels(model, material, values["parameters"])
+    levels = checked_levels(model, material, values["parameters"])
     try:
         indenter = Indenter.from_mapping(values["indenter"])
     except InputError as error:
@@ -294,49 +295,6 @@ def _check_laboratories(study: Study) -> None:
             checked_mechanisms(settings.get("mechanisms"))
         except InputError as error:
             raise InputError(error.problem, remedy=error.remedy, place=f"{place}.{error.place}") from None
-
-
-def _levels(model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]) -> dict[str, tuple[float, ...]]:
-    """Check fixed values and levels against the law."""
-    declared = {p.name: p for p in law_of(model).declared({**material, **given})}
-    for owner, names in (("material", material), ("parameters", given)):
-        for name in names:
-            if name not in declared:
-                raise InputError(
-                    f"{name!r} is no parameter of {model}{suggestion(name, declared)}",
-                    remedy=f"use one of: {', '.join(declared)}",
-                    place=f"{owner}.{name}",
-                )
-    for name, parameter in declared.items():
-        if parameter.default is not None and name not in material and name not in given:
-            continue
-        if parameter.whole and len(given.get(name, ())) > 1:
-            raise InputError(
-                f"{name} ({parameter.meaning}) cannot vary", remedy="give one value, under material",
-                place=f"parameters.{name}",
-            )  # fmt: skip
-        if (name in material) == (name in given):
-            problem = "given twice" if name in material else "missing"
-            raise InputError(
-                f"{name} ({parameter.meaning}) is {problem}", remedy="give it once, under material or parameters",
-                place="parameters",
-            )  # fmt: skip
-        owner, values = ("material", [material[name]]) if name in material else ("parameters", given[name])
-        for value in values:
-            try:
-                parameter.check(value)
-            except InputError as error:
-                raise InputError(error.problem, remedy=error.remedy, place=f"{owner}.{name}") from None
-    for name, levels in given.items():
-        if len(set(levels)) != len(levels):
-            raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")
-    if all(len(levels) == 1 for levels in given.values()):
-        raise InputError(
-            "every parameter is held constant, so that there is nothing to calibrate",
-            remedy="give one of them at least two levels, or simulate a single curve with palpate simulate",
-            place="parameters",
-        )
-    return {name: tuple(float(level) for level in levels) for name, levels in given.items()}
 
 
 def _condition(

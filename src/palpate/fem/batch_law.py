@@ -38,6 +38,7 @@ from palpate.materials.flow.row import (
 )
 
 __all__ = ["BULK", "NOTHING", "PRESSED", "UNKNOWN", "YIELD", "Points", "region_of", "solve_radial", "turn"]
+STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
 FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
 
 
@@ -137,7 +138,10 @@ def turn(points, laws, done, following):
                 closing = q
                 if kind != LINEAR:
                     closing = driving(law, at, before, q, log_q, pressure)
-                opening = driving(law, at, after, q, log_q, pressure) if growing and kind != LINEAR else closing
+                opening = closing
+                if growing and kind != LINEAR:
+                    opening, limit = driving(law, at, after, q, log_q, pressure), STEEPEST * closing
+                    opening = where_less(limit, opening, limit, opening)
                 closing, opening = load(before, k + CLOSING) * closing, load(after, k + OPENING) * opening
                 if kind == CREEP:
                     flown = flown + closing + opening

@@ -249,9 +249,9 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
                 image[c] = 0.0
                 for d in range(COMPONENTS):
                     image[c] += present * moduli[c, d] * slopes[d, i]
-                along = r[c] * slopes[c, i] * (1.0 if c < 3 else 2.0)
-                fe[i] += present * ratio * along
-                squeeze[i] += pushed * along
+                part = r[c] * slopes[c, i] * (1.0 if c < 3 else 2.0)
+                fe[i] += present * ratio * part
+                squeeze[i] += pushed * part
             m0, m1, m2, m3, m4, m5 = image
             for j in range(i + 1):
                 normal = m0 * slopes[0, j] + m1 * slopes[1, j] + m2 * slopes[2, j]

@@ -16,7 +16,8 @@ with x = dt/t_eps, so it is second order for small steps and stable for steps mu
 rate-independent, sqrt(3) q = sigma(alpha, p). Where a resistance r acts, a term flows at the stress over r.
 
 The unknown is y = ln q. On doubly logarithmic axes every power law is straight and every law here convex, so that
-Newton's method for ln(V/rho) = 0 converges from above, and for power laws at once. The term of second order that
+Newton's method for ln(V/rho) = 0 converges from above, and for power laws at once; far from the solution its steps are
+limited and kept between brackets. The term of second order that
 Halley's method adds leaves an error of third order; near the solution ln(V/rho) is 2 (z + z^3/3 + ...) with
 z = (V - rho)/(V + rho), and no logarithm is needed. With plastic flow the unknown is ln(dalpha), since a yield stress
 may begin with an infinite slope or end with none; brackets guard Newton's method.
@@ -65,6 +66,7 @@ NOTHING = 1e-150  # stands for rho = 0, so that the direction R / rho exists
 UNKNOWN = -300.0  # below it ln q is no guess
 FAR = 0.6  # value of z beyond which the logarithm of V/rho is taken
 DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends where its exponential would overflow
+LOWEST, HIGHEST = -1e3, 1e3  # of ln q
 DEEP = 80.0  # range of ln(dalpha) below its largest value
 HARDENING = 1e-9  # of G, least hardening in the tangent
 ROOT3 = math.sqrt(3.0)
@@ -121,6 +123,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     further = log_q + order * 2.0 * (rho - last) / (rho + last)
     log_q = where_less(log_q, constant(rho, UNKNOWN), rough_log(rho) - rough_log(entry(step, COMPLIANCE)), further)
     q, order, push, change = rho, rho, rho, rho
+    lowest, highest = constant(rho, LOWEST), constant(rho, HIGHEST)
     for _ in range(ITERATIONS):
         q = exponential(log_q)
         total, slope, curve, by_pressure = compliance(q, log_q, pressure, law, step)
@@ -143,6 +146,10 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
             far = logarithm(value / rho) * both * inverse * total * total
             far = where_less(far, constant(far, DOWN), far, constant(far, DOWN))
             far = where_less(far, constant(far, -UP), constant(far, -UP), far)
+            highest = where_less(rho, value, log_q, highest)
+            lowest = where_less(value, rho, log_q, lowest)
+            middle = log_q - 0.5 * (lowest + highest)
+            far = where_less(far, log_q - lowest, where_less(log_q - highest, far, far, middle), middle)
             change = where_less(constant(far, FAR), magnitude(excess), far, change)
         log_q = log_q - change
     q = q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0))))
