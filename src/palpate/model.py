@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from palpate.errors import InputError, PalpateError
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.directions import Directions
+from palpate.fem.batch import Case, indent_batch, run_lanes
 from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.fields import Fields
-from palpate.fem.indent import History, indent
+from palpate.fem.fields import Fields, Moment
+from palpate.fem.history import History
 from palpate.fem.similar import indent_distinct, length_ratio
 from palpate.fem3d.fields import fields_of
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
@@ -23,7 +22,7 @@ from palpate.load_history import protocol_from
 from palpate.mechanisms import checked_mechanisms
 from palpate.protocol import LOAD, Protocol
 from palpate.specification import Specification, axisymmetric_only
-from palpate.variation import Variation, acting, directions, recorded
+from palpate.variation import Variation, acting, recorded
 
 SECTIONS = {
     "material": "{model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}",
@@ -111,49 +110,19 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    return _simulation(specification, _indent(acting(specification), radii))
+    solid = acting(specification)
+    if solid.indenter.of_revolution:
+        return _simulation(specification, indent_batch([_case(solid, radii)])[0])
+    return _simulation(specification, _pyramid(solid, radii))
 
 
-def _indent(
-    solid: Specification,
-    radii: np.ndarray | None = None,
-    directions: Directions | None = None,
-    observe: Callable[[Any, Any], None] | None = None,
+def _pyramid(
+    solid: Specification, radii: np.ndarray | None = None, observe: Callable[[Any, Any], None] | None = None
 ) -> History:
-    large = solid.kinematics == "large"
     if solid.protocol.control != LOAD:
-        return _under_displacement(solid, radii, directions, observe)
-    if not solid.indenter.of_revolution:
-        if directions:
-            raise axisymmetric_only("derivatives of the depth", "indenter.shape")
-        resolution = RESOLUTIONS_3D[solid.accuracy]
-        return indent_3d(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, observe)
-    resolution = RESOLUTIONS[solid.accuracy]
-    return indent(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, directions, observe)
-
-
-def _under_displacement(
-    solid: Specification,
-    radii: np.ndarray | None,
-    directions: Directions | None,
-    observe: Callable[[Any, Any], None] | None,
-) -> History:
-    """Simulate one indentation whose displacement is prescribed, in the lanes of many.
-
-    Raises
-    ------
-    InputError
-        When anything but its curve is asked for.
-    """
-    wanted = {"a mesh of its own": radii, "derivatives": directions, "the fields in the body": observe}
-    for words, given in wanted.items():
-        if given is not None:
-            raise InputError(
-                f"displacement control does not go with {words}", remedy="prescribe the load", place="protocol.drive"
-            )
-    if not solid.indenter.of_revolution:
         raise axisymmetric_only("displacement control", "indenter.shape")
-    return indent_batch([_case(solid)])[0]
+    resolution, large = RESOLUTIONS_3D[solid.accuracy], solid.kinematics == "large"
+    return indent_3d(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, observe)
 
 
 def _simulation(specification: Specification, history: History) -> Simulation:
@@ -176,52 +145,86 @@ def _simulation(specification: Specification, history: History) -> Simulation:
 def sensitivities(
     specification: Specification, parameters: Iterable[str], radii: np.ndarray | None = None
 ) -> tuple[Simulation, np.ndarray]:
-    """Simulate one indentation together with the derivatives of its depth curve.
+    """Simulate one indentation together with the derivatives of its curve, see `sensitivities_batch`."""
+    return sensitivities_batch([specification], list(parameters), radii)[0]
 
-    They are the exact derivatives of the simulated curve on its mesh.
+
+def sensitivities_batch(
+    specifications: Sequence[Specification], parameters: Sequence[str], radii: np.ndarray | None = None
+) -> list[tuple[Simulation, np.ndarray]]:
+    """Simulate several indentations together with the derivatives of what answers to their drives.
+
+    They are the derivatives of the simulated curves on their meshes, see `palpate.fem.batch_neighbours`.
 
     Parameters
     ----------
     parameters
-        Parameters of the material by name, of a mechanism of the specification as ``key.name``.
+        Of the material by name, of a mechanism of the specifications as ``key.name``.
     radii : ndarray, optional
         As for `simulate`.
 
     Returns
     -------
-    simulation : Simulation
-    derivatives : ndarray, shape (n, p)
-        Of the recorded depth by each parameter [nm per unit of the parameter]; NaN from a failure on.
+    list of (Simulation, ndarray of shape (n, p))
+        Derivatives of the recorded depth, under displacement control of the load, by each parameter [nm or mN per unit
+        of the parameter]; NaN from a failure on.
 
     Raises
     ------
     InputError
-        When there is no such parameter, or the depth has no derivative by it.
+        When there is no such parameter, or the indenter is a pyramid.
     """
-    variations = {name: Variation.of(specification, name) for name in parameters}
-    history = _indent(acting(specification), radii, directions(variations))
-    columns = []
-    for column, variation in zip(history.derivatives.T, variations.values(), strict=True):
-        half = 0.5 * variation.width * column
-        low = recorded(variation.low, history.depth - half, history.load)
-        columns.append((recorded(variation.high, history.depth + half, history.load) - low) / variation.width)
-    return _simulation(specification, history), np.stack(columns, axis=1)
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        raise axisymmetric_only("derivatives of the curve", "indenter.shape")
+    beside = [[Variation.of(specification, name) for name in parameters] for specification in specifications]
+    neighbours = [[variation.neighbour for variation in row] for row in beside]
+    histories = indent_batch(
+        [_case(acting(each), radii) for each in specifications],
+        [[_case(acting(each), radii) for each in row] for row in neighbours],
+    )
+    outcomes = []
+    for specification, history, row in zip(specifications, histories, beside, strict=True):
+        simulation, columns = _simulation(specification, history), []
+        for k, variation in enumerate(row):
+            other = replace(history, depth=history.depths_beside[k], load=history.loads_beside[k])
+            moved = _simulation(variation.neighbour, other)
+            columns.append((moved.response - simulation.response) / variation.step)
+        outcomes.append((simulation, np.stack(columns, axis=1)))
+    return outcomes
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
-    """Simulate one indentation for displacement and stress at some times [s]; raises as `states_at`."""
-    problem, states = states_at(specification, times)
-    of = Fields.of if specification.indenter.of_revolution else fields_of
-    return [of(problem, state) for state in states]
+    """Simulate one indentation for displacement and stress at some times [s].
+
+    Raises
+    ------
+    InputError
+        When a time lies outside the test.
+    PalpateError
+        When the solver fails.
+    """
+    if not specification.indenter.of_revolution:
+        problem, states = states_at(specification, times)
+        return [fields_of(problem, state) for state in states]
+    solid, wanted = _sampled_at(specification, times)
+    moments: list[Moment] = []
+    for case in _case(solid).and_merged:
+        moments.clear()
+        history = run_lanes([case], observe=moments.append)[0]
+        if not history.reason:
+            break
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return [Fields.of(moment) for moment in moments if _among(moment.time, wanted)]
 
 
 def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any, list[Any]]:
-    """Simulate one indentation for the states of the body at some times [s].
+    """Simulate the indentation by a pyramid for the states of the body at some times [s].
 
     Returns
     -------
     problem
-        What does not change, such as the mesh: that of `palpate.fem.newton` or of `palpate.fem3d.newton`.
+        What does not change, such as the mesh: that of `palpate.fem3d.newton`.
     states
         One for each of the times, which are sorted.
 
@@ -232,6 +235,21 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
     PalpateError
         When the solver fails.
     """
+    solid, wanted = _sampled_at(specification, times)
+    found: list[tuple[Any, Any]] = []
+
+    def keep(problem: Any, state: Any) -> None:
+        if _among(state.time, wanted):
+            found.append((problem, state))
+
+    history = _pyramid(solid, observe=keep)
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return found[0][0], [state for _, state in found]
+
+
+def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[Specification, np.ndarray]:
+    """Return what is simulated, with some times [s] among those of its samples, and these in order."""
     solid = acting(specification)
     wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
     if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
@@ -240,17 +258,12 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
             remedy="give times above zero, up to its end",
             place="time",
         )
-    found: list[tuple[Any, Any]] = []
-
-    def keep(problem: Any, state: Any) -> None:
-        if np.abs(wanted - state.time).min() <= 1e-9 * protocol.knot_time[-1]:
-            found.append((problem, state))
-
     samples = np.union1d(protocol.sample_time, wanted)
-    history = _indent(replace(solid, protocol=replace(protocol, sample_time=samples)), observe=keep)
-    if history.reason:
-        raise PalpateError(f"the simulation failed: {history.reason}")
-    return found[0][0], [state for _, state in found]
+    return replace(solid, protocol=replace(protocol, sample_time=samples)), wanted
+
+
+def _among(time: float, wanted: np.ndarray) -> bool:
+    return bool(np.abs(wanted - time).min() <= 1e-9 * wanted[-1])
 
 
 def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) -> list[Simulation]:
@@ -283,6 +296,7 @@ def alike(specification: Specification, other: Specification) -> bool:
     return length_ratio(_case(acting(specification)), _case(acting(other))) is not None
 
 
-def _case(solid: Specification) -> Case:
+def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:
     resolution = RESOLUTIONS[solid.accuracy]
-    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, solid.kinematics == "large")
+    large = solid.kinematics == "large"
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, rings=radii)

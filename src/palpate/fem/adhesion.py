@@ -3,8 +3,8 @@
     sigma(g) = sigma_0 exp(-g / d),    sigma_0 d = w,
 
 with g the gap along z. It has the potential  -w exp(-g / d)  for each undeformed area, so its force points along the
-normal of the indenter. Where the surface touches, g = 0 and the unilateral contact acts beside sigma_0: a net tension
-up to sigma_0 is carried before a node lets go, and the law has no jump there.
+normal of the indenter. Where the surface touches, the gap is none and the contact acts beside sigma_0: a net tension up
+to sigma_0 is carried before the surfaces part.
 
 The true range of attraction is that of atoms, far below any element. What decides a curve is then the work w alone
 (the limit of Johnson, Kendall & Roberts, for large Tabor parameters), and d regularises: it is chosen so that the zone
@@ -19,23 +19,15 @@ Interface Sci. 150 (1992) 243-269; for the length of the zone, G. I. Barenblatt,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from palpate.errors import ConvergenceError
-from palpate.fem.contact import RATIO, RATIO_SLOPE, Contact
-from palpate.fem.mesh import Mesh
-
-if TYPE_CHECKING:
-    from palpate.fem.newton import Workspace
+from palpate.fem.contact_size import GPA_UM, plane_strain_modulus
+from palpate.fem.mesh import Resolution
+from palpate.specimen import Specimen
 
 ZONE = 2.0
-LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
-State = TypeVar("State")
-GPA_UM = 1e-6  # one mJ/m^2
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,91 +78,19 @@ class Adhesion:
         """Return sigma (k,) [GPa] across gaps [um]."""
         return self.strength * np.exp(-gap / self.reach)
 
-    def add(
-        self,
-        contact: Contact,
-        mesh: Mesh,
-        displacement: np.ndarray,
-        depth: float,
-        work: Workspace,
-        diagonal: int,
-        force: np.ndarray,
-        softening: bool,
-    ) -> float:
-        """Add the attraction to the assembled system and to the `force` (n, 2) of the indenter on the nodes.
 
-        Parameters
-        ----------
-        displacement : ndarray, shape (n, 2)
-        depth
-            Depth of the indenter [um].
-        diagonal
-            Column of the band's diagonal.
-        softening
-            Keep the stiffness that decaying attraction takes away; without it the matrix stays positive definite.
-
-        Returns
-        -------
-        float
-            What it adds to the diagonal entry of the depth.
-        """
-        surface, touching = contact.surface, contact.touching[contact.surface]
-        equations = mesh.equations[surface]
-        height, slope, curvature = contact.profile.beneath(contact.r, displacement[surface, 0], contact.large)
-        slope = np.where(contact.r > 0.0, slope, 0.0)
-        pull = self.area * self.traction(np.where(touching, 0.0, height - depth - displacement[surface, 1]))
-        stiffness = np.where(touching | (not softening), 0.0, -pull / self.reach)
-        free = ~touching
-        force[surface[free]] = np.column_stack([-slope * pull, pull])[free]
-        ratio, ratio_slope = contact.rule[surface, RATIO], contact.rule[surface, RATIO_SLOPE]
-        along = np.where(touching, ratio * (1.0 + slope**2) * pull, slope * pull)
-        along_slope = np.where(
-            touching,
-            (ratio_slope * (1.0 + slope**2) + 2.0 * ratio * slope * curvature) * pull,
-            stiffness * slope**2 + curvature * pull,
-        )
-        r, z = equations[:, 0] >= 0, (equations[:, 1] >= 0) & free
-        i, j = equations[r, 0], equations[z, 1]
-        work.residual[i] += along[r]
-        work.residual[j] -= pull[z]
-        work.band[i, diagonal] += along_slope[r]
-        work.band[j, diagonal] += stiffness[z]
-        work.border[i] -= (stiffness * slope)[r, None]
-        work.border[j] += stiffness[z, None]
-        both = r & z
-        coupling = -(stiffness * slope)[both]
-        work.band[equations[both, 0], diagonal + 1] += coupling
-        if diagonal > 0:
-            work.band[equations[both, 1], diagonal - 1] += coupling
-        return float(stiffness.sum())
-
-
-def grown(step: Callable[[Any, State], State], problem: Any, guess: State) -> State:
-    """Return the state after a step whose attraction grows in parts, which may change the contact much.
-
-    Each part repeats the whole step and begins where the part before it ended, so only the last one counts.
+def attraction(specimen: Specimen, resolution: Resolution, largest: float, area: np.ndarray) -> Adhesion | None:
+    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um].
 
     Parameters
     ----------
-    step
-        Takes the problem, with an `adhesion` of part strength, and a guess of the state at the end of the step.
-
-    Raises
-    ------
-    ConvergenceError
-        When the smallest part does not converge either.
+    area : ndarray, shape (k,)
+        Undeformed area of each surface node [um^2].
     """
-    done, more = -0.25, 0.25
-    while done < 1.0:
-        part = min(done + more, 1.0)
-        try:
-            guess = step(replace(problem, adhesion=problem.adhesion.weakened(part)), guess)
-            done, more = part, 1.5 * more
-        except ConvergenceError:
-            more *= 0.5
-            if more < LEAST_PART or done < 0.0:
-                raise
-    return guess
+    if specimen.adhesion == 0.0:
+        return None
+    modulus = plane_strain_modulus(specimen.coefficients)
+    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, area)
 
 
 def nodal_areas(r: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ equilibrium from where its last change carried it tries again from where the las
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,33 +19,37 @@ from itertools import pairwise
 
 import numpy as np
 
-from palpate.fem.adhesion import nodal_areas
+from palpate.fem.adhesion import attraction, nodal_areas
 from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
+from palpate.fem.batch_neighbours import Neighbours
+from palpate.fem.batch_newton import TIGHT, TOLERANCE, System
 from palpate.fem.batch_regularisation import contact_of, elastic_excess, first_contact
 from palpate.fem.batch_specimens import Specimens
 from palpate.fem.batch_trend import Trend
 from palpate.fem.batch_vector import LANES
 from palpate.fem.contact_size import check_size, contact_range, expected_load
 from palpate.fem.discretisation import GRADED_START, mesh_radii, step_times
+from palpate.fem.fields import Moment
 from palpate.fem.folding import merged, mergings
-from palpate.fem.indent import History, attraction, indent_on
-from palpate.fem.mesh import Resolution, polar_mesh
+from palpate.fem.history import History
+from palpate.fem.mesh import Mesh, Resolution, polar_mesh
 from palpate.fem.profile import Profile
 from palpate.fem.regions import resolved
 from palpate.indenters import Indenter
 from palpate.materials.flow.row import structure
-from palpate.protocol import LOAD, Protocol
+from palpate.protocol import Protocol
 from palpate.specimen import Specimen
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The arguments of `palpate.fem.indent.indent`, and what becomes of its mesh.
+    """One indentation by a tip of revolution, and its mesh.
 
-    All nodes have a `shift` outwards, in rings; the innermost rings are `merged` so many times.
+    All nodes have a `shift` outwards, in rings; the innermost rings are `merged` so many times. The radii of the
+    `rings` may be given [um].
     """
 
     specimen: Specimen
@@ -55,6 +59,7 @@ class Case:
     large: bool = False
     shift: float = 0.0
     merged: int = 0
+    rings: np.ndarray | None = None
 
     @property
     def largest(self) -> float:
@@ -69,7 +74,9 @@ class Case:
     @cached_property
     def radii(self) -> np.ndarray:
         """Radii of the rings of nodes [um]."""
-        usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
+        usual = self.rings
+        if usual is None:
+            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
         rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
         return rings * self.resolution.growth**self.shift
 
@@ -78,12 +85,11 @@ class Case:
         """Whether its innermost rings may be merged once more."""
         return self.merged < mergings(self.specimen, self.large)
 
-    def alone(self) -> History:
-        """Simulate it by itself; what the lanes alone can do ends there."""
-        if self.protocol.control != LOAD:
-            unknown = np.full(len(self.protocol.sample_time), np.nan)
-            return History(unknown, unknown, "no equilibrium", 0.0, 0, 0, np.empty((len(unknown), 0)))
-        return indent_on(self.radii, self.specimen, self.indenter, self.protocol, self.resolution, self.large)
+    @property
+    def and_merged(self) -> Iterator[Case]:
+        """The case, and as it is with its innermost rings merged, once more each time."""
+        for times in range(self.merged, 1 + mergings(self.specimen, self.large)):
+            yield replace(self, merged=times)
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -107,105 +113,137 @@ class Case:
         return self.resolution, shape, len(self.times), body, surface
 
 
-def indent_batch(cases: Sequence[Case]) -> list[History]:
-    """Simulate several indentations by indenters of revolution: in SIMD lanes those of a kind, others alone.
+def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
+    """Simulate several indentations by indenters of revolution, those of a kind together in SIMD lanes.
 
-    A lane that finds no equilibrium in the smallest parts of a step is simulated again: with its innermost rings merged
-    where that may help, alone else.
+    One that finds no equilibrium in the smallest parts of a step is simulated again with its innermost rings merged,
+    where that may help.
+
+    Parameters
+    ----------
+    beside
+        For each case the same with each of some parameters changed a little, see `palpate.fem.batch_neighbours`.
 
     Raises
     ------
     InputError
-        See `palpate.fem.indent.indent`.
+        When a mesh cannot hold the specimen or the tip, see `palpate.fem.contact_size.check_size`.
     """
-    histories: dict[int, History | None] = {}
+    histories: dict[int, History] = {}
     kinds: dict[tuple, list[int]] = {}
     for number, case in enumerate(cases):
         kinds.setdefault(case.kind, []).append(number)
     for members in kinds.values():
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
-            if len(chosen) > 1 or cases[chosen[0]].protocol.control != LOAD:
-                histories |= zip(chosen, run_lanes([cases[number] for number in chosen]), strict=True)
-    again = []
-    for number, case in enumerate(cases):
-        if number not in histories or not (histories[number] or case.mergeable):
-            histories[number] = case.alone()
-        if case.mergeable and ((history := histories[number]) is None or history.reason):
-            again.append(number)
+            others = list(zip(*[beside[number] for number in chosen], strict=True)) if beside else []
+            histories |= zip(chosen, run_lanes([cases[number] for number in chosen], others), strict=True)
+    again = [number for number, case in enumerate(cases) if histories[number].reason and case.mergeable]
     if again:
         wider = [replace(cases[number], merged=cases[number].merged + 1) for number in again]
-        histories |= zip(again, indent_batch(wider), strict=True)
-    return [history for _, history in sorted(histories.items()) if history]
+        others = [
+            [replace(other, merged=case.merged) for other in beside[number]]
+            for number, case in zip(again, wider, strict=True)
+            if beside
+        ]
+        histories |= zip(again, indent_batch(wider, others), strict=True)
+    return [history for _, history in sorted(histories.items())]
 
 
-def run_lanes(cases: Sequence[Case]) -> list[History | None]:
-    """Simulate 1 to `LANES` indentations of one kind; None for each that finds no equilibrium."""
+def run_lanes(
+    cases: Sequence[Case], beside: Sequence[Sequence[Case]] = (), observe: Callable[[Moment], None] | None = None
+) -> list[History]:
+    """Simulate 1 to `LANES` indentations of one kind.
+
+    Parameters
+    ----------
+    beside
+        For each of some parameters the same indentations with that parameter changed a little, which are carried along
+        on the same meshes and in the same steps, see `palpate.fem.batch_neighbours`.
+    observe
+        Called with the body of the first case at the end of each of its steps.
+    """
     began = clock.perf_counter()
     for case in cases:
         check_size(case.specimen, case.indenter, case.resolution, case.largest)
-    lanes = [*cases, *[cases[-1]] * (LANES - len(cases))]
+    lanes, others = padded(cases), [padded(row) for row in beside]
     units = np.array([case.radii[0] for case in lanes])
-    protocols = [case.protocol for case in lanes]
-    large, resolution = lanes[0].large, lanes[0].resolution
-    mesh = polar_mesh(lanes[0].radii / units[0], resolution.sectors)
-    specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
-    body, bodies = Body.of(mesh), Specimens.of(specimens, mesh, units)
-    area = nodal_areas(mesh.nodes[mesh.surface, 0])
-    sticking = [attraction(c.specimen, resolution, c.largest, area) for c in lanes]
-    expected = [expected_load(c.specimen, c.indenter, c.protocol) for c in lanes]
-    drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
-    friction = [case.indenter.friction for case in lanes]
-    band, (iterations, steps) = np.empty((body.size * body.width + 1, LANES)), np.zeros((2, LANES), dtype=np.int64)
-    upper = np.empty_like(band) if any(friction) else np.empty((0, LANES))
-    profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
-    smallest = np.array([case.smallest for case in lanes]) / units
-    excess = np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes])
-    contact = contact_of(
-        profiles, excess, friction, sticking, units, body.distance, area, smallest, lanes[0].largest / units[0],
-        resolution.growth,
-    )  # fmt: skip
-    march = March(large, body, bodies, contact, drives, units, band, upper, iterations, steps)
+    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    body = Body.of(mesh)
+    system = System.of(body, not any(case.indenter.friction for case in lanes))
+    tolerance = TIGHT if beside else TOLERANCE
+    march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
+    neighbours = Neighbours.of([begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
     ends = np.stack([case.times for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([case.carries for case in lanes], axis=1)
-    durations = [float(protocol.knot_time[-1]) for protocol in protocols]
-    states = States(
-        Points.unloaded(4 * len(mesh.elements), bodies.elements),
-        first_contact(profiles, [case.specimen for case in lanes], durations, body.distance, smallest),
-        *bodies.at(np.zeros(LANES), times[:, 1]),
-        np.zeros((mesh.size + 1, LANES)),
-        np.zeros(LANES),
-        np.zeros(LANES),
-    )
     start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
-    depths, loads = np.full((2, *ends.shape), np.nan)
-    trend = Trend.none(mesh.size + 1)
+    depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
+    trend, reasons = Trend.none(mesh.size + 1), [""] * LANES
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
         before = np.vstack([states.displacement, states.depth])
         found = march.step(states, begin, end, *trend.guess(end - begin, carries[k]), alive)
+        if beside:
+            neighbours.follow(start, states, begin, end, found)
         lost = alive & ~found
         if lost.any():
-            found |= march.in_parts(states, start, begin, end, np.where(carries[k], 1, 2), lost)
+            parts = np.where(carries[k], 1, 2)
+            found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
+        for lane in np.flatnonzero(alive & ~found):
+            reasons[lane] = f"no equilibrium beyond {begin[lane]:.4g} s"
         alive = found
         if not alive.any():
             break
+        if observe and alive[0]:
+            observe(Moment.of(mesh, lanes[0].large, states, float(end[0]), float(units[0])))
         trend = trend.followed(np.vstack([states.displacement, states.depth]) - before, end - begin, carries[k])
-        depths[:, k], loads[:, k] = states.depth * units * 1e3, states.reaction * units**2
+        for row, reached in enumerate([states, *neighbours.states]):
+            depths[row, alive, k] = (reached.depth * units * 1e3)[alive]
+            loads[row, alive, k] = (reached.reaction * units**2)[alive]
     seconds = (clock.perf_counter() - began) / len(cases)
-    histories: list[History | None] = []
-    for case, taken, curves, whole, tried, steps_taken in zip(
-        cases, ends, zip(depths, loads, strict=True), alive, iterations, steps, strict=False
-    ):
-        depth, load = sampled(case, taken, curves)
-        unasked = np.empty((len(depth), 0))
-        history = History(depth, load, "", seconds, int(tried), int(steps_taken), unasked)
-        histories.append(history if whole else None)
+    histories = []
+    for lane, case in enumerate(cases):
+        places = np.searchsorted(ends[lane], case.protocol.sample_time * (1 - 1e-9))
+        depth, load = depths[:, lane, places], loads[:, lane, places]
+        work = int(march.iterations[lane]), int(march.steps[lane])
+        histories.append(History(depth[0], load[0], reasons[lane], seconds, *work, depth[1:], load[1:]))
     return histories
 
 
-def sampled(case: Case, times: np.ndarray, curves: Iterable[np.ndarray]) -> list[np.ndarray]:
-    """Return some curves at the protocol's sampling times."""
-    places = np.searchsorted(times, case.protocol.sample_time * (1 - 1e-9))
-    return [curve[places] for curve in curves]
+def padded(cases: Sequence[Case]) -> list[Case]:
+    """Return the cases, the last one repeated until there are `LANES`."""
+    return [*cases, *[cases[-1]] * (LANES - len(cases))]
+
+
+def begun(
+    lanes: Sequence[Case], hosts: Sequence[Case], mesh: Mesh, body: Body, units: np.ndarray, system: System,
+    tolerance: float,
+) -> tuple[March, States]:  # fmt: skip
+    """Return how `LANES` cases advance, and where they begin, on the mesh and with the first step of their hosts."""
+    large, resolution = hosts[0].large, hosts[0].resolution
+    specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
+    bodies = Specimens.of(specimens, mesh, units)
+    area = nodal_areas(mesh.nodes[mesh.surface, 0])
+    sticking = [attraction(c.specimen, resolution, host.largest, area) for c, host in zip(lanes, hosts, strict=True)]
+    expected = [expected_load(c.specimen, c.indenter, c.protocol) for c in hosts]
+    protocols = [case.protocol for case in lanes]
+    drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
+    profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
+    smallest = np.array([case.smallest for case in hosts]) / units
+    contact = contact_of(
+        profiles, np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes]),
+        [case.indenter.friction for case in lanes], sticking, units, body.distance, area, smallest,
+        hosts[0].largest / units[0], resolution.growth,
+    )  # fmt: skip
+    march = March(large, body, bodies, contact, drives, units, system, tolerance, *np.zeros((2, LANES), dtype=np.int64))
+    first = np.array([case.times[0] for case in hosts])
+    states = States(
+        Points.unloaded(4 * len(mesh.elements), bodies.elements),
+        first_contact(profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest),
+        *bodies.at(np.zeros(LANES), first),
+        np.zeros((mesh.size + 1, LANES)),
+        np.zeros(LANES),
+        np.zeros(LANES),
+    )
+    return march, states

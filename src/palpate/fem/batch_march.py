@@ -6,6 +6,7 @@ meanwhile, so that no lane depends on its neighbours.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from palpate.fem.batch_contact import Contact, ContactState, begin_step, end_ste
 from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points, turn
-from palpate.fem.batch_newton import advance
+from palpate.fem.batch_newton import System, advance
 from palpate.fem.batch_specimens import Specimens
 from palpate.specimen import halfway
 
@@ -71,8 +72,9 @@ class March:
         What is prescribed.
     units : ndarray, shape (LANES,)
         Unit of length of each lane [um].
-    band, upper : ndarray
-        Storage, see `palpate.fem.batch_newton.advance`.
+    system : System
+    tolerance
+        See `palpate.fem.batch_newton.advance`.
     iterations, steps : ndarray of int, shape (LANES,)
         Count the work done.
     """
@@ -83,8 +85,8 @@ class March:
     contact: Contact
     drives: Drives
     units: np.ndarray
-    band: np.ndarray
-    upper: np.ndarray
+    system: System
+    tolerance: float
     iterations: np.ndarray
     steps: np.ndarray
 
@@ -107,22 +109,25 @@ class March:
         found : ndarray of bool, shape (LANES,)
             The lanes that found equilibrium.
         """
-        shallower = states.depth
-        begin_step(self.large, self.body, self.contact, states.contact, states.displacement, shallower)
-        states.displacement, states.depth = states.displacement + change, shallower + deepening
-        midway = np.array(list(map(halfway, shallower, self.drives.loading(begin), self.drives.loading(end))))
-        resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
-        turn(states.points, states.laws, states.weights, following)
-        states.laws, states.weights = resisting, following
+        self.open(states, begin, end)
+        states.displacement, states.depth = states.displacement + change, states.depth + deepening
         found = lanes.copy()
         advance(
-            self.large, self.body, states.points, self.contact, states.contact, states.laws,
-            states.weights, *self.drives.equation(end), self.drives.scale, self._stride(states, change),
-            states.displacement, states.depth, states.reaction, self.band, self.upper, found, self.iterations,
+            self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,
+            self.drives.equation(end), self.drives.scale, self.tolerance, self._stride(states, change),
+            states.displacement, states.depth, states.reaction, self.system, found, self.iterations,
         )  # fmt: skip
         end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
         self.steps[found] += 1
         return found
+
+    def open(self, states: States, begin: np.ndarray, end: np.ndarray) -> None:
+        """Open a step from one time to another [s]: laws and weights at its middle, and what the history fixes."""
+        begin_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
+        midway = np.array(list(map(halfway, states.depth, self.drives.loading(begin), self.drives.loading(end))))
+        resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
+        turn(states.points, states.laws, states.weights, following)
+        states.laws, states.weights = resisting, following
 
     def _stride(self, states: States, change: np.ndarray) -> np.ndarray:
         """Return the farthest (LANES,) that one iteration may move a node of a step with a guess of its `change`.
@@ -136,8 +141,9 @@ class March:
         return np.where(self.contact.attraction.any(axis=0), held, free)
 
     def in_parts(
-        self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray
-    ) -> np.ndarray:
+        self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray,
+        beside: Callable[[States, States, np.ndarray, np.ndarray, np.ndarray], None] | None = None,
+    ) -> np.ndarray:  # fmt: skip
         """Bring some lanes from one time to another [s] in equal parts to begin with, halved where it must be.
 
         Parameters
@@ -147,6 +153,8 @@ class March:
         start
             At the time `begin`; spent by this.
         begin, end, parts, lanes : ndarray, shape (LANES,)
+        beside
+            Told of each part: the states before and after, both times, and the lanes that found equilibrium.
 
         Returns
         -------
@@ -160,6 +168,8 @@ class March:
             target = np.where(time + 1.5 * length > end, end, time + length)
             found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, level, going)
             lost = going & ~found
+            if beside and found.any():
+                beside(start, trial, np.where(going, time, begin), np.where(going, target, end), found)
             start.take(trial, found)
             trial.take(start)
             time = np.where(found, target, time)

@@ -15,12 +15,15 @@ definite takes its step without what takes that away.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
 from palpate.fem.batch_contact import add_tangent, contact_forces, normal_distribution, penetration
+from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
 
@@ -29,6 +32,7 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
+TIGHT = 1e-8  # likewise, where neighbours are carried along
 REUSES = 3  # iterations with one factor of the matrix
 PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
@@ -36,10 +40,41 @@ STIFFEST = 1e-3  # share of the force in the last equation, below which the line
 TRIES = 5  # of the line search
 
 
+class System(NamedTuple):
+    """The linearised system of `LANES` indentations, bordered by the depth.
+
+    Attributes
+    ----------
+    band, upper : ndarray, shape (size * width + 1, LANES)
+        Both halves of the matrix or of its factor; `upper` is empty without friction.
+    border, row : ndarray, shape (size + 1, LANES)
+        Derivatives of all forces by the depth, and of the load by the displacements; one array without friction.
+    corner : ndarray, shape (LANES,)
+        Derivative of the load by the depth.
+    sideways : ndarray, shape (size + 1, LANES)
+        Solution for the border.
+    """
+
+    band: np.ndarray
+    upper: np.ndarray
+    border: np.ndarray
+    row: np.ndarray
+    corner: np.ndarray
+    sideways: np.ndarray
+
+    @classmethod
+    def of(cls, body: Body, symmetric: bool) -> System:
+        """Return storage for the systems of a body."""
+        band, border = np.empty((body.size * body.width + 1, LANES)), np.zeros((body.size + 1, LANES))
+        upper = np.empty((0, LANES)) if symmetric else np.empty_like(band)
+        row = border if symmetric else np.zeros_like(border)
+        return cls(band, upper, border, row, np.zeros(LANES), np.zeros_like(border))
+
+
 @njit(cache=True, error_model="numpy")
 def advance(
-    large, body, points, contact, state, laws, weights, force_weight, depth_weight, target, scale, farthest,
-    displacement, depth, reaction, band, upper, alive, spent,
+    large, body, points, contact, state, laws, weights, equation, scale, tolerance, farthest, displacement, depth,
+    reaction, system, alive, spent,
 ):  # fmt: skip
     """Bring all lanes into equilibrium under what is prescribed at the end of a step.
 
@@ -49,10 +84,12 @@ def advance(
         See `palpate.fem.batch_hencky`.
     body, points, contact, state, laws, weights
         See `palpate.fem.batch_element`, `palpate.fem.batch_law` and `palpate.fem.batch_contact`; `points` is advanced.
-    force_weight, depth_weight, target : ndarray, shape (LANES,)
-        See `palpate.fem.batch_drive`.
+    equation : tuple of ndarray, shape (LANES,)
+        Force weight, depth weight and target, see `palpate.fem.batch_drive`.
     scale : ndarray, shape (LANES,)
         Largest load of the history.
+    tolerance
+        What every unbalanced force falls below, as a share of that.
     farthest : ndarray, shape (LANES,)
         How far one iteration may move a node.
     displacement : ndarray, shape (size + 1, LANES)
@@ -61,19 +98,18 @@ def advance(
         Likewise.
     reaction : ndarray, shape (LANES,)
         Out: the load.
-    band, upper : ndarray, shape (size * width + 1, LANES)
-        Storage for both halves of the matrix; `upper` is empty without friction.
+    system : System
+        Out: the last factor of the matrix.
     alive : ndarray of bool, shape (LANES,)
         Lanes that take part; one that finds no equilibrium leaves.
     spent : ndarray of int, shape (LANES,)
         Iterations of each lane are added.
     """
     size, count = body.size, body.radial.shape[0]
-    forces, border = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
-    row = border if len(upper) == 0 else np.zeros((size + 1, LANES))
-    forward, sideways = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
+    force_weight, depth_weight, target = equation
+    forces, forward = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
-    corner, excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     tangent, slips, changed = np.zeros((count, 2, 4, LANES)), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
@@ -101,7 +137,7 @@ def advance(
             elif broken:
                 fraction[lane] *= 0.5
                 move(displacement, depth, direction, toward, lane, -fraction[lane])
-            elif imbalance < TOLERANCE:
+            elif imbalance < tolerance:
                 done[lane] = True
             elif (
                 searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
@@ -115,28 +151,18 @@ def advance(
         if np.all(done):
             break
         if fresh:
-            stiffness(large, body, points, laws, displacement, geometric, band)
-            add_tangent(body, tangent, geometric, band, upper, border, row, corner)
-            forward[:], sideways[:] = forces, border
-            solve(band, upper, size, body.width, forward, sideways)
+            stiffness(large, body, points, laws, displacement, geometric, system.band)
+            factor(body, tangent, geometric, system, forces, forward)
         elif np.any(solving):
             forward[:] = forces
-            solve_again(band, upper, size, body.width, forward)
-        direct(
-            forces, forward, sideways, row, corner, force_weight, depth_weight, excess, solving, direction, toward,
-            start,
-        )  # fmt: skip
+            solve_again(system.band, system.upper, size, body.width, forward)
+        direct(system, forces, forward, force_weight, depth_weight, excess, solving, direction, toward, start)
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
-            stiffness(large, body, points, laws, displacement, geometric, band)
-            add_tangent(body, tangent, geometric, band, upper, border, row, corner)
-            forward[:], sideways[:] = forces, border
-            solve(band, upper, size, body.width, forward, sideways)
-            direct(
-                forces, forward, sideways, row, corner, force_weight, depth_weight, excess, indefinite, direction,
-                toward, start,
-            )  # fmt: skip
+            stiffness(large, body, points, laws, displacement, geometric, system.band)
+            factor(body, tangent, geometric, system, forces, forward)
+            direct(system, forces, forward, force_weight, depth_weight, excess, indefinite, direction, toward, start)
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
@@ -144,6 +170,14 @@ def advance(
                 shorten(direction, toward, start, lane, farthest[lane])
                 move(displacement, depth, direction, toward, lane, 1.0)
     alive &= done
+
+
+@njit(cache=True)
+def factor(body, tangent, geometric, system, forces, forward):
+    """Complete the matrix by the contact, factor it and solve for the `forces`."""
+    add_tangent(body, tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
+    forward[:], system.sideways[:] = forces, system.border
+    solve(system.band, system.upper, body.size, body.width, forward, system.sideways)
 
 
 @njit(cache=True)
@@ -214,21 +248,19 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def direct(
-    forces, forward, sideways, row, corner, force_weight, depth_weight, excess, solving, direction, toward, start
-):  # fmt: skip
+def direct(system, forces, forward, force_weight, depth_weight, excess, solving, direction, toward, start):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    The depth is eliminated from the bordered system, whose matrix times `forward` is the `forces` and times `sideways`
-    their derivatives by the depth. Where it is not positive definite, the work is NaN.
+    The depth is eliminated from the bordered system; the matrix times `forward` is the `forces`. Where it is not
+    positive definite, the work is NaN.
     """
-    size = forces.shape[0] - 1
+    size, row, sideways = forces.shape[0] - 1, system.row, system.sideways
     ahead, aside = splat(0.0), splat(0.0)
     for i in range(size):
         ahead = ahead + load(row, i) * load(forward, i)
         aside = aside + load(row, i) * load(sideways, i)
     weight, rest = load(force_weight, 0), load(excess, 0)
-    pivot = weight * (load(corner, 0) - aside) + load(depth_weight, 0)
+    pivot = weight * (load(system.corner, 0) - aside) + load(depth_weight, 0)
     change = (weight * ahead - rest) / where_less(splat(0.0), pivot, pivot, splat(np.nan))
     chosen = np.where(solving, 1.0, 0.0)
     mask = load(chosen, 0)
@@ -239,3 +271,35 @@ def direct(
         store(direction, i, where_less(mask, splat(0.5), load(direction, i), value))
     store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
     store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))
+
+
+@njit(cache=True, error_model="numpy")
+def correct(
+    large, body, points, contact, state, laws, weights, equation, displacement, depth, reaction, system, lanes, times
+):  # fmt: skip
+    """Bring lanes that lie close to a solution to equilibrium, by some iterations with the factor that it left.
+
+    Parameters
+    ----------
+    lanes : ndarray of bool, shape (LANES,)
+        Which take part.
+    times
+        Number of iterations.
+
+    The other parameters are those of `advance`.
+    """
+    force_weight, depth_weight, target = equation
+    forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
+    direction, toward, start = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
+    tangent = np.zeros((body.radial.shape[0], 2, 4, LANES))
+    for iteration in range(times + 1):
+        internal_forces(large, body, points, laws, weights, displacement, forces)
+        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, ~lanes)
+        if iteration == times:
+            break
+        forward[:] = forces
+        solve_again(system.band, system.upper, body.size, body.width, forward)
+        excess = reaction * force_weight + depth * depth_weight - target
+        direct(system, forces, forward, force_weight, depth_weight, excess, lanes, direction, toward, start)
+        displacement += direction
+        depth += toward

@@ -7,7 +7,6 @@ from functools import lru_cache
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.fem.adhesion import GPA_UM
 from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
@@ -16,6 +15,7 @@ from palpate.materials.flow.row import BULK, SHEAR
 from palpate.protocol import LOAD, Protocol
 from palpate.specimen import Specimen
 
+GPA_UM = 1e-6  # one mJ/m^2
 RADII = 81
 SOFTEST, BISECTIONS = 1e-12, 60
 LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all

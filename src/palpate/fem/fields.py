@@ -12,16 +12,64 @@ Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from palpate.fem.mesh import Mesh
-from palpate.fem.newton import Problem, State
-from palpate.fem.scalar_radial import BULK, STRESS
+
+if TYPE_CHECKING:
+    from palpate.fem.batch_march import States
 
 COMPONENTS = ("rr", "zz", "tt", "rz")
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A body at the end of a time step.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Lengths in um.
+    large : bool
+        Whether strains are.
+    time, depth, load : float
+        [s], [um], [mN]
+    displacement : ndarray, shape (n, 2)
+        [um]
+    deviator : ndarray, shape (m, 4, 4)
+        Deviator of the law's stress at the Gauss points: rr, zz, hoop, rz [GPa].
+    pressure : ndarray, shape (m,)
+        Of each element [GPa].
+    """
+
+    mesh: Mesh
+    large: bool
+    time: float
+    depth: float
+    load: float
+    displacement: np.ndarray
+    deviator: np.ndarray
+    pressure: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: Mesh, large: bool, states: States, time: float, unit: float) -> Moment:
+        """Return the body of the first lane, whose unit of length is so many um."""
+        points, count = states.points, len(mesh.elements)
+        displacement = states.displacement[mesh.equations, 0]  # those that are held share the last row, which is zero
+        stress = (points.rho * points.secant)[:, None, 0] * points.direction[:, :, 0]
+        return cls(
+            replace(mesh, nodes=unit * mesh.nodes, gradients=mesh.gradients / unit, weights=unit**3 * mesh.weights),
+            large,
+            time,
+            unit * float(states.depth[0]),
+            unit**2 * float(states.reaction[0]),
+            unit * displacement,
+            stress.reshape(count, 4, 4),
+            points.pressure[:, 0].copy(),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +101,17 @@ class Fields:
     components: tuple[str, ...] = COMPONENTS
 
     @classmethod
-    def of(cls, problem: Problem, state: State) -> Fields:
-        """Return the fields of a `state`."""
+    def of(cls, moment: Moment) -> Fields:
+        """Return the fields of a body of revolution; nodes touch that bear a contact pressure."""
+        stress = cauchy_stress(moment)
         return cls(
-            problem.mesh,
-            state.time,
-            1e3 * state.depth,
-            -float(state.force[:, 1].sum()),
-            1e3 * state.displacement,
-            cauchy_stress(problem, state),
-            state.contact,
+            moment.mesh,
+            moment.time,
+            1e3 * moment.depth,
+            moment.load,
+            1e3 * moment.displacement,
+            stress,
+            touching(moment.mesh, stress),
         )
 
     @property
@@ -84,19 +133,27 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
     return np.sqrt(1.5 * (deviator[..., :3] ** 2).sum(axis=-1) + 3.0 * (deviator[..., 3:] ** 2).sum(axis=-1))
 
 
-def cauchy_stress(problem: Problem, state: State) -> np.ndarray:
+def cauchy_stress(moment: Moment) -> np.ndarray:
     """Return the Cauchy stress (m, 4, 4) at the Gauss points: rr, zz, hoop, rz [GPa]."""
-    mesh = problem.mesh
-    gradient, hoop = displacement_gradient(mesh, state.displacement)
-    dilatation = np.trace(gradient, axis1=2, axis2=3) + hoop
+    gradient, hoop = displacement_gradient(moment.mesh, moment.displacement)
+    stress = moment.deviator.copy()
+    stress[..., :3] -= moment.pressure[:, None, None]
+    if not moment.large:
+        return stress
     deformation = np.eye(2) + gradient
     volume_ratio = np.linalg.det(deformation) * (1.0 + hoop)
-    trace = np.log(volume_ratio) if problem.large else dilatation
-    mean = np.average(trace, axis=1, weights=mesh.weights)
-    pressure = problem.coefficients[problem.region, BULK] * mean
-    stress = state.material[..., STRESS : STRESS + 4].copy()
-    stress[..., :3] += pressure[:, None, None]
-    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None]) if problem.large else stress
+    mean = np.average(np.log(volume_ratio), axis=1, weights=moment.mesh.weights)
+    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None])
+
+
+def touching(mesh: Mesh, stress: np.ndarray) -> np.ndarray:
+    """Return which nodes (n,) touch: on the surface, between elements pressed along z by a tenth of the hardest."""
+    pressed = -stress[:, :, 1].mean(axis=1)
+    found = np.zeros(len(mesh.nodes), dtype=bool)
+    found[mesh.elements[pressed > 0.1 * pressed.max()]] = True
+    surface = np.zeros_like(found)
+    surface[mesh.surface] = True
+    return found & surface
 
 
 def displacement_gradient(mesh: Mesh, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

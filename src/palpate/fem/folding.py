@@ -10,12 +10,10 @@ smallest contact that counts, and by less than 1e-4 once that has doubled.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
 from palpate.fem.mesh import Resolution
-from palpate.indenters import Indenter
 from palpate.specimen import Specimen
 
 RINGS = 5
@@ -40,11 +38,3 @@ def merged(radii: np.ndarray, resolution: Resolution, rounded: bool, times: int)
         return radii[round(times * doubled) :]
     last = resolution.even - 1 + round((times - 1) * doubled)
     return np.concatenate([radii[last] * np.arange(1, RINGS) / RINGS, radii[last:]])
-
-
-def ever_wider(
-    radii: np.ndarray, specimen: Specimen, indenter: Indenter, resolution: Resolution, large: bool
-) -> Iterator[np.ndarray]:
-    """Yield the `radii` as they are, and with the innermost rings merged, for one attempt after the other."""
-    for times in range(1 + mergings(specimen, large)):
-        yield merged(radii, resolution, not indenter.sharp, times)

@@ -1,14 +1,9 @@
-"""One element at small strains: everything that the geometry fixes is integrated once, when the mesh is made.
-
-At a Gauss point  K = (q/rho) M + (dq/drho - q/rho)/(2 rho^2) v v^T  with  M = B^T I_dev B  fixed and  v = B^T R.
-"""
+"""Matrices of elements at small strains that the geometry alone fixes: M = B^T I_dev B, and the mean of tr B."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
-
-from palpate.fem.scalar_radial import BULK, invariant, solve_radial
 
 
 @njit(cache=True)
@@ -36,46 +31,3 @@ def fixed_matrices(gradients, volumes):
                         value += (b[k, i] - third) * b[k, j]
                     deviatoric[e, g, i, j] = weight * value
     return deviatoric, dilatation
-
-
-@njit(cache=True)
-def element(gradients, volumes, deviatoric, dilatation, u, past, alpha, guesses, weights, row, local, ke, fe):
-    """Write stiffness `ke` and internal force `fe` of one element; `local` (4, 4) receives R, `guesses` (4,) q."""
-    v = np.empty(8)
-    volume = volumes[0] + volumes[1] + volumes[2] + volumes[3]
-    theta = 0.0
-    for i in range(8):
-        theta += dilatation[i] * u[i]
-    stiffness = row[BULK] * volume
-    for i in range(8):
-        fe[i] = stiffness * theta * dilatation[i]
-        for j in range(8):
-            ke[i, j] = stiffness * dilatation[i] * dilatation[j]
-    for g in range(4):
-        err, ezz, ett, erz = 0.0, 0.0, 0.0, 0.0
-        for a in range(4):
-            nr, nz = gradients[g, 0, a], gradients[g, 1, a]
-            err += nr * u[2 * a]
-            ezz += nz * u[2 * a + 1]
-            ett += gradients[g, 2, a] * u[2 * a]
-            erz += 0.5 * (nz * u[2 * a] + nr * u[2 * a + 1])
-        mean = (err + ezz + ett) / 3.0
-        r0, r1 = err - mean - past[g, 0], ezz - mean - past[g, 1]
-        r2, r3 = ett - mean - past[g, 2], erz - past[g, 3]
-        local[g, 0], local[g, 1], local[g, 2], local[g, 3] = r0, r1, r2, r3
-        rho = invariant(r0, r1, r2, r3)
-        q, slope = solve_radial(rho, guesses[g], alpha[g], weights, row)
-        guesses[g] = q
-        ratio = q / rho if rho > 0.0 else slope
-        rank_one = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
-        for a in range(4):
-            nr, nz = gradients[g, 0, a], gradients[g, 1, a]
-            v[2 * a] = r0 * nr + r2 * gradients[g, 2, a] + r3 * nz
-            v[2 * a + 1] = r1 * nz + r3 * nr
-        scale = volumes[g] * ratio
-        for i in range(8):
-            fe[i] += scale * v[i]
-            vi = rank_one * v[i]
-            for j in range(8):
-                ke[i, j] += ratio * deviatoric[g, i, j] + vi * v[j]
-    return True

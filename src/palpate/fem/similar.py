@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.fem.batch import Case, indent_batch
-from palpate.fem.indent import History
+from palpate.fem.history import History
 from palpate.protocol import LOAD
 
 CLOSE = 1e-12

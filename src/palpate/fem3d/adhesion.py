@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.fem.adhesion import Adhesion
-from palpate.fem.newton import LinearSystem
 from palpate.fem3d.contact import Contact
+from palpate.fem3d.linear_system import LinearSystem
 from palpate.fem3d.mesh import FACES, Mesh
 
 TRIANGLES = ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))  # of a facet, divided along one diagonal or the other

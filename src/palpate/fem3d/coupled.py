@@ -22,8 +22,8 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from palpate.fem.newton import LinearSystem
 from palpate.fem3d.contact import Contact
+from palpate.fem3d.linear_system import LinearSystem
 
 ACCURACY = 1e-6
 

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.friction import ELASTIC_SLIP
+ELASTIC_SLIP = 3e-4
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,14 @@ from functools import partial
 import numpy as np
 
 from palpate.errors import ConvergenceError
+from palpate.fem.adhesion import attraction
 from palpate.fem.contact_size import check_size, contact_range
 from palpate.fem.discretisation import mesh_radii, step_times
-from palpate.fem.indent import History, attraction
-from palpate.fem.march import march_by
+from palpate.fem.history import History
 from palpate.fem.mesh import Resolution
 from palpate.fem.regions import resolved
 from palpate.fem3d.adhesion import nodal_areas
+from palpate.fem3d.march import march_by
 from palpate.fem3d.mesh import wedge_mesh
 from palpate.fem3d.newton import Problem, State, Workspace, advance_or_ease
 from palpate.fem3d.shell import shell
@@ -89,4 +90,6 @@ def indent_3d(
         if target in protocol.knot_time:
             before = None
     load = np.where(np.isnan(depth), np.nan, protocol.sample_load)
-    return History(depth, load, reason, clock.perf_counter() - began, work.iterations, steps, np.empty((len(depth), 0)))
+    return History(
+        depth, load, reason, clock.perf_counter() - began, work.iterations, steps, *np.empty((2, 0, len(depth)))
+    )

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import ConvergenceError
-from palpate.fem import banded
-from palpate.fem.adhesion import Adhesion, grown
-from palpate.fem.newton import ADHESIVE_ITERATIONS, STRIDE, TOLERANCE, Search, newton_direction, retreat
+from palpate.fem.adhesion import Adhesion
 from palpate.fem.regions import laws_of
+from palpate.fem3d import banded
 from palpate.fem3d.adhesion import attract
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.coupled import Coupling, coupled_direction
+from palpate.fem3d.eased import grown
 from palpate.fem3d.element import CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
 from palpate.fem3d.linear import COMPONENTS
+from palpate.fem3d.linear_system import Search, newton_direction, retreat
 from palpate.fem3d.mesh import Mesh
 from palpate.fem3d.tip import Tip
 from palpate.materials.flow.point import state_size
@@ -23,6 +24,9 @@ from palpate.materials.flow.row import step_weights
 from palpate.specimen import Specimen, halfway
 
 ITERATIONS = 40
+ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
+TOLERANCE = 1e-7
+STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 SIXTH = 6.0  # of the load acts on the wedge
 
 
