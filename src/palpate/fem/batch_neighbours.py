@@ -23,7 +23,7 @@ from palpate.fem.batch_contact import end_step
 from palpate.fem.batch_march import March, States
 from palpate.fem.batch_newton import correct
 
-CORRECTIONS = 2
+CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
 
 
 @dataclass(eq=False)

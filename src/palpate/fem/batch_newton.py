@@ -32,7 +32,7 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
-TIGHT = 1e-8  # likewise, where neighbours are carried along
+TIGHT = 1e-9  # likewise, where neighbours are carried along
 REUSES = 3  # iterations with one factor of the matrix
 PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
