@@ -64,7 +64,7 @@ def deck(specification: Specification, depth: np.ndarray, mesh: QuadraticMesh) -
             *mesh_cards(mesh, rings="CAX8"),
             *material_cards(specification),
             *contact_cards(specification, mesh),
-            *amplitude_cards(replace(protocol, knot_load=rise)),
+            *amplitude_cards(replace(protocol, knot_drive=rise)),
             *sample_cards(protocol),
             *step_cards(protocol, header, "*STATIC", OUTPUT, MOVED),
         ]

@@ -136,7 +136,7 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
     for members in kinds.values():
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
-            others = list(zip(*[beside[number] for number in chosen], strict=True)) if beside else []
+            others = [list(row) for row in zip(*(beside[number] for number in chosen), strict=True)] if beside else []
             histories |= zip(chosen, run_lanes([cases[number] for number in chosen], others), strict=True)
     again = [number for number, case in enumerate(cases) if histories[number].reason and case.mergeable]
     if again:
@@ -190,24 +190,24 @@ def run_lanes(
         if lost.any():
             parts = np.where(carries[k], 1, 2)
             found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
-        for lane in np.flatnonzero(alive & ~found):
-            reasons[lane] = f"no equilibrium beyond {begin[lane]:.4g} s"
+        for failed in np.flatnonzero(alive & ~found):
+            reasons[failed] = f"no equilibrium beyond {begin[failed]:.4g} s"
         alive = found
         if not alive.any():
             break
         if observe and alive[0]:
             observe(Moment.of(mesh, lanes[0].large, states, float(end[0]), float(units[0])))
         trend = trend.followed(np.vstack([states.displacement, states.depth]) - before, end - begin, carries[k])
-        for row, reached in enumerate([states, *neighbours.states]):
-            depths[row, alive, k] = (reached.depth * units * 1e3)[alive]
-            loads[row, alive, k] = (reached.reaction * units**2)[alive]
+        for curve, reached in enumerate([states, *neighbours.states]):
+            depths[curve, alive, k] = (reached.depth * units * 1e3)[alive]
+            loads[curve, alive, k] = (reached.reaction * units**2)[alive]
     seconds = (clock.perf_counter() - began) / len(cases)
     histories = []
     for lane, case in enumerate(cases):
         places = np.searchsorted(ends[lane], case.protocol.sample_time * (1 - 1e-9))
         depth, load = depths[:, lane, places], loads[:, lane, places]
-        work = int(march.iterations[lane]), int(march.steps[lane])
-        histories.append(History(depth[0], load[0], reasons[lane], seconds, *work, depth[1:], load[1:]))
+        tried, taken = int(march.iterations[lane]), int(march.steps[lane])
+        histories.append(History(depth[0], load[0], reasons[lane], seconds, tried, taken, depth[1:], load[1:]))
     return histories
 
 
