@@ -10,9 +10,9 @@ so no derivative of the depth jumps when contact spreads. What is smeared out is
 where b = 1, and where b = 1/2 by the kernel of fourth order, whose second moment vanishes. Values of b between the two
 make the error of first order in the element's size vanish (`BLEND`; a larger b lets the tip sink in less).
 
-p is the mean pressure of the contact at the start of the step, sum F / sum A Phi(x), and so the penetration that a
-typical pressure needs is the same share of w from a soft body to a hard one, and from the first contact to the last.
-The width is measured in the rise of the tip over one element at the edge of contact,
+p is the mean pressure of the contact, sum F / sum A Phi(x), as a step finds it or leaves it, and so the penetration
+that a typical pressure needs is the same share of w from a soft body to a hard one, and from the first contact to the
+last. The width is measured in the rise of the tip over one element at the edge of contact,
 
     w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),
 
@@ -145,25 +145,46 @@ def begin_step(large, body, contact, state, displacement, depth):
 
 
 @njit(cache=True, error_model="numpy")
-def end_step(large, body, contact, state, displacement, depth):
-    """Move the anchors of friction, and take pressure and radius of the contact, at the end of a step."""
-    area, total = np.zeros(LANES), np.zeros(LANES)
+def settle(large, body, contact, state, displacement, depth, lanes, least):
+    """Take pressure and radius of the contact as they are, in some `lanes` (LANES,); return where they changed by more.
+
+    Parameters
+    ----------
+    least
+        Share of the pressure that counts as a change.
+    """
+    area, total, changed = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES, dtype=np.bool_)
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
-            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-            share, slip = normal_distribution(x), 2.0 * contact.slip[k, lane]
-            area[lane] += contact.area[k] * share
-            total[lane] += force_on(contact, state, x, k, lane)[0]
-            anchor = anchored(state, place, share, k, lane)
-            state.anchor[k, lane] = min(max(anchor, place - slip), place + slip)
+            if lanes[lane]:
+                x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+                area[lane] += contact.area[k] * normal_distribution(x)
+                total[lane] += force_on(contact, state, x, k, lane)[0]
     for lane in range(LANES):
+        if not lanes[lane]:
+            continue
         pressure, a = total[lane] / area[lane], math.sqrt(area[lane] / math.pi)
         if total[lane] >= state.largest[lane]:
             state.largest[lane], state.pressure_then[lane] = total[lane], pressure
-        state.pressure[lane] = max(pressure, LEAST_PRESSURE * state.pressure_then[lane])
+        pressure = max(pressure, LEAST_PRESSURE * state.pressure_then[lane])
+        changed[lane] = abs(pressure - state.pressure[lane]) > least * state.pressure[lane]
+        state.pressure[lane] = pressure
         height, slope, _ = profile_at(large, contact.tip, lane, a, 0.0)
-        state.exponent[lane] = a * slope / height
-        state.rise[lane] = 0.5 * slope * (1.0 + state.exponent[lane])
+        exponent = a * slope / height
+        state.exponent[lane] = 0.5 * (state.exponent[lane] + exponent)
+        state.rise[lane] = 0.5 * (state.rise[lane] + 0.5 * slope * (1.0 + exponent))
+    return changed
+
+
+@njit(cache=True, error_model="numpy")
+def end_step(large, body, contact, state, displacement, depth):
+    """Move the anchors of friction to where they are at the end of a step."""
+    for k in range(body.radial.shape[0]):
+        for lane in range(LANES):
+            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            slip = 2.0 * contact.slip[k, lane]
+            anchor = anchored(state, place, normal_distribution(x), k, lane)
+            state.anchor[k, lane] = min(max(anchor, place - slip), place + slip)
 
 
 @njit(cache=True, error_model="numpy")

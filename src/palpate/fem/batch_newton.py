@@ -33,6 +33,7 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
 TIGHT = 1e-9  # likewise, where neighbours are carried along
+EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
 PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
@@ -130,7 +131,8 @@ def advance(
             if done[lane]:
                 continue
             spent[lane] += 1
-            imbalance = max(norm[lane], abs(excess[lane])) / scale[lane]
+            exact = EXACT if depth_weight[lane] > 0.0 else 1.0
+            imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
