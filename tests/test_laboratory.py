@@ -107,4 +107,5 @@ def test_its_curves_share_no_node_with_those_of_a_fit_and_agree_within_grid_conv
     specification = study.specification({"youngs_modulus": 3.0}, study.condition("a"), "fine")
     (off,), (on,) = laboratory.off_the_mesh([specification], ["a"]), simulate_batch([specification])
     assert not np.array_equal(off.depth, on.depth)
-    assert off.depth == pytest.approx(on.depth, rel=study.calibration["solver_error"], abs=1e-3 * on.depth.max())
+    loaded = on.load > 0.05 * on.load.max()
+    assert off.depth[loaded] == pytest.approx(on.depth[loaded], rel=study.calibration["solver_error"])

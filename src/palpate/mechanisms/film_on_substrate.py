@@ -28,5 +28,5 @@ MECHANISM = Mechanism(
         "substrate_modulus": Range(0.2 * s.modulus, 50.0 * s.modulus, log=True),
     },
     simulate=simulate,
-    solver_scatter=0.02,
+    solver_scatter=0.015,
 )

@@ -26,5 +26,5 @@ MECHANISM = Mechanism(
     "Bucaille et al., Acta Mater. 51 (2003) 1663-1678",
     lambda s: {"coefficient": Range(0.0, 0.5)},
     simulate=simulate,
-    solver_scatter=0.03,
+    solver_scatter=0.08,
 )

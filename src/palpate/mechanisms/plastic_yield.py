@@ -42,5 +42,5 @@ MECHANISM = Mechanism(
     },
     simulate=simulate,
     from_search=from_search,
-    solver_scatter=0.01,
+    solver_scatter=0.03,
 )

@@ -51,5 +51,5 @@ MECHANISM = Mechanism(
     },
     simulate=simulate,
     from_search=from_search,
-    solver_scatter=0.015,
+    solver_scatter=0.01,
 )

@@ -22,5 +22,5 @@ MECHANISM = Mechanism(
     "Nix & Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9)",
     lambda s: {"length": Range(0.0, 600.0)},
     simulate=simulate,
-    solver_scatter=0.006,
+    solver_scatter=0.01,
 )

@@ -26,5 +26,5 @@ MECHANISM = Mechanism(
     "Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
     lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0)},
     simulate=simulate,
-    solver_scatter=0.003,
+    solver_scatter=0.001,
 )

@@ -34,5 +34,5 @@ MECHANISM = Mechanism(
     "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
     lambda s: {"radius": Range(1.0, 600.0)},
     simulate=simulate,
-    solver_scatter=0.003,
+    solver_scatter=0.06,
 )
