@@ -8,8 +8,8 @@ from scipy.interpolate import CubicSpline
 
 from palpate.area_function import AreaFunction
 from palpate.errors import InputError
+from palpate.fem.batch import Case, indent_batch
 from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
-from palpate.fem.indent import indent
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
@@ -71,7 +71,7 @@ def test_elastic_loading_is_sneddons(area):
     """Shallow tips, so that the boundary condition of the solution is the solver's."""
     protocol = trapezoid(0.02, 1.0, 0.0, 1.0, points=40)
     coefficients = LAWS["elastic"].coefficients({"youngs_modulus": MODULUS, "poisson_ratio": RATIO})
-    outcome = indent(Specimen(coefficients), tip(*area), protocol, RESOLUTIONS["fine"], large=False)
+    (outcome,) = indent_batch([Case(Specimen(coefficients), tip(*area), protocol, RESOLUTIONS["fine"])])
     assert not outcome.reason
     depth, load = sneddon(Profile.of(tip(*area)), np.geomspace(1e-3, 30.0, 120))
     exact = CubicSpline(load, depth)(protocol.sample_load[:20])

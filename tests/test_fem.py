@@ -1,17 +1,22 @@
 """The solver against exact laws, exact solutions and finite differences."""
 
+from copy import deepcopy
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
-from palpate.materials.radial import step_weights
 
-from palpate.fem import hencky, linear
-from palpate.fem.discretisation import RESOLUTIONS, mesh_radii, step_times
-from palpate.fem.indent import indent, march
-from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
-from palpate.fem.newton import Problem, State, Workspace, advance
-from palpate.fem.profile import Profile
+from palpate.fem import batch_march, batch_newton
+from palpate.fem.batch import Case, indent_batch, run_lanes
+from palpate.fem.batch_element import Body
+from palpate.fem.batch_law import Points
+from palpate.fem.batch_vector import LANES
+from palpate.fem.discretisation import RESOLUTIONS, step_times
+from palpate.fem.fields import Fields
+from palpate.fem.mesh import Mesh, Resolution, _integration, polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
+from palpate.materials.flow.row import step_weights, voigt_elements
 from palpate.model import simulate
 from palpate.protocol import Protocol, trapezoid
 from palpate.specification import Specification
@@ -27,89 +32,143 @@ def law(key="nonlinear_burgers", **values):
 
 
 def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):
-    outcome = indent(Specimen(coefficients), indenter, protocol, resolution, large)
+    (outcome,) = indent_batch([Case(Specimen(coefficients), indenter, protocol, resolution, large)])
     assert not outcome.reason
     return outcome.depth
 
 
-def random_element(rng):
-    mesh = polar_mesh(np.array([0.5, 1.0, 1.6]), 3)
-    return mesh.gradients[4], mesh.weights[4], rng.normal(scale=0.05, size=8)
+@dataclass
+class Lanes:
+    """One body in all lanes, with its forces and its stiffness at given displacements (size + 1, LANES)."""
+
+    mesh: Mesh
+    coefficients: np.ndarray
+    large: bool
+
+    def __post_init__(self):
+        self.body = Body.of(self.mesh)
+        self.points = Points.unloaded(4 * len(self.mesh.elements), voigt_elements(self.coefficients))
+        self.laws = np.repeat(self.coefficients[None, :, None], LANES, axis=2)
+        self.weights = step_weights(self.laws, np.full(LANES, 0.7))
+
+    def forces(self, displacement):
+        forces = np.zeros_like(displacement)
+        batch_newton.internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
+        return forces
+
+    def stiffness(self, displacement):
+        """Return the matrix (size, size) of the first lane, after `forces`; its upper half is its lower half."""
+        size, width = self.body.size, self.body.width
+        band = np.zeros((size * width + 1, LANES))
+        batch_newton.stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
+        matrix = np.zeros((size, size))
+        for k in range(width):
+            below = band[k : size * width : width, 0][: max(size - k, 0)]
+            matrix += np.diag(below, -k) + (np.diag(below, k) if k else 0.0)
+        return matrix
 
 
 @pytest.mark.parametrize("large", [False, True])
 @pytest.mark.parametrize("key", ["nonlinear_burgers", "burgers_plasticity"])
 def test_tangent_is_the_derivative_of_the_force(large, key):
+    """At large strains its symmetric part: true stress has no potential, see `palpate.fem.batch_hencky`."""
     rng = np.random.default_rng(3)
-    gradients, volumes, u = random_element(rng)
     coefficients = LAWS[key].coefficients(
         BURGERS | ({"yield_stress": 0.05, "hardening": 0.3} if key == "burgers_plasticity" else {})
     )
-    weights = step_weights(coefficients, 0.7)
-    past = rng.normal(scale=0.01, size=(4, 4))
+    lanes = Lanes(polar_mesh(np.array([0.5, 1.0, 1.6, 2.5]), 3), coefficients, large)
+    past = rng.normal(scale=0.01, size=lanes.points.past.shape[:2])
     past[:, 2] = -past[:, 0] - past[:, 1]
-    alpha = np.full(4, 0.01)
-    deviatoric, dilatation = linear.fixed_matrices(gradients[None], volumes[None])
-
-    def evaluate(displacement):
-        ke, fe = np.zeros((9, 9)), np.zeros(9)
-        work = (past, alpha, np.zeros(4), weights, coefficients, np.empty((4, 4)), ke, fe)
-        if large:
-            assert hencky.element(gradients, volumes, displacement, *work)
-        else:
-            linear.element(gradients, volumes, deviatoric[0], dilatation[0], displacement, *work)
-        return ke[:8, :8], fe[:8]
-
-    tangent, _ = evaluate(u)
-    step = 1e-6
-    numeric = np.stack(
-        [(evaluate(u + step * e)[1] - evaluate(u - step * e)[1]) / (2 * step) for e in np.eye(8)], axis=1
-    )
-    assert np.abs(tangent - numeric).max() < 1e-6 * np.abs(tangent).max()
+    lanes.points.past[:] = past[:, :, None]
+    lanes.points.alpha[:] = 0.01
+    size, step = lanes.body.size, 1e-6
+    displacement = np.repeat(rng.normal(scale=0.05, size=(size + 1, 1)), LANES, axis=1)
+    displacement[-1] = 0.0
+    numeric = np.empty((size, size))
+    for i in range(size):
+        moved = displacement.copy()
+        moved[i, :2] += [step, -step]
+        forces = lanes.forces(moved)
+        numeric[:, i] = (forces[:-1, 0] - forces[:-1, 1]) / (2 * step)
+    lanes.forces(displacement)
+    tangent = lanes.stiffness(displacement)
+    assert np.abs(tangent - 0.5 * (numeric + numeric.T)).max() < 1e-6 * np.abs(tangent).max()
     if not large:
-        assert np.abs(tangent - tangent.T).max() < 1e-10 * np.abs(tangent).max()
+        assert np.abs(numeric - numeric.T).max() < 1e-6 * np.abs(tangent).max()
+
+
+def element_away_from_the_axis(nodes):
+    """Return the mesh of one element, none of whose nodes is held."""
+    gradients, weights = _integration(nodes[None])
+    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights, 8)
 
 
 def test_large_strain_does_not_feel_a_rigid_rotation():
     """F = R U: the force of the rotated element is the rotated force, here for an element far from the axis."""
     mesh = polar_mesh(np.array([1.0, 1.2]), 8)
     nodes = mesh.nodes[mesh.elements[8]] + np.array([1e6, 0.0])
-    from palpate.fem.mesh import _integration
-
-    gradients, volumes = (part[0] for part in _integration(nodes[None]))
-    coefficients = law()
-    rng = np.random.default_rng(1)
-    stretch = rng.normal(scale=0.05, size=(4, 2))
+    lanes = Lanes(element_away_from_the_axis(nodes), law(), large=True)
+    stretch = np.random.default_rng(1).normal(scale=0.05, size=(4, 2))
     angle = 0.8
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     centre = nodes.mean(axis=0)
 
     def force(positions):
-        ke, fe = np.zeros((9, 9)), np.zeros(9)
-        u = (positions - nodes).ravel()
-        args = (np.zeros((4, 4)), np.zeros(4), np.zeros(4), step_weights(coefficients, 1.0), coefficients)
-        assert hencky.element(gradients, volumes, u, *args, np.empty((4, 4)), ke, fe)
-        return fe[:8].reshape(4, 2)
+        displacement = np.append((positions - nodes).ravel(), 0.0)
+        return lanes.forces(np.repeat(displacement[:, None], LANES, axis=1))[:8, 0].reshape(4, 2)
 
     deformed = nodes + stretch * 0.02
     rotated = centre + (deformed - centre) @ turn.T
     assert force(rotated) == pytest.approx(force(deformed) @ turn.T, abs=1e-5 * np.abs(force(deformed)).max())
 
 
+def opened_step(monkeypatch, number, case):
+    """Return the arguments of `palpate.fem.batch_newton.advance` at the start of one step of a simulation."""
+    kept = []
+
+    def advance(*arguments):
+        kept.append(deepcopy(arguments) if len(kept) == number else None)
+        batch_newton.advance(*arguments)
+
+    monkeypatch.setattr(batch_march, "advance", advance)
+    indent_batch([case])
+    return kept[number]
+
+
+def newton_norms(opened, iterations):
+    """Return the largest unbalanced force over the load, before each of some whole iterations of Newton's method."""
+    large, body, points, contact, state, laws, weights, equation, scale, *_, system, _, _ = opened
+    displacement, depth, reaction = opened[11:14]
+    force_weight, depth_weight, target = equation
+    forces, forward, direction = np.zeros((3, *displacement.shape))
+    tangent, toward, work = np.zeros((len(body.radial), 2, 4, LANES)), np.zeros(LANES), np.zeros(LANES)
+    none, all_of_it, norms = np.zeros(LANES, dtype=bool), np.ones(LANES), []
+    for _ in range(iterations):
+        batch_newton.internal_forces(large, body, points, laws, weights, displacement, forces)
+        batch_newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, none)
+        excess = reaction * force_weight + depth * depth_weight - target
+        norms.append(max(np.abs(forces[:-1, 0]).max(), abs(excess[0])) / scale[0])
+        batch_newton.stiffness(large, body, points, laws, displacement, all_of_it, system.band)
+        batch_newton.factor(body, tangent, all_of_it, system, forces, forward)
+        batch_newton.direct(system, forces, forward, force_weight, depth_weight, excess, ~none, direction, toward, work)
+        displacement += direction
+        depth += toward
+    return np.array(norms)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("large", [False, True])
-def test_newton_converges_quadratically(large):
-    protocol = trapezoid(1.0, 30.0, 0.0, 30.0)
-    mesh = polar_mesh(ring_radii(0.1, 0.8, STANDARD), STANDARD.sectors)
-    region = np.zeros(len(mesh.elements), dtype=np.int64)
-    problem = Problem(mesh, Profile.of(CONE), Specimen(law()), law()[None], region, large)
-    work, state, before = Workspace.of(problem), State.initial(problem), None
-    for time in step_times(protocol, STANDARD)[:12]:
-        state, before, _ = march(problem, protocol, state, before, time, work)
-    advance(problem, state, 1.2 * time, float(protocol.load_at(1.2 * time)), 1.0, state, work)
-    norms = np.array(work.norms)
+def test_newton_converges_quadratically(large, friction, monkeypatch):
+    """At large strains, where half of the tangent's unsymmetric part is left out, by a constant factor."""
+    cone, protocol = replace(CONE, friction=friction), trapezoid(1.0, 30.0, 0.0, 30.0)
+    norms = newton_norms(opened_step(monkeypatch, 12, Case(Specimen(law()), cone, protocol, STANDARD, large)), 12)
+    print(norms)
     tail = norms[norms < 1e-2]
-    assert tail[-1] < 1e-7
-    assert np.all(tail[1:] < 30 * tail[:-1] ** 2 + 1e-13)
+    assert tail[-1] < 1e-12
+    if large:
+        assert np.all(tail[1:] < 0.2 * tail[:-1] + 1e-13)
+    else:
+        assert np.all(tail[1:] < 30 * tail[:-1] ** 2 + 1e-13)
 
 
 @pytest.mark.parametrize("large", [False, True])
@@ -225,10 +284,12 @@ def test_load_history_of_any_shape(parameters):
 
 
 def test_a_step_that_cannot_converge_is_reported(monkeypatch):
-    for limit in ("ITERATIONS", "CAREFUL_ITERATIONS"):
-        monkeypatch.setattr(f"palpate.fem.newton.{limit}", 1)
-    outcome = indent(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)
-    assert "no equilibrium" in outcome.reason
+    def advance(*arguments):
+        arguments[-2][:] = False
+
+    monkeypatch.setattr(batch_march, "advance", advance)
+    (outcome,) = indent_batch([Case(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)])
+    assert outcome.reason == "no equilibrium beyond 0 s"
     assert np.isnan(outcome.depth).all()
 
 
@@ -245,10 +306,8 @@ def test_a_plastic_cone_keeps_to_its_law_from_the_first_sample(large):
     """Without creep depth / sqrt(load) is constant; with a step from one sample to the next it departs by 3 %."""
     plastic = law("bilinear_plasticity", youngs_modulus=3.0, poisson_ratio=0.34, yield_stress=0.1, hardening=0.3)
     protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
-    radii = mesh_radii(Specimen(plastic), CONE, protocol, STANDARD)
-    shifted = [radii * STANDARD.growth ** (part / 4) for part in range(4)]
-    depths = [indent(Specimen(plastic), CONE, protocol, STANDARD, large, rings).depth for rings in shifted]
-    constant = np.mean(depths, axis=0)[:20] / np.sqrt(protocol.sample_load[:20])
+    constant = depth(plastic, protocol, large=large)[:20] / np.sqrt(protocol.sample_load[:20])
+    print(np.abs(constant / constant[-1] - 1.0).max())
     assert np.abs(constant / constant[-1] - 1.0).max() < 0.006
 
 
@@ -259,9 +318,9 @@ def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stre
     """Under the first node much flows at once; whole iterations run away there."""
     constants = {"youngs_modulus": modulus, "poisson_ratio": 0.3, "yield_stress": yield_stress, "hardening": hardening}
     protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=60)
-    outcome = indent(Specimen(law("bilinear_plasticity", **constants)), CONE, protocol, STANDARD, large)
-    assert outcome.reason == ""
-    constant = outcome.depth[2:30] / np.sqrt(protocol.sample_load[2:30])
+    plastic = law("bilinear_plasticity", **constants)
+    constant = depth(plastic, protocol, large=large)[2:30] / np.sqrt(protocol.sample_load[2:30])
+    print(np.abs(constant / constant.mean() - 1.0).max())
     assert constant == pytest.approx(constant.mean(), rel=0.03)
 
 
@@ -274,17 +333,18 @@ def test_a_solid_that_never_hardens_bears_a_rounded_tip(tip, load, large):
     constants = {"youngs_modulus": 70.0, "poisson_ratio": 0.3, "yield_stress": 0.3, "hardening": 0.0}
     hardness, stretches = [], []
 
-    def observe(problem, state):
-        surface = problem.mesh.surface
-        r, moved = problem.mesh.nodes[surface, 0], state.displacement[surface, 0]
+    def observe(moment):
+        surface = moment.mesh.surface
+        r, moved = moment.mesh.nodes[surface, 0], moment.displacement[surface, 0]
         stretches.append(1.0 + (np.diff(moved) / np.diff(r)).min())
-        edge = np.flatnonzero(state.contact[surface])[-1]
-        if 2.0 < state.time <= 10.0:
-            radius = (r + large * moved)[edge : edge + 2].mean()  # at small strains forces count per undeformed area
-            hardness.append(-state.force[:, 1].sum() / (np.pi * radius**2 * 0.3))
+        edge = np.flatnonzero(Fields.of(moment).touching[surface])[-1]
+        if 2.0 < moment.time <= 10.0:
+            radius = (r + large * moved)[edge]  # at small strains forces count per undeformed area
+            hardness.append(moment.load / (np.pi * radius**2 * 0.3))
 
     plastic, protocol = law("bilinear_plasticity", **constants), trapezoid(load, 10.0, 0.0, 10.0, points=40)
-    outcome = indent(Specimen(plastic), tip, protocol, STANDARD, large, observe=observe)
+    (outcome,) = run_lanes([Case(Specimen(plastic), tip, protocol, STANDARD, large)], observe=observe)
+    print(min(hardness), max(hardness), min(stretches))
     assert outcome.reason == ""
     assert 1.6 < min(hardness) < max(hardness) < 3.0
     assert min(stretches) > 0.0

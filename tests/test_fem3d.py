@@ -9,8 +9,8 @@ import pytest
 from scipy.linalg import logm, polar
 
 from palpate.analytic import sneddon
+from palpate.fem.batch import Case, indent_batch
 from palpate.fem.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.fem3d import hencky
 from palpate.fem3d.contact import Contact
@@ -279,7 +279,7 @@ def test_a_cone_creeps_as_in_the_axisymmetric_solver():
     protocol = trapezoid(1.0, 30.0, 10.0, 30.0, points=30)
     specimen = Specimen(LAWS["nonlinear_burgers"].coefficients(BURGERS))
     found = indent_3d(specimen, CONE, protocol, COARSE)
-    expected = indent(specimen, CONE, protocol, AXISYMMETRIC["fine"])
+    (expected,) = indent_batch([Case(specimen, CONE, protocol, AXISYMMETRIC["fine"])])
     loaded = protocol.sample_load > 0.1
     assert found.depth[loaded] == pytest.approx(expected.depth[loaded], rel=0.012)
 
@@ -291,8 +291,9 @@ def test_large_strains_change_what_they_change_in_the_axisymmetric_solver(fricti
     specimen = Specimen(LAWS["nonlinear_burgers"].coefficients(BURGERS))
     cone, loaded = replace(CONE, friction=friction), protocol.sample_load > 0.1
     small, large = (indent_3d(specimen, cone, protocol, COARSE, large).depth[loaded] for large in (False, True))
-    flat = [indent(specimen, cone, protocol, AXISYMMETRIC["standard"], large).depth[loaded] for large in (False, True)]
-    assert large / small == pytest.approx(flat[1] / flat[0], abs=0.005)
+    cases = [Case(specimen, cone, protocol, AXISYMMETRIC["standard"], large) for large in (False, True)]
+    flat, curved = (history.depth[loaded] for history in indent_batch(cases))
+    assert large / small == pytest.approx(curved / flat, abs=0.005)
 
 
 def test_a_film_is_pressed_as_in_the_axisymmetric_solver():
@@ -300,15 +301,17 @@ def test_a_film_is_pressed_as_in_the_axisymmetric_solver():
     film = elastic(0.34)
     specimen = Specimen(film, 2000.0, elastic_substrate(film, 70.0))
     alone, found = (indent_3d(body, CONE, LOADING, COARSE) for body in (Specimen(film), specimen))
-    expected = [indent(body, CONE, LOADING, AXISYMMETRIC["fine"]).depth for body in (Specimen(film), specimen)]
-    assert found.depth / alone.depth == pytest.approx(expected[1] / expected[0], abs=0.01)
+    cases = [Case(body, CONE, LOADING, AXISYMMETRIC["fine"]) for body in (Specimen(film), specimen)]
+    bare, pressed = (history.depth for history in indent_batch(cases))
+    assert found.depth / alone.depth == pytest.approx(pressed / bare, abs=0.01)
     assert found.depth[-1] < 0.95 * alone.depth[-1]
 
 
 def test_a_sphere_presses_as_in_the_axisymmetric_solver():
     specimen, sphere = Specimen(elastic(0.34)), Indenter("sphere", 0.0, 5e3)
     found = indent_3d(specimen, sphere, LOADING, COARSE)
-    assert found.depth == pytest.approx(indent(specimen, sphere, LOADING, AXISYMMETRIC["fine"]).depth, rel=0.015)
+    (expected,) = indent_batch([Case(specimen, sphere, LOADING, AXISYMMETRIC["fine"])])
+    assert found.depth == pytest.approx(expected.depth, rel=0.015)
 
 
 def test_a_rounded_pyramid_is_what_a_ball_reaches():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from palpate.fem.adhesion import Adhesion
+from palpate.fem.batch import Case, indent_batch
 from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.adhesion import attract, nodal_areas
 from palpate.fem3d.contact import Contact
@@ -71,12 +71,13 @@ def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
 @pytest.mark.parametrize("large", [False, True])
 def test_a_sphere_clings_as_in_the_axisymmetric_solver(friction, large):
     """What adhesion adds to the depth at the end of unloading, to 15 % on so coarse a mesh."""
-    sphere, gains = Indenter("sphere", radius=5e3, friction=friction), []
-    for solve, resolution in ((indent_3d, COARSE), (indent, RESOLUTIONS["standard"])):
-        dry, sticky = (solve(Specimen(EPOXY, adhesion=work), sphere, TEST, resolution, large) for work in (0.0, 100.0))
-        assert not dry.reason and not sticky.reason
-        gains.append((sticky.depth - dry.depth)[-1])
-    assert gains[0] == pytest.approx(gains[1], rel=0.15)
+    sphere = Indenter("sphere", radius=5e3, friction=friction)
+    bodies = [Specimen(EPOXY, adhesion=work) for work in (0.0, 100.0)]
+    found = [indent_3d(body, sphere, TEST, COARSE, large) for body in bodies]
+    expected = indent_batch([Case(body, sphere, TEST, RESOLUTIONS["standard"], large) for body in bodies])
+    assert not any(history.reason for history in (*found, *expected))
+    gain, expected_gain = (sticky.depth[-1] - dry.depth[-1] for dry, sticky in (found, expected))
+    assert gain == pytest.approx(expected_gain, rel=0.15)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.25])

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from palpate.fem.batch import Case, indent_batch
 from palpate.fem.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.fem.indent import indent
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.contact import Contact
 from palpate.fem3d.friction import Friction
@@ -119,7 +119,8 @@ def test_a_cone_is_held_back_as_in_the_axisymmetric_solver():
     cones = [Indenter("cone", 70.3, friction=mu) for mu in (0.0, 0.25)]
     loaded = protocol.sample_load > 0.1
     slick, rough = (depth(BURGERS, cone, protocol)[loaded] for cone in cones)
-    other, expected = (indent(BURGERS, cone, protocol, AXISYMMETRIC["standard"]).depth[loaded] for cone in cones)
+    histories = indent_batch([Case(BURGERS, cone, protocol, AXISYMMETRIC["standard"]) for cone in cones])
+    other, expected = (history.depth[loaded] for history in histories)
     assert rough / slick == pytest.approx(expected / other, abs=0.004)
 
 
