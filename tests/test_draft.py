@@ -76,7 +76,8 @@ def test_the_ranges_hold_what_was_pressed():
     for law in LAWS:
         low, high = ranges(law, solid, 20.0)["youngs_modulus"]
         assert low < MODULUS < high
-        assert {*ranges(law, solid, 20.0), "poisson_ratio"} == {p.name for p in LAWS[law].declared({})}
+        needed = {p.name for p in LAWS[law].declared({}) if p.default is None}
+        assert needed <= {*ranges(law, solid, 20.0), "poisson_ratio"}
 
 
 def test_the_ranges_hold_an_epoxy_that_creeps_while_it_is_unloaded():

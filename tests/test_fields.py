@@ -1,5 +1,7 @@
 """Stress in the body: equilibrium with the indenter, Hertz' stress on the axis, and the files that hold it."""
 
+import math
+
 import meshio
 import numpy as np
 import pandas as pd
@@ -7,10 +9,10 @@ import pytest
 import yaml
 
 from palpate.cli import main
-from palpate.fem.fields import Fields, cauchy_stress, displacement_gradient, von_mises
-from palpate.fem.newton import State
+from palpate.fem.batch_newton import TOLERANCE
+from palpate.fem.fields import displacement_gradient, von_mises
 from palpate.figures.fields import nodal
-from palpate.model import simulate, specification_from, states_at
+from palpate.model import fields_at, simulate, specification_from
 from palpate.verification.materials import BURGERS as EPOXY
 
 BURGERS = {
@@ -26,11 +28,11 @@ SPEC = {
 }
 
 
-def internal_force(problem, state):
-    """Force of the stresses on the nodes, by the principle of virtual work in the deformed body."""
-    mesh, stress = problem.mesh, cauchy_stress(problem, state)
-    gradient, hoop = displacement_gradient(mesh, state.displacement)
-    if not problem.large:
+def internal_force(fields, large):
+    """Force of the stresses on the nodes [mN], by the principle of virtual work in the deformed body."""
+    mesh, stress = fields.mesh, fields.stress
+    gradient, hoop = displacement_gradient(mesh, 1e-3 * fields.displacement)
+    if not large:
         gradient, hoop = 0 * gradient, 0 * hoop
     deformation = np.eye(2) + gradient
     shape = np.einsum("egja,egji->egia", mesh.gradients[:, :, :2], np.linalg.inv(deformation))
@@ -44,14 +46,23 @@ def internal_force(problem, state):
     return force
 
 
+@pytest.mark.parametrize("adhesion", [{}, {"adhesion": {"work": 100.0}}])
 @pytest.mark.parametrize("kinematics", ["small", "large"])
-def test_stress_is_in_equilibrium_with_the_indenter(kinematics):
-    """The solver's own balance is in the undeformed body and other stresses; at peak and in unloading."""
-    specification = specification_from(SPEC | {"kinematics": kinematics, "mechanisms": {"adhesion": {"work": 100.0}}})
-    problem, states = states_at(specification, [10.0, 14.0])
-    for state in states:
-        free = problem.mesh.equations >= 0
-        assert internal_force(problem, state)[free] == pytest.approx(state.force[free], abs=2e-7)
+def test_stress_is_in_equilibrium_with_the_indenter(kinematics, adhesion):
+    """At peak and in unloading no force is left inside; the surface bears the load, along the normal of the cone.
+
+    The solver's own balance is in the undeformed body and other stresses.
+    """
+    specification = specification_from(SPEC | {"kinematics": kinematics, "mechanisms": adhesion})
+    slope = specification.indenter.slope
+    for fields in fields_at(specification, [10.0, 14.0]):
+        mesh, force = fields.mesh, internal_force(fields, kinematics == "large")
+        free, surface = mesh.equations < mesh.size, mesh.surface
+        inside = np.setdiff1d(np.arange(len(mesh.nodes)), surface)
+        assert force[inside][free[inside]] == pytest.approx(0.0, abs=TOLERANCE)
+        assert force[surface[1:], 0] == pytest.approx(-slope * force[surface[1:], 1], abs=TOLERANCE)
+        assert -force[surface, 1].sum() == pytest.approx(fields.load, abs=1e-8 + len(surface) * TOLERANCE)
+        assert fields.load == pytest.approx(specification.protocol.load_at(fields.time), abs=TOLERANCE)
 
 
 def test_hertz_stress_on_the_axis():
@@ -62,11 +73,10 @@ def test_hertz_stress_on_the_axis():
         "indenter": {"shape": "sphere", "radius": 1e3 * radius},
         "accuracy": "fine",
     }
-    problem, (state,) = states_at(specification_from(SPEC | values), [10.0])
-    fields = Fields.of(problem, state)
+    (fields,) = fields_at(specification_from(SPEC | values), [10.0])
     a = (0.75 * load * radius / modulus) ** (1 / 3)
     peak = 1.5 * load / (np.pi * a**2)
-    centres = problem.mesh.nodes[problem.mesh.elements].mean(axis=1)
+    centres = fields.mesh.nodes[fields.mesh.elements].mean(axis=1)
     highest = np.argmax(fields.element_von_mises)
     assert fields.element_von_mises[highest] == pytest.approx(0.62 * peak, rel=0.03)
     assert -centres[highest, 1] == pytest.approx(0.48 * a, rel=0.1)
@@ -77,13 +87,26 @@ def test_von_mises_of_pure_shear_and_of_tension():
     assert von_mises(np.array([[0.0, 0, 0, 2], [0, 3, 0, 0], [5, 5, 5, 0]])) == pytest.approx([2 * np.sqrt(3), 3, 0])
 
 
-def test_asking_for_states_changes_no_step():
-    """At sampling times the states are those of the plain simulation, to the last digit."""
+def test_asking_for_fields_changes_no_step():
+    """At sampling times the fields are those of the plain simulation."""
     specification = specification_from(SPEC)
     plain = simulate(specification)
-    _, states = states_at(specification, plain.time)
-    assert [1e3 * state.depth for state in states] == plain.depth.tolist()
-    assert all(isinstance(state, State) for state in states)
+    fields = fields_at(specification, plain.time)
+    assert [each.time for each in fields] == plain.time.tolist()
+    assert [each.depth for each in fields] == pytest.approx(plain.depth, rel=1e-14)
+
+
+def test_nodes_that_touch_reach_as_far_as_the_contact_of_a_cone():
+    """Sneddon's contact radius a = (2 / pi) h tan(angle), to a ring of nodes; the surface under it follows the tip."""
+    values = {"material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34}}
+    (fields,) = fields_at(specification_from(SPEC | values), [10.0])
+    nodes, slope = fields.mesh.nodes, math.tan(math.radians(90.0 - 70.3))
+    reach = 2e-3 / np.pi * fields.depth / slope
+    radius = nodes[fields.touching, 0].max()
+    assert radius == pytest.approx(reach, rel=0.12)
+    under = fields.touching & (nodes[:, 0] > 0.2 * reach) & (nodes[:, 0] < 0.8 * reach)
+    height = slope * 1e3 * nodes[under, 0] - fields.depth
+    assert fields.displacement[under, 1] == pytest.approx(height, abs=0.01 * fields.depth)
 
 
 def test_command_writes_what_paraview_and_people_read(tmp_path):
@@ -96,7 +119,9 @@ def test_command_writes_what_paraview_and_people_read(tmp_path):
     assert (out / "fields.png").stat().st_size > 1000
     assert all(name in (out / "fields.pvd").read_text() for name in table["file"])
     mesh = meshio.read(out / table["file"][1])
-    assert mesh.point_data["displacement_nm"][0, 1] == pytest.approx(-table["depth_nm"][1], rel=1e-9)
+    *_, last = fields_at(specification_from(SPEC), [5.0, 15.0])
+    assert table["depth_nm"][1] == pytest.approx(last.depth, rel=1e-9)
+    assert mesh.point_data["displacement_nm"][:, :2] == pytest.approx(last.displacement)
     assert {"von_mises_GPa", "stress_rr_GPa", "stress_zz_GPa", "stress_tt_GPa", "stress_rz_GPa"} == set(mesh.cell_data)
     assert nodal(mesh, "von_mises_GPa").shape == (len(mesh.points),)
 

@@ -50,6 +50,15 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         "transient_coefficient": (0.0, 0.6 * stress**-1.6),
         "transient_exponent": (0.1, 0.8),
         "retardation_time": (0.002 * shortest, 0.4 * shortest),
+        "strength": (0.05 * middle, 0.3 * middle),
+        "hardening_exponent": (0.1, 0.8),
+        "saturation_stress": (0.9 * solid.hardness, 1.5 * solid.hardness),
+        "saturation_strain": (0.02, 0.3),
+        "pressure_coefficient": (0.0, 0.3),
+        "reference_rate": (1e-8, 1e-4),
+        "eyring_stress": (0.02 * solid.hardness, 0.1 * solid.hardness),
+        "spectrum_coefficient": (0.0, 0.1 / middle),
+        "spectrum_exponent": (-0.2, 0.2),
     }
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
