@@ -171,7 +171,8 @@ def test_points_of_no_depth_do_not_count_in_the_relative_error(monkeypatch):
     curves = 500.0 * np.sqrt(np.append(np.linspace(0.1, 1.0, 10), 0.0) / modulus)
     curves[:, -1] = -4e-14
     monkeypatch.setattr(steps.snapshots, "matrix", lambda files, levels: (modulus, curves, []))
-    model, _, _, summary = steps.fit_surrogate(SimpleNamespace(levels={}, surrogate={}), [])
+    monkeypatch.setattr(steps.snapshots, "read", lambda file: {"quantity": "depth"})
+    model, _, _, summary = steps.fit_surrogate(SimpleNamespace(levels={}, surrogate={}), ["one.npz"])
     relative = (model.loo_error_ / curves)[:, :-1]
     assert summary["loo_relative_percent"] == pytest.approx(100 * np.sqrt(np.mean(relative**2, axis=0)).mean())
 
