@@ -88,9 +88,9 @@ def test_a_tip_of_one_term_is_the_cone():
     assert curves[1][2:] == pytest.approx(curves[0][2:], rel=3e-3), "the first samples are those of another mesh"
 
 
-@pytest.mark.parametrize(("kinematics", "within"), [("small", 1e-8), ("large", 1e-4)])
-def test_lanes_find_what_the_single_solver_finds(kinematics, within):
-    """With friction at large strains the steps of the onset differ, under any tip, see `test_batch`."""
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+def test_a_lane_does_not_depend_on_what_runs_beside_it(kinematics):
+    """Three tips with friction together, and each alone; meshes are measured in units that differ by rounding."""
     protocol = trapezoid(1.0, 30.0, 5.0, 30.0, points=30)
     tips = [tip(*BLUNT, friction=0.2), tip(24.5, 1000.0, friction=0.2), Indenter("sphero_cone", 70.3, 200.0, 0.2)]
     specifications = [
@@ -100,7 +100,7 @@ def test_lanes_find_what_the_single_solver_finds(kinematics, within):
     for specification, together in zip(specifications, simulate_batch(specifications), strict=True):
         alone = simulate(specification)
         assert alone.status == together.status == "ok"
-        assert together.depth == pytest.approx(alone.depth, rel=0.0, abs=within * alone.depth.max())
+        assert together.depth == pytest.approx(alone.depth, rel=0.0, abs=1e-8 * alone.depth.max())
 
 
 def test_a_metal_is_pressed_and_released_at_large_strains():

@@ -1,10 +1,13 @@
 """Adhesion in three dimensions: its own tangent, exact laws, and the axisymmetric solver on the same sphere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from palpate.fem.adhesion import Adhesion
 from palpate.fem.batch import Case, indent_batch
+from palpate.fem.batch_drive import NO_LOAD
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.mesh import Resolution
 from palpate.fem3d.adhesion import attract, nodal_areas
@@ -20,7 +23,7 @@ from palpate.protocol import trapezoid
 from palpate.specimen import Specimen
 from palpate.verification.materials import BURGERS, HOOKE
 
-COARSE = Resolution(growth=1.2, sectors=6)
+COARSE, FINER = Resolution(growth=1.2, sectors=6), Resolution(growth=1.12, sectors=6)
 ELASTIC, EPOXY = LAWS["elastic"].coefficients(HOOKE), LAWS["nonlinear_burgers"].coefficients(BURGERS)
 TEST = trapezoid(1.0, 10.0, 2.0, 10.0, points=20)
 
@@ -70,14 +73,29 @@ def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize("large", [False, True])
 def test_a_sphere_clings_as_in_the_axisymmetric_solver(friction, large):
-    """What adhesion adds to the depth at the end of unloading, to 15 % on so coarse a mesh."""
+    """What adhesion adds to the depth at the end of unloading, to 15 %.
+
+    In three dimensions it falls with the size of the elements, from 5.1 to 4.7 nm on these two meshes: what counts is
+    their linear extrapolation to none. The load ends at what stands for none in the axisymmetric solver.
+    """
     sphere = Indenter("sphere", radius=5e3, friction=friction)
     bodies = [Specimen(EPOXY, adhesion=work) for work in (0.0, 100.0)]
-    found = [indent_3d(body, sphere, TEST, COARSE, large) for body in bodies]
-    expected = indent_batch([Case(body, sphere, TEST, RESOLUTIONS["standard"], large) for body in bodies])
-    assert not any(history.reason for history in (*found, *expected))
-    gain, expected_gain = (sticky.depth[-1] - dry.depth[-1] for dry, sticky in (found, expected))
-    assert gain == pytest.approx(expected_gain, rel=0.15)
+    protocol = replace(TEST, knot_value=np.maximum(TEST.knot_value, NO_LOAD * TEST.max_load))
+    coarse, finer = (
+        clinging([indent_3d(body, sphere, protocol, mesh, large) for body in bodies]) for mesh in (COARSE, FINER)
+    )
+    cases = [Case(body, sphere, protocol, RESOLUTIONS["standard"], large) for body in bodies]
+    sizes = (COARSE.growth - 1.0, FINER.growth - 1.0)
+    limit = (sizes[0] * finer - sizes[1] * coarse) / (sizes[0] - sizes[1])
+    assert limit == pytest.approx(clinging(indent_batch(cases)), rel=0.15)
+
+
+def clinging(histories):
+    """Return how much deeper the second of two ends [nm]."""
+    dry, sticky = histories
+    assert not dry.reason
+    assert not sticky.reason
+    return sticky.depth[-1] - dry.depth[-1]
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.25])

@@ -1,18 +1,17 @@
 """Coulomb friction against exact laws, its own law at every node, and an independent code."""
 
+from copy import deepcopy
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from palpate.fem import banded
-from palpate.fem.contact_size import contact_range
-from palpate.fem.discretisation import RESOLUTIONS, step_times
-from palpate.fem.friction import Friction
-from palpate.fem.indent import indent, march
-from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
-from palpate.fem.newton import Problem, State, Workspace
-from palpate.fem.profile import Profile
+from palpate.fem import batch, batch_newton
+from palpate.fem.batch import Case, indent_batch
+from palpate.fem.batch_tip import profile_at
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.mesh import Resolution
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.protocol import Protocol, trapezoid
@@ -24,37 +23,74 @@ METAL = LAWS["bilinear_plasticity"].coefficients(
     {"youngs_modulus": 70.0, "poisson_ratio": 0.345, "yield_stress": 0.1, "hardening": 0.5}
 )
 STANDARD = RESOLUTIONS["standard"]
+PULL = 0.1  # of the mean pressure, which a node that does not touch may be pulled with
+SLIPS = 0.96  # of the limit of friction, from which a node slips: its anchor then follows at two little slips
 
 
 def depth(friction, coefficients=BURGERS, protocol=None, shape=("cone", 70.3), large=False, resolution=STANDARD):
     protocol = protocol or trapezoid(1.0, 30.0, 0.0, 30.0)
-    outcome = indent(Specimen(coefficients), Indenter(*shape, friction=friction), protocol, resolution, large)
+    indenter = Indenter(*shape, friction=friction)
+    (outcome,) = indent_batch([Case(Specimen(coefficients), indenter, protocol, resolution, large)])
     assert not outcome.reason
     return outcome.depth
 
 
-def history(indenter, coefficients, protocol, resolution=STANDARD, large=False):
-    """Return the problem and all states on the way."""
-    specimen = Specimen(coefficients)
-    mesh = polar_mesh(ring_radii(*contact_range(specimen, indenter, protocol), resolution), resolution.sectors)
-    region = np.zeros(len(mesh.elements), dtype=np.int64)
-    problem = Problem(
-        mesh, Profile.of(indenter), specimen, coefficients[None], region, large, friction=indenter.friction
-    )
-    work, states, before = Workspace.of(problem), [State.initial(problem)], None
-    for time in step_times(protocol, STANDARD):
-        state, before, _ = march(problem, protocol, states[-1], before, time, work)
-        states.append(state)
-    return problem, states
+@dataclass(frozen=True)
+class Surface:
+    """The nodes of the surface off the axis at the end of a step: lengths in the lane's unit, forces in shares of the
+    largest load.
+
+    `pressed` is along the normal of the tip and `dragged` along it, against the slip outwards; `weight` is what a node
+    bears under the mean pressure, `little` the slip that stands for sticking.
+    """
+
+    place: np.ndarray
+    pressed: np.ndarray
+    dragged: np.ndarray
+    weight: np.ndarray
+    little: np.ndarray
+    load: float
+    radius: float
+
+    @classmethod
+    def of(cls, march, states):
+        body, contact, scale = march.body, march.contact, march.drives.scale[0]
+        inner = np.zeros_like(states.displacement)
+        batch_newton.internal_forces(
+            march.large, body, deepcopy(states.points), states.laws, states.weights, states.displacement, inner
+        )
+        moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]
+        profile = [profile_at(march.large, contact.tip, 0, *at) for at in zip(distance, moved, strict=True)]
+        slope = np.array(profile)[:, 1]
+        radial, vertical = -inner[body.radial[1:], 0] / scale, -inner[body.vertical[1:], 0] / scale
+        weight, touching = contact.area * states.contact.pressure[0] / scale, states.contact.share[:, 0]
+        return cls(
+            distance + moved,
+            (vertical - slope * radial) / (1.0 + slope**2),
+            (radial + slope * vertical) / (1.0 + slope**2),
+            weight[1:],
+            contact.slip[1:, 0],
+            -inner[body.vertical, 0].sum() / scale,
+            np.sqrt((contact.area * touching).sum() / np.pi),
+        )
 
 
-def contact_forces(problem, state):
-    """Return nodes in contact off the axis, their R, and sqrt(1 + f'^2) times their normal and tangential forces."""
-    nodes = problem.mesh.surface[state.contact[problem.mesh.surface]][1:]
-    r, moved = problem.mesh.nodes[nodes, 0], state.displacement[nodes, 0]
-    slope = problem.profile.beneath(r, moved, problem.large)[1]
-    radial, vertical = state.force[nodes].T
-    return nodes, r + moved, slope * radial - vertical, radial + slope * vertical
+def surfaces(case, monkeypatch):
+    """Return the surface at the ends of all steps, and the load at each [mN]."""
+    begun, kept, found, loads = batch.begun, [], [], []
+
+    def keeping(*arguments):
+        kept[:] = begun(*arguments)
+        return tuple(kept)
+
+    def observe(moment):
+        found.append(Surface.of(*kept))
+        loads.append(float(case.protocol.load_at(np.array(moment.time))))
+
+    monkeypatch.setattr(batch, "begun", keeping)
+    (outcome,) = batch.run_lanes([case], observe=observe)
+    assert not outcome.reason
+    return found, np.array(loads)
 
 
 @pytest.mark.parametrize("large", [False, True])
@@ -80,6 +116,7 @@ def test_effect_on_creep_agrees_with_calculix(large, peak, end):
     """Friction 0.25 against none, at peak and late in unloading; CalculiX' curves themselves are good to 0.4 %."""
     protocol = trapezoid(1.0, 30.0, 0.0, 30.0, points=50)
     ratio = depth(0.25, protocol=protocol, large=large) / depth(0.0, protocol=protocol, large=large)
+    print(ratio[24] - peak, ratio[47] - end)
     assert ratio[24] == pytest.approx(peak, abs=0.002)
     assert ratio[47] == pytest.approx(end, abs=0.004)
 
@@ -88,79 +125,63 @@ def test_effect_on_plastic_flow_agrees_with_calculix():
     """Over the whole loading, where the depth scatters about sqrt(P) from node to node; 643 against 675 nm at peak."""
     protocol = trapezoid(4.9, 15.0, 0.0, 15.0, points=50)
     ratio = depth(0.25, METAL, protocol) / depth(0.0, METAL, protocol)
+    print(ratio[8:25].mean() - 643 / 675, np.ptp(ratio[8:25]))
     assert ratio[8:25].mean() == pytest.approx(643 / 675, abs=0.01)
 
 
 @pytest.mark.parametrize("shape", [("cone", 70.3), ("sphere", 0.0, 2000.0), ("sphero_cone", 70.3, 200.0)])
 @pytest.mark.parametrize("large", [False, True])
-def test_law_holds_at_every_node_and_dissipates(shape, large):
-    """|T| <= mu N, T against the slip, no pull, forces in balance with the load; with hold, unloading, reloading."""
-    mu = 0.2
+def test_law_holds_at_every_node_and_dissipates(shape, large, monkeypatch):
+    """|T| <= mu N, T against the slip, forces in balance with the load; with hold, unloading, reloading.
+
+    A node beyond the edge of contact may be pulled by a little of what one within it bears, see
+    `palpate.fem.batch_contact`: there b < 1.
+    """
+    mu, close = 0.2, 2e-6
     protocol = Protocol(
         np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0]), np.array([0.0, 0.6, 0.6, 0.1, 1.0, 0.01]), np.arange(1.0, 51.0)
     )
-    problem, states = history(Indenter(*shape, friction=mu), BURGERS, protocol, large=large)
+    case = Case(Specimen(BURGERS), Indenter(*shape, friction=mu), protocol, STANDARD, large)
+    found, loads = surfaces(case, monkeypatch)
     total = 0.0
-    for before, after in pairwise(states):
-        nodes, _, normal, tangential = contact_forces(problem, after)
-        assert np.all(normal > -2e-7)
-        assert np.all(np.abs(tangential) <= mu * normal + 2e-7)
-        load = protocol.load_at(np.array(after.time))
-        assert -after.force[:, 1].sum() == pytest.approx(float(load), abs=2e-7)
-        held = before.contact[nodes]
-        slip = (after.displacement - before.displacement)[nodes, 0]
-        work = -(tangential * slip)[held]
-        far = np.abs(slip[held]) > 2 * Friction.of(mu, problem.profile(problem.mesh.nodes[nodes, 0])[0]).reach[held]
-        assert np.all(work[far] >= 0.0)
+    for before, after in pairwise(found):
+        assert np.all(after.pressed > -PULL * after.weight - close)
+        assert np.all(np.abs(after.dragged) <= mu * np.maximum(after.pressed, 0.0) + close)
+        slip = after.place - before.place
+        work = after.dragged * slip
+        far = np.abs(slip) > 2.0 * after.little
+        assert np.all(work[far] >= -close * np.abs(slip[far]))
         total += work.sum()
+    assert [surface.load for surface in found] == pytest.approx(loads / protocol.largest_drive, abs=close)
     assert total > 0.0
+    print("pull", min((f.pressed / f.weight).min() for f in found))
 
 
-def stick_ratios(indenter, load, power):
+def stick_ratios(indenter, load, power, monkeypatch):
     """Stick radius over contact radius of an elastic body while the contact radius grows in proportion to time."""
     time = np.linspace(0.0, 1.0, 51)
     protocol = Protocol(time, load * time**power, time[1:])
     law = LAWS["elastic"].coefficients({"youngs_modulus": 3.28, "poisson_ratio": 0.3})
-    problem, states = history(indenter, law, protocol, Resolution(growth=1.05, sectors=12, inner=0.02))
+    resolution = Resolution(growth=1.05, sectors=12, inner=0.02)
+    found, _ = surfaces(Case(Specimen(law), indenter, protocol, resolution), monkeypatch)
     ratios = []
-    for state in states[-25::6]:
-        _, distance, normal, tangential = contact_forces(problem, state)
-        radius = (
-            np.sqrt(state.depth * problem.profile.radius)
-            if problem.profile.radius
-            else 2 / np.pi * state.depth / problem.profile.slope
-        )
-        slips = distance[tangential > indenter.friction * normal * (1 - 1e-6)]
-        ratios.append(slips.min() / radius)
+    for surface in found[-25::6]:
+        inside = surface.place < surface.radius
+        slips = inside & (surface.dragged > SLIPS * indenter.friction * surface.pressed)
+        print(np.round((surface.dragged / surface.pressed / indenter.friction)[inside][::4], 3))
+        ratios.append(surface.place[slips].min() / surface.radius)
     return np.array(ratios)
 
 
-def test_stick_radius_is_a_constant_part_of_the_contact_radius():
+def test_stick_radius_is_a_constant_part_of_the_contact_radius(monkeypatch):
     """The same for every power-law profile of small slope (Spence, J. Elasticity 5 (1975) 297-319); mesh width 5 %."""
     mu = 0.2
-    cone = stick_ratios(Indenter("cone", 89.9, friction=mu), 5e-5, 2)
-    sphere = stick_ratios(Indenter("sphere", radius=1e6, friction=mu), 0.05, 3)
+    cone = stick_ratios(Indenter("cone", 89.9, friction=mu), 5e-5, 2, monkeypatch)
+    sphere = stick_ratios(Indenter("sphere", radius=1e6, friction=mu), 0.05, 3, monkeypatch)
+    print(cone, sphere)
     assert np.ptp(cone) < 0.06 * cone.mean()
     assert cone.mean() == pytest.approx(sphere.mean(), rel=0.06)
     assert 0.5 < cone.mean() < 0.9
-
-
-@pytest.mark.parametrize("symmetric", [False, True])
-def test_banded_solution_is_that_of_the_dense_system(symmetric):
-    rng = np.random.default_rng(5)
-    size, bandwidth = 12, 3
-    near = np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= bandwidth
-    matrix = np.where(near, rng.normal(size=(size, size)), 0.0) + 10.0 * np.eye(size)
-    matrix = matrix + matrix.T if symmetric else matrix
-    band = banded.allocate(size, bandwidth, symmetric)
-    band[:] = 0.0
-    diagonal = banded.diagonal(band, bandwidth)
-    for i, j in zip(*np.nonzero(near), strict=True):
-        if j <= i or not symmetric:
-            band[j, diagonal + i - j] = matrix[i, j]
-    right = rng.normal(size=(size, 2))
-    assert banded.solve(band.copy(), bandwidth, right, True) == pytest.approx(np.linalg.solve(matrix, right))
-    assert banded.solve(-band, bandwidth, right, True) is None
 
 
 def test_a_body_that_hardly_changes_volume_slides_along_the_tip():
