@@ -80,7 +80,7 @@ def test_a_sphere_clings_as_in_the_axisymmetric_solver(friction, large):
     """
     sphere = Indenter("sphere", radius=5e3, friction=friction)
     bodies = [Specimen(EPOXY, adhesion=work) for work in (0.0, 100.0)]
-    protocol = replace(TEST, knot_value=np.maximum(TEST.knot_value, NO_LOAD * TEST.max_load))
+    protocol = replace(TEST, knot_drive=np.append(TEST.knot_drive[:-1], NO_LOAD * TEST.max_load))
     coarse, finer = (
         clinging([indent_3d(body, sphere, protocol, mesh, large) for body in bodies]) for mesh in (COARSE, FINER)
     )
