@@ -5,12 +5,12 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from bodies import case_of, internal_force, moments
 
 from palpate.cli import main
-from palpate.fem.fields import Fields, cauchy_stress, displacement_gradient, von_mises
-from palpate.fem.newton import State
+from palpate.fem.fields import von_mises
 from palpate.figures.fields import nodal
-from palpate.model import simulate, specification_from, states_at
+from palpate.model import fields_at, simulate, specification_from
 from palpate.verification.materials import BURGERS as EPOXY
 
 BURGERS = {
@@ -26,32 +26,18 @@ SPEC = {
 }
 
 
-def internal_force(problem, state):
-    """Force of the stresses on the nodes, by the principle of virtual work in the deformed body."""
-    mesh, stress = problem.mesh, cauchy_stress(problem, state)
-    gradient, hoop = displacement_gradient(mesh, state.displacement)
-    if not problem.large:
-        gradient, hoop = 0 * gradient, 0 * hoop
-    deformation = np.eye(2) + gradient
-    shape = np.einsum("egja,egji->egia", mesh.gradients[:, :, :2], np.linalg.inv(deformation))
-    around = mesh.gradients[:, :, 2] / (1.0 + hoop)[..., None]
-    weights = mesh.weights * np.linalg.det(deformation) * (1.0 + hoop)
-    rr, zz, tt, rz = np.moveaxis(stress, -1, 0)[..., None]
-    along_r = np.einsum("eg,ega->ea", weights, rr * shape[:, :, 0] + rz * shape[:, :, 1] + tt * around)
-    along_z = np.einsum("eg,ega->ea", weights, rz * shape[:, :, 0] + zz * shape[:, :, 1])
-    force = np.zeros((len(mesh.nodes), 2))
-    np.add.at(force, mesh.elements, np.stack([along_r, along_z], axis=-1))
-    return force
-
-
 @pytest.mark.parametrize("kinematics", ["small", "large"])
 def test_stress_is_in_equilibrium_with_the_indenter(kinematics):
     """The solver's own balance is in the undeformed body and other stresses; at peak and in unloading."""
-    specification = specification_from(SPEC | {"kinematics": kinematics, "mechanisms": {"adhesion": {"work": 100.0}}})
-    problem, states = states_at(specification, [10.0, 14.0])
-    for state in states:
-        free = problem.mesh.equations >= 0
-        assert internal_force(problem, state)[free] == pytest.approx(state.force[free], abs=2e-7)
+    case = case_of(specification_from(SPEC | {"kinematics": kinematics, "mechanisms": {"adhesion": {"work": 100.0}}}))
+    for moment in moments(case):
+        mesh, force = moment.mesh, internal_force(moment)
+        load = float(case.protocol.load_at(np.array(moment.time)))
+        assert moment.load == pytest.approx(load, abs=2e-6)
+        assert -force[mesh.surface, 1].sum() == pytest.approx(load, abs=1e-5)
+        free = mesh.equations >= 0
+        free[mesh.surface] = False
+        assert force[free] == pytest.approx(np.zeros(free.sum()), abs=2e-6)
 
 
 def test_hertz_stress_on_the_axis():
@@ -62,28 +48,27 @@ def test_hertz_stress_on_the_axis():
         "indenter": {"shape": "sphere", "radius": 1e3 * radius},
         "accuracy": "fine",
     }
-    problem, (state,) = states_at(specification_from(SPEC | values), [10.0])
-    fields = Fields.of(problem, state)
+    (fields,) = fields_at(specification_from(SPEC | values), [10.0])
     a = (0.75 * load * radius / modulus) ** (1 / 3)
     peak = 1.5 * load / (np.pi * a**2)
-    centres = problem.mesh.nodes[problem.mesh.elements].mean(axis=1)
+    centres = fields.mesh.nodes[fields.mesh.elements].mean(axis=1)
     highest = np.argmax(fields.element_von_mises)
     assert fields.element_von_mises[highest] == pytest.approx(0.62 * peak, rel=0.03)
     assert -centres[highest, 1] == pytest.approx(0.48 * a, rel=0.1)
     assert centres[highest, 0] < 0.1 * a
+    touched = fields.mesh.nodes[fields.touching, 0]
+    assert touched.max() == pytest.approx(a, rel=0.1)
 
 
 def test_von_mises_of_pure_shear_and_of_tension():
     assert von_mises(np.array([[0.0, 0, 0, 2], [0, 3, 0, 0], [5, 5, 5, 0]])) == pytest.approx([2 * np.sqrt(3), 3, 0])
 
 
-def test_asking_for_states_changes_no_step():
-    """At sampling times the states are those of the plain simulation, to the last digit."""
+def test_asking_for_fields_changes_no_step():
+    """At sampling times they are those of the plain simulation, to the last digit."""
     specification = specification_from(SPEC)
     plain = simulate(specification)
-    _, states = states_at(specification, plain.time)
-    assert [1e3 * state.depth for state in states] == plain.depth.tolist()
-    assert all(isinstance(state, State) for state in states)
+    assert [fields.depth for fields in fields_at(specification, plain.time)] == plain.depth.tolist()
 
 
 def test_command_writes_what_paraview_and_people_read(tmp_path):

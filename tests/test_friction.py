@@ -4,14 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from bodies import moments, on_surface
 
-from palpate.fem import banded
-from palpate.fem.contact_size import contact_range
-from palpate.fem.discretisation import RESOLUTIONS, step_times
-from palpate.fem.friction import Friction
-from palpate.fem.indent import indent, march
-from palpate.fem.mesh import Resolution, polar_mesh, ring_radii
-from palpate.fem.newton import Problem, State, Workspace
+from palpate.fem.batch import Case, indent_batch
+from palpate.fem.batch_contact import SLIP
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.mesh import Resolution
 from palpate.fem.profile import Profile
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
@@ -28,33 +26,10 @@ STANDARD = RESOLUTIONS["standard"]
 
 def depth(friction, coefficients=BURGERS, protocol=None, shape=("cone", 70.3), large=False, resolution=STANDARD):
     protocol = protocol or trapezoid(1.0, 30.0, 0.0, 30.0)
-    outcome = indent(Specimen(coefficients), Indenter(*shape, friction=friction), protocol, resolution, large)
+    tip = Indenter(*shape, friction=friction)
+    (outcome,) = indent_batch([Case(Specimen(coefficients), tip, protocol, resolution, large)])
     assert not outcome.reason
     return outcome.depth
-
-
-def history(indenter, coefficients, protocol, resolution=STANDARD, large=False):
-    """Return the problem and all states on the way."""
-    specimen = Specimen(coefficients)
-    mesh = polar_mesh(ring_radii(*contact_range(specimen, indenter, protocol), resolution), resolution.sectors)
-    region = np.zeros(len(mesh.elements), dtype=np.int64)
-    problem = Problem(
-        mesh, Profile.of(indenter), specimen, coefficients[None], region, large, friction=indenter.friction
-    )
-    work, states, before = Workspace.of(problem), [State.initial(problem)], None
-    for time in step_times(protocol, STANDARD):
-        state, before, _ = march(problem, protocol, states[-1], before, time, work)
-        states.append(state)
-    return problem, states
-
-
-def contact_forces(problem, state):
-    """Return nodes in contact off the axis, their R, and sqrt(1 + f'^2) times their normal and tangential forces."""
-    nodes = problem.mesh.surface[state.contact[problem.mesh.surface]][1:]
-    r, moved = problem.mesh.nodes[nodes, 0], state.displacement[nodes, 0]
-    slope = problem.profile.beneath(r, moved, problem.large)[1]
-    radial, vertical = state.force[nodes].T
-    return nodes, r + moved, slope * radial - vertical, radial + slope * vertical
 
 
 @pytest.mark.parametrize("large", [False, True])
@@ -99,19 +74,17 @@ def test_law_holds_at_every_node_and_dissipates(shape, large):
     protocol = Protocol(
         np.array([0.0, 10.0, 20.0, 30.0, 40.0, 50.0]), np.array([0.0, 0.6, 0.6, 0.1, 1.0, 0.01]), np.arange(1.0, 51.0)
     )
-    problem, states = history(Indenter(*shape, friction=mu), BURGERS, protocol, large=large)
-    total = 0.0
-    for before, after in pairwise(states):
-        nodes, _, normal, tangential = contact_forces(problem, after)
-        assert np.all(normal > -2e-7)
-        assert np.all(np.abs(tangential) <= mu * normal + 2e-7)
-        load = protocol.load_at(np.array(after.time))
-        assert -after.force[:, 1].sum() == pytest.approx(float(load), abs=2e-7)
-        held = before.contact[nodes]
+    tip = Indenter(*shape, friction=mu)
+    profile, total = Profile.of(tip), 0.0
+    for before, after in pairwise(moments(Case(Specimen(BURGERS), tip, protocol, STANDARD, large))):
+        nodes, _, normal, tangential = on_surface(after, tip)
+        assert normal.min() > -0.02 * normal.max()
+        assert np.all(np.abs(tangential) <= mu * np.maximum(normal, 0.0) + 5e-6)
+        held = on_surface(before, tip)[2] > 0.01 * normal.max()
         slip = (after.displacement - before.displacement)[nodes, 0]
         work = -(tangential * slip)[held]
-        far = np.abs(slip[held]) > 2 * Friction.of(mu, problem.profile(problem.mesh.nodes[nodes, 0])[0]).reach[held]
-        assert np.all(work[far] >= 0.0)
+        far = np.abs(slip[held]) > 4.0 * SLIP * profile(after.mesh.nodes[nodes, 0])[0][held]
+        assert np.all(work[far] >= -1e-9)
         total += work.sum()
     assert total > 0.0
 
@@ -121,17 +94,15 @@ def stick_ratios(indenter, load, power):
     time = np.linspace(0.0, 1.0, 51)
     protocol = Protocol(time, load * time**power, time[1:])
     law = LAWS["elastic"].coefficients({"youngs_modulus": 3.28, "poisson_ratio": 0.3})
-    problem, states = history(indenter, law, protocol, Resolution(growth=1.05, sectors=12, inner=0.02))
-    ratios = []
-    for state in states[-25::6]:
-        _, distance, normal, tangential = contact_forces(problem, state)
-        radius = (
-            np.sqrt(state.depth * problem.profile.radius)
-            if problem.profile.radius
-            else 2 / np.pi * state.depth / problem.profile.slope
-        )
-        slips = distance[tangential > indenter.friction * normal * (1 - 1e-6)]
-        ratios.append(slips.min() / radius)
+    case = Case(Specimen(law), indenter, protocol, Resolution(growth=1.05, sectors=12, inner=0.02))
+    profile, ratios = Profile.of(indenter), []
+    for moment in moments(case)[-25::6]:
+        nodes, _, normal, tangential = on_surface(moment, indenter)
+        depth = moment.depth
+        radius = np.sqrt(depth * profile.radius) if profile.radius else 2 / np.pi * depth / profile.slope
+        pressed = normal > 0.01 * normal.max()
+        slipping = pressed & (np.abs(tangential) > np.tanh(1.0) * indenter.friction * normal)
+        ratios.append(moment.mesh.nodes[nodes[slipping], 0].min() / radius)
     return np.array(ratios)
 
 
@@ -143,24 +114,6 @@ def test_stick_radius_is_a_constant_part_of_the_contact_radius():
     assert np.ptp(cone) < 0.06 * cone.mean()
     assert cone.mean() == pytest.approx(sphere.mean(), rel=0.06)
     assert 0.5 < cone.mean() < 0.9
-
-
-@pytest.mark.parametrize("symmetric", [False, True])
-def test_banded_solution_is_that_of_the_dense_system(symmetric):
-    rng = np.random.default_rng(5)
-    size, bandwidth = 12, 3
-    near = np.abs(np.subtract.outer(np.arange(size), np.arange(size))) <= bandwidth
-    matrix = np.where(near, rng.normal(size=(size, size)), 0.0) + 10.0 * np.eye(size)
-    matrix = matrix + matrix.T if symmetric else matrix
-    band = banded.allocate(size, bandwidth, symmetric)
-    band[:] = 0.0
-    diagonal = banded.diagonal(band, bandwidth)
-    for i, j in zip(*np.nonzero(near), strict=True):
-        if j <= i or not symmetric:
-            band[j, diagonal + i - j] = matrix[i, j]
-    right = rng.normal(size=(size, 2))
-    assert banded.solve(band.copy(), bandwidth, right, True) == pytest.approx(np.linalg.solve(matrix, right))
-    assert banded.solve(-band, bandwidth, right, True) is None
 
 
 def test_a_body_that_hardly_changes_volume_slides_along_the_tip():

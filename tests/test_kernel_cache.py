@@ -110,7 +110,9 @@ def test_what_somebody_else_may_have_planted_is_refused(nowhere_else, planted):
 
 
 def test_every_folder_that_holds_kernels_is_hashed_and_asks_first_whether_they_can_be_kept():
-    folders = {f.relative_to(SOURCE).parent.as_posix() for f in SOURCE.rglob("*.py") if "from numba import" in f.read_text()}
+    folders = {
+        f.relative_to(SOURCE).parent.as_posix() for f in SOURCE.rglob("*.py") if "from numba import" in f.read_text()
+    }
     assert folders == set(kernel_cache.SOURCES)
     for folder in folders:
         assert "kernel_cache.require()" in (SOURCE / folder / "__init__.py").read_text()
