@@ -1,20 +1,16 @@
-"""Simulations that run through the SIMD lanes together are those of the single solver."""
+"""Lanes: their arithmetic, their linear solver, and that no indentation depends on those beside it."""
 
 import numpy as np
 import pytest
 from numba import njit
 from scipy.linalg import solveh_banded
 
-from palpate.fem import batch, batch_hencky, batch_march, batch_newton, hencky
+from palpate.fem import batch, batch_march, batch_newton
 from palpate.fem.batch_banded import PANEL, solve
-from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import NOTHING, TOLERANCE, Points, law_rows, solve_radial, weight_rows
-from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, splat, store
+from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, store
 from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.indent import indent
-from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
-from palpate.materials import LAWS, radial
+from palpate.materials import LAWS
 from palpate.model import simulate, simulate_batch, specification_from
 from palpate.protocol import trapezoid
 from palpate.specimen import Specimen
@@ -53,16 +49,6 @@ def logarithms(x, out):
         store(out, i, log_of_one_plus(load(x, i)))
 
 
-@njit
-def radial_lanes(rho, alpha, law, weights, out):
-    rest = splat(NOTHING)
-    for i in range(len(rho)):
-        q, log_q, order = solve_radial(load(rho, i), rest, splat(-1000.0), splat(0.0), splat(alpha), law, weights)
-        store(out, 3 * i, q)
-        store(out, 3 * i + 1, exponential(log_q))
-        store(out, 3 * i + 2, order * q / load(rho, i))
-
-
 def test_exponential_is_exact_to_rounding():
     x = np.linspace(-700.0, 700.0, 1000 * LANES).reshape(-1, LANES)
     out = np.empty_like(x)
@@ -77,27 +63,6 @@ def test_logarithm_is_exact_to_rounding():
     logarithms(x, out)
     assert np.abs(out - np.log1p(x)).max() < 1e-15
     assert np.abs(out / np.log1p(x) - 1.0).max() < 5e-15
-
-
-@pytest.mark.parametrize("yields", [False, True])
-@pytest.mark.parametrize("elements", [0, 1, 2])
-def test_radial_equation_has_the_solution_of_the_single_solver(elements, yields):
-    rng = np.random.default_rng(elements)
-    flow = [10.0 ** rng.uniform(-4, 1, LANES), rng.uniform(0.0, 3.0, LANES), np.full(LANES, 1e30), np.zeros(LANES)]
-    if yields:
-        flow[2:] = [10.0 ** rng.uniform(-4, 0, LANES), rng.uniform(0.0, 3.0, LANES)]
-    alpha = 0.05
-    for _ in range(elements):
-        flow += [10.0 ** rng.uniform(-3, 1, LANES), rng.uniform(0.0, 3.0, LANES), rng.uniform(0.1, 10.0, LANES)]
-    coefficients = np.column_stack([rng.uniform(0.5, 5.0, LANES), rng.uniform(2.0, 9.0, LANES), *flow])
-    weights = weight_rows(coefficients, np.full(LANES, 0.7))
-    rho = 10.0 ** rng.uniform(-9, 1, (50, LANES))
-    out = np.empty((50, 3, LANES))
-    radial_lanes(rho, alpha, law_rows(coefficients), weights, out)
-    for i, lane in np.ndindex(rho.shape):
-        q, slope = radial.solve_radial(rho[i, lane], 0.0, alpha, weights[:, lane].copy(), coefficients[lane])
-        assert out[i, :2, lane] == pytest.approx([q, q], rel=1e-12)
-        assert out[i, 2, lane] == pytest.approx(slope, rel=TOLERANCE)
 
 
 @pytest.mark.parametrize("size", [3, 60, 61, 62, 63])
@@ -142,14 +107,22 @@ def test_friction_and_its_absence_do_not_share_lanes():
     assert curves[1][-1] < 0.99 * curves[0][-1]
 
 
-def assert_like_single(specifications, within=1e-8):
+def assert_as_alone(specifications, within=1e-8):
     for together, spec in zip(simulate_batch(specifications), specifications, strict=True):
         alone = simulate(spec)
         assert (together.status, together.reason) == (alone.status, alone.reason)
         assert np.abs(together.depth - alone.depth).max() < within * alone.depth.max()
 
 
-def test_curves_are_those_of_the_single_solver_across_the_grid():
+def assert_cases_as_alone(cases):
+    assert len({each.kind for each in cases}) == 1
+    for together, each in zip(batch.indent_batch(cases), cases, strict=True):
+        (alone,) = batch.indent_batch([each])
+        assert together.reason == alone.reason == ""
+        assert np.abs(together.depth - alone.depth).max() < 1e-8 * alone.depth.max()
+
+
+def test_curves_across_the_grid_are_those_of_a_batch_of_one():
     grid = [
         {"youngs_modulus": E, "steady_coefficient": c_s, "steady_exponent": m_s, "transient_exponent": m_t}
         for E, c_s, m_s, m_t in [
@@ -159,11 +132,11 @@ def test_curves_are_those_of_the_single_solver_across_the_grid():
             (3.25, 0.0, 0.2, 0.0),
         ]
     ]
-    assert_like_single([specification(material) for material in grid])
+    assert_as_alone([specification(material) for material in grid])
 
 
 def test_angles_loads_and_durations_may_differ_between_lanes():
-    assert_like_single(
+    assert_as_alone(
         [
             specification(),
             specification(indenter={"half_angle": 65.0}),
@@ -177,25 +150,22 @@ def test_holds_elastic_bodies_and_several_voigt_elements():
     second = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 8.0}
     hold = {"protocol": {"hold_time": 10.0}}
     elastic = {"material": {"model": "elastic", "youngs_modulus": 2.0, "poisson_ratio": 0.45}, "indenter": CONE}
-    assert_like_single([specification(second | {"youngs_modulus": E}, **hold) for E in (3.0, 3.5)])
-    assert_like_single([specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)])
+    assert_as_alone([specification(second | {"youngs_modulus": E}, **hold) for E in (3.0, 3.5)])
+    assert_as_alone([specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)])
 
 
-def test_large_strains_in_lanes(monkeypatch):
-    """No lane falls back to the single solver, which may halve a step of the onset: curves part by some millionths."""
-    monkeypatch.setattr(batch, "indent_on", None)
+def test_large_strains_and_other_angles():
     flows = [(0.02, 0.35), (0.1, 0.15), (0.0, 0.2)]
     grid = [{"steady_coefficient": c_s, "steady_exponent": m_s} for c_s, m_s in flows]
     blunt = specification(indenter={"half_angle": 75.0}, kinematics="large")
-    assert_like_single([*(specification(material, kinematics="large") for material in grid), blunt], within=1e-5)
+    assert_as_alone([*(specification(material, kinematics="large") for material in grid), blunt])
 
 
-def test_a_size_effect_does_not_ask_where_a_step_began():
-    """At large strains lanes begin the steps of the onset where the last one ended; the single solver carries on."""
-    pair = [
-        specification(kinematics="large", mechanisms={"size_effect": {"length": length}}) for length in (50.0, 200.0)
-    ]
-    assert_like_single(pair, within=1e-5)
+def test_size_effects_of_other_lengths():
+    lengths = (50.0, 200.0)
+    assert_as_alone(
+        [specification(kinematics="large", mechanisms={"size_effect": {"length": length}}) for length in lengths]
+    )
 
 
 def test_small_and_large_strains_do_not_share_lanes():
@@ -204,40 +174,12 @@ def test_small_and_large_strains_do_not_share_lanes():
     assert curves[1][-1] < 0.99 * curves[0][-1]
 
 
-@pytest.mark.parametrize("size", [1e-8, 1e-3, 0.1])
-def test_element_at_large_strains_is_that_of_the_single_solver(size):
-    rng = np.random.default_rng(5)
-    mesh = polar_mesh(np.array([0.5, 1.0, 1.6, 2.5]), 3)
-    body, coefficients = Body.of(mesh), case().specimen.coefficients
-    points, rows = Points.unloaded(4 * len(mesh.elements), 1), np.tile(coefficients, (LANES, 1))
-    laws, weights = law_rows(rows)[None], weight_rows(rows, np.full(LANES, 0.7))[None]
-    displacement = rng.normal(scale=size, size=(mesh.size + 1, LANES))
-    displacement[-1] = 0.0
-    past = rng.normal(scale=0.3 * size, size=points.past.shape[:2])
-    past[:, 2] = -past[:, 0] - past[:, 1]
-    points.past[:] = past[:, :, None]
-    forces, band = np.zeros((mesh.size + 1, LANES)), np.zeros((body.size * body.width + 1, LANES))
-    batch_hencky.internal_forces(body, points, laws, weights, displacement, forces)
-    batch_hencky.stiffness(body, points, laws, displacement, np.ones(LANES), band)
-    force, matrix = np.zeros(mesh.size + 1), np.zeros((mesh.size + 1, mesh.size + 1))
-    for e, unknowns in enumerate(body.unknowns):
-        ke, fe, local, guess, alpha = np.zeros((9, 9)), np.zeros(9), np.empty((4, 4)), np.zeros(4), np.zeros(4)
-        state = (past[4 * e : 4 * e + 4], alpha, guess, weights[0, :, 0].copy(), coefficients, local)
-        assert hencky.element(body.gradients[e], mesh.weights[e], displacement[unknowns, 0], *state, ke, fe)
-        np.add.at(force, unknowns, fe[:8])
-        np.add.at(matrix, (unknowns[:, None], unknowns), 0.5 * (ke + ke.T)[:8, :8])
-    assert np.abs(forces[:-1, 0] - force[:-1]).max() < 1e-13 * np.abs(force[:-1]).max()
-    for k in range(body.width - PANEL + 1):
-        below = np.diagonal(matrix[:-1, :-1], -k)
-        assert np.abs(band[k :: body.width, 0][: len(below)] - below).max() < 1e-8 * np.abs(matrix).max()
-
-
 def test_mechanisms_act_in_a_batch():
     mechanisms = {"tip_angle": {"half_angle": 69.0}, "thermal_drift": {"rate": 0.1}, "controller_lag": {"lag": 0.5}}
-    assert_like_single([specification(mechanisms={key: value}) for key, value in mechanisms.items()])
+    assert_as_alone([specification(mechanisms={key: value}) for key, value in mechanisms.items()])
 
 
-def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
+def test_lanes_may_have_their_corners_at_different_steps():
     """Samples lie 3 s apart: one delayed load turns before the first sample after the peak, the other behind it.
 
     Both act for 0.1 s on the first sample that they reach, so that their meshes are alike.
@@ -246,10 +188,7 @@ def test_lanes_may_have_their_corners_at_different_steps(monkeypatch):
     cases = [case(protocol=acting(spec).protocol) for spec in specs]
     assert cases[0].kind == cases[1].kind
     assert not np.array_equal(cases[0].carries, cases[1].carries)
-    alone = [c.alone().depth for c in cases]
-    monkeypatch.setattr(batch, "indent_on", None)
-    for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
-        assert np.abs(history.depth - depth).max() < 1e-8 * depth.max()
+    assert_cases_as_alone(cases)
 
 
 PLASTIC = {"model": "burgers_plasticity", "yield_stress": 0.4, "hardening": 0.5}
@@ -287,13 +226,8 @@ FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_mod
         "all",
     ],
 )
-def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, monkeypatch):
-    """Two meshes for one indentation, half a ring apart.
-
-    The single solver may halve steps of the onset, and where it does not its guesses differ there, on which a size
-    effect rests, and where friction anchors a node: curves part by some millionths, with friction at large strains by
-    some hundred-thousandths, beside a jump into contact by half a thousandth, with a size effect by a thousandth.
-    """
+def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
+    """Two meshes for one indentation, half a ring apart."""
     indenter = {k: v for k, v in (CONE | changes.get("indenter", {})).items() if v is not None}
     values = {"material": BURGERS | changes.get("material", {}), "indenter": indenter, "protocol": TEST}
     extra = {key: value for key, value in changes.items() if key == "mechanisms"}
@@ -303,15 +237,7 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics, 
         case(specimen=solid.specimen, indenter=solid.indenter, protocol=solid.protocol, large=large, shift=shift)
         for shift in (0.0, 0.5)
     ]
-    alone = [case.alone().depth for case in cases]
-    monkeypatch.setattr(batch, "indent_on", None)
-    within = 1e-5 if large or "material" in changes else 1e-8
-    if large and solid.indenter.friction:
-        within = 5e-4 if solid.specimen.adhesion else 1e-4
-    if large and solid.size_length:
-        within = 1e-3
-    for history, depth in zip(batch.indent_batch(cases), alone, strict=True):
-        assert np.abs(history.depth - depth).max() < within * depth.max()
+    assert_cases_as_alone(cases)
 
 
 def losing_the_second(tries):
@@ -328,21 +254,11 @@ def losing_the_second(tries):
     return advance
 
 
-def test_a_lane_without_equilibrium_is_simulated_alone(monkeypatch):
-    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=1000))
-    first, second = case(), case(indenter=Indenter("cone", 68.0))
-    histories = batch.indent_batch([first, second])
-    alone = indent(second.specimen, second.indenter, second.protocol, second.resolution)
-    assert histories[0].reason == ""
-    np.testing.assert_array_equal(histories[1].depth, alone.depth)
-
-
 def test_a_lane_that_finds_equilibrium_in_parts_of_a_step_goes_on_in_lanes(monkeypatch):
     """Its first step is then halved three times, and later ones begin from there; its neighbours differ by rounding."""
     cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
     whole = batch.indent_batch(cases)
     monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=3))
-    monkeypatch.setattr(batch, "indent_on", None)
     histories = batch.indent_batch(cases)
     for place in (0, 2):
         np.testing.assert_allclose(histories[place].depth, whole[place].depth, rtol=1e-12)

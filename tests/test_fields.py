@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from bodies import case_of, internal_force, moments
 
 from palpate.cli import main
 from palpate.fem.batch_newton import TOLERANCE
@@ -81,6 +82,8 @@ def test_hertz_stress_on_the_axis():
     assert fields.element_von_mises[highest] == pytest.approx(0.62 * peak, rel=0.03)
     assert -centres[highest, 1] == pytest.approx(0.48 * a, rel=0.1)
     assert centres[highest, 0] < 0.1 * a
+    touched = fields.mesh.nodes[fields.touching, 0]
+    assert touched.max() == pytest.approx(a, rel=0.1)
 
 
 def test_von_mises_of_pure_shear_and_of_tension():

@@ -1,4 +1,4 @@
-"""Large strains against closed forms of a homogeneous body, and against what CalculiX found under the cone."""
+"""Large strains and friction against what CalculiX found under the cone; closed forms are in `test_element`."""
 
 from dataclasses import replace
 

@@ -1,4 +1,13 @@
-"""Internal forces and stiffness at large strains, as `palpate.fem.hencky`, for `LANES` bodies of one shape at once.
+"""Internal forces and stiffness at large strains and rotations, for `LANES` bodies of one shape at once.
+
+E = (1/2) ln(F^T F) takes the place of the linear strain, so any law written for small strains becomes one for large
+strains, with the same update (Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425).
+tr E = ln J, averaged over the element.
+
+The law's stress T counts per present area, as a laboratory and Abaqus mean it: its power is J T : dE/dt per undeformed
+volume. Where the axes keep still T is the Cauchy stress; without the factor J it would be Kirchhoff's, which under a
+cone hardens a polymer by the few per cent that it is compressed. With J there is no potential: the tangent has the
+unsymmetric part f (d ln J / du)^T.
 
 Branches cost lanes, so nothing is turned to the axes of stretch. With C - 1 in r and z split into its mean m, half the
 difference h and the shear c, and s = h^2 + c^2, the logarithmic strain is an isotropic function of two scalars,

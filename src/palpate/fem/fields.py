@@ -7,7 +7,7 @@ the right stretch, d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)) and the mean J of the
     S_aa = T_aa / l_a,   S_12 = 2 d T_12,   sigma = (J / det F) F S F^T.
 
 Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425, section 3; for J see
-`palpate.fem.hencky`.
+`palpate.fem.batch_hencky`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Contact of surface nodes with a rigid indenter, along its true normal, with friction or without.
 
 A node that touches lies on the indenter, u_z = f(x + u_x, y + u_y) - depth, and slides along it; at small strains f is
-taken along its tangent at (x, y), as in the plane (`palpate.fem.contact`). One that an iteration finds inside it joins
-by the linearised constraint: the next change of displacements closes its gap.
+taken along its tangent at (x, y). One that an iteration finds inside it joins by the linearised constraint: the next
+change of displacements closes its gap.
 """
 
 from __future__ import annotations

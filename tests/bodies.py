@@ -1,0 +1,61 @@
+"""Bodies of revolution as the solver passes through them, and the forces that their stresses bear."""
+
+import numpy as np
+
+from palpate.fem.batch import Case, run_lanes
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.fields import cauchy_stress, displacement_gradient
+from palpate.fem.profile import Profile
+from palpate.variation import acting
+
+
+def case_of(specification):
+    """Return the indentation that a specification asks for."""
+    solid = acting(specification)
+    resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large)
+
+
+def moments(case):
+    """Return the body at the end of each time step."""
+    found = []
+    (history,) = run_lanes([case], observe=found.append)
+    assert history.reason == ""
+    return found
+
+
+def internal_force(moment):
+    """Return the force (n, 2) [mN] that the stresses ask for at the nodes, by the principle of virtual work."""
+    mesh, stress = moment.mesh, cauchy_stress(moment)
+    gradient, hoop = displacement_gradient(mesh, moment.displacement)
+    if not moment.large:
+        gradient, hoop = 0 * gradient, 0 * hoop
+    deformation = np.eye(2) + gradient
+    shape = np.einsum("egja,egji->egia", mesh.gradients[:, :, :2], np.linalg.inv(deformation))
+    around = mesh.gradients[:, :, 2] / (1.0 + hoop)[..., None]
+    weights = mesh.weights * np.linalg.det(deformation) * (1.0 + hoop)
+    rr, zz, tt, rz = np.moveaxis(stress, -1, 0)[..., None]
+    along_r = np.einsum("eg,ega->ea", weights, rr * shape[:, :, 0] + rz * shape[:, :, 1] + tt * around)
+    along_z = np.einsum("eg,ega->ea", weights, rz * shape[:, :, 0] + zz * shape[:, :, 1])
+    force = np.zeros((len(mesh.nodes), 2))
+    np.add.at(force, mesh.elements, np.stack([along_r, along_z], axis=-1))
+    return force
+
+
+def on_surface(moment, indenter):
+    """Return what the tip does to the nodes of the surface off the axis.
+
+    Returns
+    -------
+    nodes : ndarray of int, shape (k,)
+    gap : ndarray, shape (k,)
+        Along z, negative inside the tip [um].
+    normal, tangential : ndarray, shape (k,)
+        sqrt(1 + f'^2) times the pressing force, and the force along the generator, outwards [mN].
+    """
+    nodes = moment.mesh.surface[1:]
+    r, moved = moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0]
+    height, slope, _ = Profile.of(indenter).beneath(r, moved, moment.large)
+    radial, vertical = internal_force(moment)[nodes].T
+    gap = height - moment.depth - moment.displacement[nodes, 1]
+    return nodes, gap, slope * radial - vertical, radial + slope * vertical
