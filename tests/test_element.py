@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch import Case, begun, padded
 from palpate.fem.batch_contact import contact_forces

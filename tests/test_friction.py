@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from bodies import moments, on_surface
 
 from palpate.fem import batch, batch_newton
 from palpate.fem.batch import Case, indent_batch
