@@ -2,6 +2,7 @@
 
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from palpate.fem import batch_march, batch_newton
 from palpate.fem.batch import Case, indent_batch, run_lanes
 from palpate.fem.batch_element import Body
+from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_vector import LANES
 from palpate.fem.discretisation import RESOLUTIONS, step_times
@@ -142,8 +144,11 @@ def newton_norms(opened, iterations):
     force_weight, depth_weight, target = equation
     forces, forward, direction = np.zeros((3, *displacement.shape))
     tangent, toward, work = np.zeros((len(body.radial), 2, 4, LANES)), np.zeros(LANES), np.zeros(LANES)
+    slips, changed = np.zeros((len(body.radial), LANES)), np.zeros(LANES, dtype=bool)
     none, all_of_it, norms = np.zeros(LANES, dtype=bool), np.ones(LANES), []
     for _ in range(iterations):
+        shares = batch_newton.shares_of(large, body, contact, state, displacement, depth)
+        turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, none)
         batch_newton.internal_forces(large, body, points, laws, weights, displacement, forces)
         batch_newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, none)
         excess = reaction * force_weight + depth * depth_weight - target
@@ -162,13 +167,13 @@ def test_newton_converges_quadratically(large, friction, monkeypatch):
     """At large strains, where half of the tangent's unsymmetric part is left out, by a constant factor."""
     cone, protocol = replace(CONE, friction=friction), trapezoid(1.0, 30.0, 0.0, 30.0)
     norms = newton_norms(opened_step(monkeypatch, 12, Case(Specimen(law()), cone, protocol, STANDARD, large)), 12)
-    print(norms)
-    tail = norms[norms < 1e-2]
+    tail = norms[norms < 1e-3]
     assert tail[-1] < 1e-12
     if large:
         assert np.all(tail[1:] < 0.2 * tail[:-1] + 1e-13)
     else:
-        assert np.all(tail[1:] < 30 * tail[:-1] ** 2 + 1e-13)
+        curvature = 1000 if friction else 100  # friction bends over a little slip, contact over its width
+        assert np.all(tail[1:] < curvature * tail[:-1] ** 2 + 1e-13)
 
 
 @pytest.mark.parametrize("large", [False, True])
@@ -208,8 +213,11 @@ def test_time_scaling(large):
     assert depth(scaled, trapezoid(1.0, 30.0 * b, 0.0, 30.0 * b), large=large) == pytest.approx(one, rel=1e-6)
 
 
-def sneddon_ratio(resolution, half_angle=89.0):
-    """Depth over Sneddon's for a shallow cone, where his small-slope solution is exact."""
+def sneddon_ratio(resolution, half_angle=89.99):
+    """Depth over Sneddon's for a shallow cone, where his small-slope solution is exact.
+
+    At 89 degrees what the surface moves inwards along the cone, which he leaves out, is 0.15 % of the depth.
+    """
     modulus, ratio, load = 3.28, 0.34, 1e-3
     h = depth(
         law("elastic", youngs_modulus=modulus, poisson_ratio=ratio),
@@ -307,8 +315,7 @@ def test_a_plastic_cone_keeps_to_its_law_from_the_first_sample(large):
     plastic = law("bilinear_plasticity", youngs_modulus=3.0, poisson_ratio=0.34, yield_stress=0.1, hardening=0.3)
     protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=40)
     constant = depth(plastic, protocol, large=large)[:20] / np.sqrt(protocol.sample_load[:20])
-    print(np.abs(constant / constant[-1] - 1.0).max())
-    assert np.abs(constant / constant[-1] - 1.0).max() < 0.006
+    assert np.abs(constant / constant[-1] - 1.0).max() < 0.004
 
 
 @pytest.mark.parametrize(
@@ -320,8 +327,19 @@ def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stre
     protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=60)
     plastic = law("bilinear_plasticity", **constants)
     constant = depth(plastic, protocol, large=large)[2:30] / np.sqrt(protocol.sample_load[2:30])
-    print(np.abs(constant / constant.mean() - 1.0).max())
-    assert constant == pytest.approx(constant.mean(), rel=0.03)
+    assert constant == pytest.approx(constant.mean(), rel=0.008)
+
+
+def contact_radius(moment):
+    """Return the distance from the axis [um] at which the surface bears half of the median pressure of the contact."""
+    mesh, stress = moment.mesh, Fields.of(moment).stress
+    surface = mesh.surface[1:]
+    places = mesh.nodes[surface, 0] + moment.large * moment.displacement[surface, 0]
+    beside = [np.flatnonzero(np.isin(mesh.elements, pair).sum(axis=1) == 2)[0] for pair in pairwise(surface)]
+    centre, pressure = 0.5 * (places[1:] + places[:-1]), -stress[beside, :, 1].mean(axis=1)
+    half = 0.5 * np.median(pressure[pressure > 0.3 * pressure.max()])
+    last = np.flatnonzero(pressure > half)[-1]
+    return np.interp(half, pressure[[last + 1, last]], centre[[last + 1, last]])
 
 
 @pytest.mark.parametrize(
@@ -331,31 +349,50 @@ def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stre
 def test_a_solid_that_never_hardens_bears_a_rounded_tip(tip, load, large):
     """Its hardness is two to three times its yield stress, as slip lines have it, and its surface never folds."""
     constants = {"youngs_modulus": 70.0, "poisson_ratio": 0.3, "yield_stress": 0.3, "hardening": 0.0}
+    plastic, protocol = law("bilinear_plasticity", **constants), trapezoid(load, 10.0, 0.0, 10.0, points=40)
     hardness, stretches = [], []
 
     def observe(moment):
         surface = moment.mesh.surface
         r, moved = moment.mesh.nodes[surface, 0], moment.displacement[surface, 0]
         stretches.append(1.0 + (np.diff(moved) / np.diff(r)).min())
-        edge = np.flatnonzero(Fields.of(moment).touching[surface])[-1]
         if 2.0 < moment.time <= 10.0:
-            radius = (r + large * moved)[edge]  # at small strains forces count per undeformed area
-            hardness.append(moment.load / (np.pi * radius**2 * 0.3))
+            hardness.append(moment.load / (np.pi * contact_radius(moment) ** 2 * 0.3))
 
-    plastic, protocol = law("bilinear_plasticity", **constants), trapezoid(load, 10.0, 0.0, 10.0, points=40)
-    (outcome,) = run_lanes([Case(Specimen(plastic), tip, protocol, STANDARD, large)], observe=observe)
-    print(min(hardness), max(hardness), min(stretches))
+    for case in Case(Specimen(plastic), tip, protocol, STANDARD, large).and_merged:
+        hardness.clear()
+        stretches.clear()
+        (outcome,) = run_lanes([case], observe=observe)
+        if not outcome.reason:
+            break
     assert outcome.reason == ""
-    assert 1.6 < min(hardness) < max(hardness) < 3.0
+    assert 2.0 < min(hardness) < max(hardness) < 3.0
     assert min(stretches) > 0.0
 
 
-def test_a_sphere_that_sinks_in_beyond_its_radius_is_a_failure():
-    """At small strains nothing stops it: 20 radii deep, a curve would look whole."""
+@pytest.mark.parametrize(
+    ("key", "constants", "load"),
+    [
+        ("bilinear_plasticity", {"youngs_modulus": 10.0, "yield_stress": 0.1, "hardening": 0.05}, 1.0),
+        ("elastic", {"youngs_modulus": 1.0}, 5.0),
+    ],
+)
+def test_a_sphere_that_sinks_in_beyond_its_radius_is_a_failure(key, constants, load):
+    """At small strains nothing stops it: many radii deep, a curve would look whole."""
+    tip, protocol = Indenter("sphere", radius=1000.0), trapezoid(load, 10.0, 0.0, 10.0, points=20)
+    outcome = simulate(Specification(key, constants | {"poisson_ratio": 0.3}, tip, protocol))
+    assert outcome.status == "failed"
+    assert "beyond its radius" in outcome.reason
+    assert np.isnan(outcome.depth[-1])
+    assert np.nanmax(outcome.depth) <= 1000.0
+
+
+def test_a_sphere_under_which_a_body_gives_way_is_a_failure():
+    """It never hardens: the tip falls through by many radii within one step, from where nothing is in equilibrium."""
     constants = {"youngs_modulus": 10.0, "poisson_ratio": 0.3, "yield_stress": 0.1, "hardening": 0.0}
     tip, protocol = Indenter("sphere", radius=1000.0), trapezoid(1.0, 10.0, 0.0, 10.0, points=20)
     outcome = simulate(Specification("bilinear_plasticity", constants, tip, protocol))
     assert outcome.status == "failed"
-    assert "beyond its radius" in outcome.reason
+    assert outcome.reason
     assert np.isnan(outcome.depth[-1])
     assert np.nanmax(outcome.depth) <= 1000.0

@@ -234,7 +234,7 @@ def begun(
     contact = contact_of(
         profiles, np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes]),
         [case.indenter.friction for case in lanes], sticking, units, body.distance, area, smallest,
-        hosts[0].largest / units[0], resolution.growth,
+        np.array([case.largest for case in hosts]) / units, resolution.growth,
     )  # fmt: skip
     march = March(large, body, bodies, contact, drives, units, system, tolerance, *np.zeros((2, LANES), dtype=np.int64))
     first = np.array([case.times[0] for case in hosts])

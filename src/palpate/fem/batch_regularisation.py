@@ -48,7 +48,7 @@ def contact_of(
     distance: np.ndarray,
     area: np.ndarray,
     smallest: np.ndarray,
-    largest: float,
+    largest: np.ndarray,
     growth: float,
 ) -> Contact:
     """Return the contact of surface nodes at distances (k,) from the axis.
@@ -67,14 +67,15 @@ def contact_of(
         That belongs to each node.
     smallest : ndarray, shape (LANES,)
         Smallest contact radius that counts.
-    largest
+    largest : ndarray, shape (LANES,)
         Largest contact radius.
     growth
         Ratio of neighbouring rings.
     """
     spacing = np.gradient(distance)
     spacing[0] = distance[1]
-    spacing = np.minimum(spacing, spacing[min(np.searchsorted(distance, FARTHEST * largest), len(distance) - 1)])
+    farthest = np.minimum(np.searchsorted(distance, FARTHEST * largest), len(distance) - 1)
+    spacing = np.minimum(spacing[:, None], spacing[farthest])
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
     blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
     reach, attraction = np.ones(LANES), np.zeros((len(distance), LANES))
@@ -83,7 +84,7 @@ def contact_of(
             reach[lane], attraction[:, lane] = adhesion.reach / units[lane], adhesion.hold
     return Contact(
         Tip.of(profiles),
-        spacing[:, None] * WIDTH * excess**WIDTH_POWER,
+        spacing * WIDTH * excess**WIDTH_POWER,
         area,
         STIFFNESS * excess**STIFFNESS_POWER,
         np.repeat([[blend], [BLEND_OF_SPHERE - blend]], LANES, axis=1),
