@@ -1,14 +1,21 @@
 """Lanes: their arithmetic, their linear solver, and that no indentation depends on those beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numba import njit
 from scipy.linalg import solveh_banded
+from scipy.stats import norm
 
 from palpate.fem import batch, batch_march, batch_newton
-from palpate.fem.batch_banded import PANEL, solve
+from palpate.fem.batch_banded import PANEL, solve, solve_again
+from palpate.fem.batch_contact import contact_forces, penetration, width_of
+from palpate.fem.batch_element import Body
+from palpate.fem.batch_tip import profile_at
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, store
 from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.mesh import polar_mesh
 from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.model import simulate, simulate_batch, specification_from
@@ -77,9 +84,12 @@ def test_banded_solution_is_that_of_lapack(size):
         band[i :: reach + PANEL] = lower[i]
     first, second = right.copy()
     solve(band, np.empty((0, LANES)), size, reach + PANEL, first, second)
+    again = right[0].copy()
+    solve_again(band, np.empty((0, LANES)), size, reach + PANEL, again)
     for lane in range(LANES):
         expected = solveh_banded(lower[:, :, lane], right[:, :, lane].T, lower=True)
         np.testing.assert_allclose(np.column_stack([first[:, lane], second[:, lane]]), expected, atol=1e-14)
+        np.testing.assert_allclose(again[:, lane], expected[:, 0], atol=1e-14)
 
 
 @pytest.mark.parametrize("size", [3, 60, 61, 62, 63])
@@ -96,9 +106,22 @@ def test_solution_with_an_unsymmetric_matrix_is_that_of_lapack(size):
     right = rng.normal(size=(2, size, LANES))
     first, second = right.copy()
     solve(lower, upper, size, reach + PANEL, first, second)
+    again = right[0].copy()
+    solve_again(lower, upper, size, reach + PANEL, again)
     for lane in range(LANES):
         expected = np.linalg.solve(matrices[lane], right[:, :, lane].T)
         np.testing.assert_allclose(np.column_stack([first[:, lane], second[:, lane]]), expected, atol=1e-14)
+        np.testing.assert_allclose(again[:, lane], expected[:, 0], atol=1e-14)
+
+
+def test_a_matrix_that_is_not_positive_definite_spoils_its_own_lane_alone():
+    matrix = np.zeros((12 * (1 + PANEL), LANES))
+    matrix[:: 1 + PANEL] = 2.0
+    matrix[4 * (1 + PANEL), 1] = -2.0
+    first, second = np.ones((2, 12, LANES))
+    solve(matrix, np.empty((0, LANES)), 12, 1 + PANEL, first, second)
+    assert np.isnan(first[:, 1]).any()
+    assert np.delete(first, 1, axis=1) == pytest.approx(0.5)
 
 
 def test_friction_and_its_absence_do_not_share_lanes():
@@ -240,6 +263,55 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
     assert_cases_as_alone(cases)
 
 
+@pytest.mark.parametrize("large", [False, True])
+@pytest.mark.parametrize("work", [0.0, 100.0])
+@pytest.mark.parametrize("tip", [Indenter("cone", 70.3), Indenter("sphero_cone", 70.3, 200.0)], ids=["cone", "rounded"])
+def test_contact_forces_have_a_potential(tip, work, large):
+    """Without friction no work is left after a way round; without adhesion it is the difference of the potential.
+
+    That is the sum of C p A w ((x^2 + 2 b - 1) Phi(x) + x phi(x)) / 2, see `palpate.fem.batch_contact`.
+    """
+    lanes = batch.padded([case(specimen=replace(case().specimen, adhesion=work), indenter=tip, large=large)])
+    units = np.array([each.radii[0] for each in lanes])
+    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    body = Body.of(mesh)
+    march, states = batch.begun(lanes, lanes, mesh, body, units, batch_newton.System.of(body, True), 1e-9)
+    contact, state, count = march.contact, states.contact, len(body.distance)
+    rng = np.random.default_rng(4)
+    width = np.array([width_of(contact, state, k, 0) for k in range(count)])
+    reference = np.array([profile_at(large, contact.tip, 0, r, 0.0)[0] for r in body.distance])
+
+    def corner():
+        u = np.zeros((body.size + 1, LANES))
+        u[body.radial[1:]] = (width * rng.uniform(-1.0, 1.0, count))[1:, None]
+        u[body.vertical] = (reference + width * rng.uniform(-2.0, 2.0, count))[:, None]
+        return u, np.full(LANES, rng.uniform(-0.3, 0.3) * width[0])
+
+    def work_between(start, end):
+        total = 0.0
+        for node, weight in zip(*np.polynomial.legendre.leggauss(80), strict=True):
+            share = 0.5 * (1.0 + node)
+            u, depth = ((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))
+            forces, load, tangent = np.zeros_like(u), np.zeros(LANES), np.zeros((count, 2, 4, LANES))
+            contact_forces(large, body, contact, state, u, depth, forces, load, tangent, np.zeros(LANES, dtype=bool))
+            along = forces[:, 0] @ (end[0] - start[0])[:, 0] + load[0] * (end[1] - start[1])[0]
+            total += 0.5 * weight * along
+        return total
+
+    def potential(u, depth):
+        x = np.array([penetration(large, body, contact, state, u, depth, k, 0)[0] for k in range(count)])
+        b = contact.blend[0, 0] + (state.exponent[0] - 1.0) * contact.blend[1, 0]
+        scale = contact.stiffness[0] * state.pressure[0] * contact.area * width
+        return (scale * 0.5 * ((x * x + 2.0 * b - 1.0) * norm.cdf(x) + x * norm.pdf(x))).sum()
+
+    first, second, third = corner(), corner(), corner()
+    there, across, back = work_between(first, second), work_between(second, third), work_between(third, first)
+    size = max(abs(there), abs(across), abs(back))
+    assert there + across + back == pytest.approx(0.0, abs=1e-9 * size)
+    if not work:
+        assert there == pytest.approx(potential(*second) - potential(*first), abs=1e-9 * size)
+
+
 def losing_the_second(tries):
     """Return `advance` of a march whose second lane finds no equilibrium in the first so many steps that it takes."""
     left = [tries]
@@ -252,6 +324,17 @@ def losing_the_second(tries):
             found[1] = False
 
     return advance
+
+
+def test_a_lane_without_equilibrium_fails_alone(monkeypatch):
+    cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
+    whole = batch.indent_batch(cases)
+    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=1000))
+    histories = batch.indent_batch(cases)
+    assert [history.reason for history in histories] == ["", "no equilibrium beyond 0 s", ""]
+    assert np.all(np.isnan(histories[1].depth))
+    for place in (0, 2):
+        np.testing.assert_allclose(histories[place].depth, whole[place].depth, rtol=1e-12)
 
 
 def test_a_lane_that_finds_equilibrium_in_parts_of_a_step_goes_on_in_lanes(monkeypatch):
