@@ -10,15 +10,16 @@ so no derivative of the depth jumps when contact spreads. What is smeared out is
 where b = 1, and where b = 1/2 by the kernel of fourth order, whose second moment vanishes. Values of b between the two
 make the error of first order in the element's size vanish (`BLEND`; a larger b lets the tip sink in less).
 
-p is the mean pressure of the contact, sum F / sum A Phi(x), as a step finds it or leaves it, and so the penetration
-that a typical pressure needs is the same share of w from a soft body to a hard one, and from the first contact to the
-last. The width is measured in the rise of the tip over one element at the edge of contact,
+p is the mean pressure of the contact, and so the penetration that a typical pressure needs is the same share of w from
+a soft body to a hard one, and from the first contact to the last. The width is measured in the rise of the tip over one
+element at the edge of contact,
 
-    w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),
+    w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),    p = F / (pi a^2),
 
-with the local distance l of nodes; it narrows with the root of p in unloading. Nothing here has a length or a stress of
-its own: scaling laws of sharp tips hold exactly. The force has a potential, so the stiffness is symmetric without
-friction.
+with the local distance l of nodes; it narrows with the root of p in unloading. Both a and p belong to the equilibrium
+that a step looks for: each iteration takes them from its own displacements (`adapt`), so the contact has no memory.
+Nothing here has a length or a stress of its own: scaling laws of sharp tips hold exactly. At given a and p the force
+has a potential, so the stiffness is symmetric without friction.
 
 Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels
 of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
@@ -39,6 +40,8 @@ from palpate.fem.batch_vector import LANES
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
+FASTEST = 2.0  # factor by which the pressure changes at most from one iteration to the next
+ROUNDS = 2  # in which the radius of contact and the width that it determines are found together
 
 
 class Contact(NamedTuple):
@@ -77,25 +80,28 @@ class Contact(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """What of it changes from step to step.
+    """What of it changes.
 
     Attributes
     ----------
-    pressure, largest, pressure_then : ndarray, shape (LANES,)
-        Mean pressure, largest force of the contact so far, and the pressure then.
+    pressure, area : ndarray, shape (LANES,)
+        Mean pressure p and area pi a^2.
     rise : ndarray, shape (LANES,)
-        f'(a) (1 + n) / 2 at the edge of contact.
-    exponent : ndarray, shape (LANES,)
-        n.
+        f'(a) (1 + n) / 2 at the edge of contact, and how far it has narrowed: w / (s l).
+    blend : ndarray, shape (LANES,)
+        b.
+    strongest, widest : ndarray, shape (LANES,)
+        Largest force p pi a^2 and largest area so far.
     anchor, share, place : ndarray, shape (k, LANES)
         See `palpate.fem.batch_friction`.
     """
 
     pressure: np.ndarray
-    largest: np.ndarray
-    pressure_then: np.ndarray
+    area: np.ndarray
     rise: np.ndarray
-    exponent: np.ndarray
+    blend: np.ndarray
+    strongest: np.ndarray
+    widest: np.ndarray
     anchor: np.ndarray
     share: np.ndarray
     place: np.ndarray
@@ -110,8 +116,7 @@ def normal_distribution(x):
 @njit(cache=True, error_model="numpy")
 def width_of(contact, state, k, lane):
     """Return the width w over which the gap of a node closes."""
-    narrowing = math.sqrt(state.pressure[lane] / state.pressure_then[lane])
-    return contact.width[k, lane] * state.rise[lane] * min(narrowing, 1.0)
+    return contact.width[k, lane] * state.rise[lane]
 
 
 @njit(cache=True, error_model="numpy")
@@ -128,7 +133,7 @@ def penetration(large, body, contact, state, displacement, depth, k, lane):
 def force_on(contact, state, x, k, lane):
     """Return force and derivative by the gap of the penetration x of a node."""
     share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-    blend = contact.blend[0, lane] + (state.exponent[lane] - 1.0) * contact.blend[1, lane]
+    blend = state.blend[lane]
     scale = contact.stiffness[lane] * state.pressure[lane] * contact.area[k]
     width = width_of(contact, state, k, lane)
     return scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
@@ -136,7 +141,9 @@ def force_on(contact, state, x, k, lane):
 
 @njit(cache=True, error_model="numpy")
 def begin_step(large, body, contact, state, displacement, depth):
-    """Note where the nodes are, and which share of them touches, at the start of a step."""
+    """Note where the nodes are, and which share of them touches, at the start of a step with friction."""
+    if not np.any(contact.friction > 0.0):
+        return
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
             x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
@@ -145,40 +152,52 @@ def begin_step(large, body, contact, state, displacement, depth):
 
 
 @njit(cache=True, error_model="numpy")
-def settle(large, body, contact, state, displacement, depth, lanes, least):
-    """Take pressure and radius of the contact as they are, in some `lanes` (LANES,); return where they changed by more.
-
-    Parameters
-    ----------
-    least
-        Share of the pressure that counts as a change.
-    """
-    area, total, changed = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES, dtype=np.bool_)
-    for k in range(body.radial.shape[0]):
-        for lane in range(LANES):
-            if lanes[lane]:
+def adapt(large, body, contact, state, displacement, depth, bearing, done):
+    """Take pressure and radius of the contact from the displacements and the load that it is `bearing` (LANES,)."""
+    for _ in range(ROUNDS):
+        area, pull = np.zeros(LANES), np.zeros(LANES)
+        for k in range(body.radial.shape[0]):
+            for lane in range(LANES):
+                if done[lane]:
+                    continue
                 x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
                 area[lane] += contact.area[k] * normal_distribution(x)
-                total[lane] += force_on(contact, state, x, k, lane)[0]
-    for lane in range(LANES):
-        if not lanes[lane]:
-            continue
-        pressure, a = total[lane] / area[lane], math.sqrt(area[lane] / math.pi)
-        if total[lane] >= state.largest[lane]:
-            state.largest[lane], state.pressure_then[lane] = total[lane], pressure
-        pressure = max(pressure, LEAST_PRESSURE * state.pressure_then[lane])
-        changed[lane] = abs(pressure - state.pressure[lane]) > least * state.pressure[lane]
-        state.pressure[lane] = pressure
-        height, slope, _ = profile_at(large, contact.tip, lane, a, 0.0)
-        exponent = a * slope / height
-        state.exponent[lane] = 0.5 * (state.exponent[lane] + exponent)
-        state.rise[lane] = 0.5 * (state.rise[lane] + 0.5 * slope * (1.0 + exponent))
-    return changed
+                if contact.attraction[k, lane] > 0.0:
+                    pull[lane] += attraction_on(contact, state, x, k, lane)[0]
+        for lane in range(LANES):
+            if done[lane] or not np.isfinite(area[lane] + bearing[lane] + pull[lane]):
+                continue
+            radius = math.sqrt(area[lane] / math.pi)
+            height, slope, _ = profile_at(large, contact.tip, lane, radius, 0.0)
+            exponent = radius * slope / height
+            least, most = state.pressure[lane] / FASTEST, state.pressure[lane] * FASTEST
+            pressure = min(max((bearing[lane] + pull[lane]) / area[lane], least), most)
+            strongest = max(state.strongest[lane], pressure * area[lane])
+            usual = strongest / max(state.widest[lane], area[lane])
+            state.pressure[lane] = max(pressure, LEAST_PRESSURE * usual)
+            state.area[lane] = area[lane]
+            narrowing = math.sqrt(min(1.0, state.pressure[lane] / usual))
+            state.rise[lane] = 0.5 * slope * (1.0 + exponent) * narrowing
+            state.blend[lane] = contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
+
+
+@njit(cache=True, error_model="numpy")
+def attraction_on(contact, state, x, k, lane):
+    """Return the force of attraction on a node, and its derivative by the penetration."""
+    share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+    gap = width_of(contact, state, k, lane) * (x * share + density - x)
+    pull = contact.attraction[k, lane] * math.exp(-gap / contact.reach[lane])
+    return pull, pull * (1.0 - share) / contact.reach[lane]
 
 
 @njit(cache=True, error_model="numpy")
 def end_step(large, body, contact, state, displacement, depth):
-    """Move the anchors of friction to where they are at the end of a step."""
+    """Note how large force and area have been, and move the anchors of friction to where they are."""
+    for lane in range(LANES):
+        state.strongest[lane] = max(state.strongest[lane], state.pressure[lane] * state.area[lane])
+        state.widest[lane] = max(state.widest[lane], state.area[lane])
+    if not np.any(contact.friction > 0.0):
+        return
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
             x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
@@ -207,10 +226,8 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
                 slope, curvature = 0.0, 0.0
             net, net_rate = push, rate
             if contact.attraction[k, lane] > 0.0:
-                share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-                gap = width_of(contact, state, k, lane) * (x * share + density - x)
-                pull = contact.attraction[k, lane] * math.exp(-gap / contact.reach[lane])
-                net, net_rate = net - pull, net_rate - pull * (1.0 - share) / contact.reach[lane]
+                pull, pull_rate = attraction_on(contact, state, x, k, lane)
+                net, net_rate = net - pull, net_rate - pull_rate
             pressing, pressing_rate = max(push, 0.0), rate if push > 0.0 else 0.0
             m, m_r, m_g = 0.0, 0.0, 0.0
             if contact.friction[lane] > 0.0 and r >= 0:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.batch_contact import Contact, ContactState, begin_step, end_step, settle
+from palpate.fem.batch_contact import Contact, ContactState, begin_step, end_step
 from palpate.fem.batch_drive import Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points, turn
@@ -20,8 +20,6 @@ from palpate.fem.batch_newton import System, advance
 from palpate.fem.batch_specimens import Specimens
 from palpate.specimen import halfway
 
-SETTLINGS = 4  # times that a step finds equilibrium again under the pressure that it has found
-UNSETTLED = 0.15  # change of that pressure from which it does
 HALVINGS = 6  # of a step that finds no equilibrium
 FARTHEST = 0.2  # of the depth, that one iteration moves a node
 STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
@@ -113,32 +111,15 @@ class March:
         """
         self.open(states, begin, end)
         states.displacement, states.depth = states.displacement + change, states.depth + deepening
-        found = self._balanced(states, end, change, lanes)
-        unsettled = found & self._settled(states, found)
-        for _ in range(SETTLINGS):
-            if not unsettled.any():
-                break
-            again = self._balanced(states, end, change, unsettled)
-            found &= again | ~unsettled
-            unsettled = again & self._settled(states, again)
-        end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
-        self.steps[found] += 1
-        return found
-
-    def _balanced(self, states: States, end: np.ndarray, change: np.ndarray, lanes: np.ndarray) -> np.ndarray:
-        """Bring some lanes into equilibrium at the `end`; return which found it."""
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,
             self.drives.equation(end), self.drives.scale, self.tolerance, self._stride(states, change),
             states.displacement, states.depth, states.reaction, self.system, found, self.iterations,
         )  # fmt: skip
+        end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
+        self.steps[found] += 1
         return found
-
-    def _settled(self, states: States, lanes: np.ndarray) -> np.ndarray:
-        """Let the contact of some lanes take its own pressure; return where it changed so much that forces change."""
-        state, body = states.contact, self.body
-        return settle(self.large, body, self.contact, state, states.displacement, states.depth, lanes, UNSETTLED)
 
     def open(self, states: States, begin: np.ndarray, end: np.ndarray) -> None:
         """Open a step from one time to another [s]: laws and weights at its middle, and what the history fixes."""

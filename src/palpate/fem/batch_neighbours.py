@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem.batch_contact import end_step, settle
+from palpate.fem.batch_contact import end_step
 from palpate.fem.batch_march import March, States
 from palpate.fem.batch_newton import correct
 
@@ -57,9 +57,6 @@ class Neighbours:
                 march.large, march.body, states.points, march.contact, states.contact, states.laws, states.weights,
                 march.drives.equation(end), states.displacement, states.depth, states.reaction, march.system, lanes,
                 CORRECTIONS,
-            )  # fmt: skip
-            settle(
-                march.large, march.body, march.contact, states.contact, states.displacement, states.depth, lanes, 0.0
             )  # fmt: skip
             end_step(march.large, march.body, march.contact, states.contact, states.displacement, states.depth)
             if states is not self.states[k]:

@@ -22,7 +22,7 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import add_tangent, contact_forces, normal_distribution, penetration
+from palpate.fem.batch_contact import adapt, add_tangent, contact_forces, normal_distribution, penetration
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -122,6 +122,7 @@ def advance(
             shares = shares_of(large, body, contact, state, displacement, depth)
             turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
+        adapt(large, body, contact, state, displacement, depth, bearing(body, forces, equation), done)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, done)
         excess[:] = reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
@@ -180,6 +181,19 @@ def factor(body, tangent, geometric, system, forces, forward):
     add_tangent(body, tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
     forward[:], system.sideways[:] = forces, system.border
     solve(system.band, system.upper, body.size, body.width, forward, system.sideways)
+
+
+@njit(cache=True)
+def bearing(body, forces, equation):
+    """Return the load (LANES,) that the contact bears: what is prescribed, or what the internal `forces` hold."""
+    force_weight, depth_weight, target = equation
+    held = target / np.maximum(force_weight, 1e-300)
+    for lane in range(LANES):
+        if depth_weight[lane] > 0.0:
+            held[lane] = 0.0
+            for k in range(body.vertical.shape[0]):
+                held[lane] -= forces[body.vertical[k], lane]
+    return held
 
 
 @njit(cache=True)
@@ -296,6 +310,7 @@ def correct(
     tangent = np.zeros((body.radial.shape[0], 2, 4, LANES))
     for iteration in range(times + 1):
         internal_forces(large, body, points, laws, weights, displacement, forces)
+        adapt(large, body, contact, state, displacement, depth, bearing(body, forces, equation), ~lanes)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, ~lanes)
         if iteration == times:
             break

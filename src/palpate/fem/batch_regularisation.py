@@ -9,6 +9,7 @@ both.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -74,8 +75,7 @@ def contact_of(
     """
     spacing = np.gradient(distance)
     spacing[0] = distance[1]
-    farthest = np.minimum(np.searchsorted(distance, FARTHEST * largest), len(distance) - 1)
-    spacing = np.minimum(spacing[:, None], spacing[farthest])
+    spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
     blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
     reach, attraction = np.ones(LANES), np.zeros((len(distance), LANES))
@@ -105,8 +105,9 @@ def first_contact(
     pressure = np.array(
         [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
     )
-    exponent, places = smallest * slope / height, np.repeat(distance[:, None], LANES, axis=1)
-    rise = 0.5 * slope * (1.0 + exponent)
+    rise, places = 0.5 * slope * (1.0 + smallest * slope / height), np.repeat(distance[:, None], LANES, axis=1)
+    blend, none = np.full(LANES, BLEND), np.zeros(LANES)
+    area = math.pi * smallest**2
     return ContactState(
-        pressure, np.zeros(LANES), pressure.copy(), rise, exponent, places, np.zeros_like(places), places.copy()
-    )
+        pressure, area, rise, blend, none, none.copy(), places, np.zeros_like(places), places.copy()
+    )  # fmt: skip
