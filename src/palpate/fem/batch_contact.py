@@ -41,6 +41,7 @@ FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of no
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 FASTEST = 2.0  # factor by which the pressure changes at most from one iteration to the next
+WIDER = 1e-5  # of the area, for derivatives by it
 ROUNDS = 2  # in which the radius of contact and the width that it determines are found together
 
 
@@ -155,30 +156,87 @@ def begin_step(large, body, contact, state, displacement, depth):
 def adapt(large, body, contact, state, displacement, depth, bearing, done):
     """Take pressure and radius of the contact from the displacements and the load that it is `bearing` (LANES,)."""
     for _ in range(ROUNDS):
-        area, pull = np.zeros(LANES), np.zeros(LANES)
-        for k in range(body.radial.shape[0]):
-            for lane in range(LANES):
-                if done[lane]:
-                    continue
-                x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-                area[lane] += contact.area[k] * normal_distribution(x)
-                if contact.attraction[k, lane] > 0.0:
-                    pull[lane] += attraction_on(contact, state, x, k, lane)[0]
+        area, pull = touching(large, body, contact, state, displacement, depth, done)
         for lane in range(LANES):
-            if done[lane] or not np.isfinite(area[lane] + bearing[lane] + pull[lane]):
+            push = bearing[lane] + pull[lane]
+            if not done[lane] and np.isfinite(area[lane] + push):
+                state.area[lane] = area[lane]
+                least, most = state.pressure[lane] / FASTEST, state.pressure[lane] * FASTEST
+                take_pressure(contact, state, min(max(push / area[lane], least), most), lane)
+
+
+@njit(cache=True, error_model="numpy")
+def touching(large, body, contact, state, displacement, depth, done):
+    """Return the area (LANES,) of the contact, and the attraction (LANES,) that acts on the surface."""
+    area, pull = np.zeros(LANES), np.zeros(LANES)
+    for k in range(body.radial.shape[0]):
+        for lane in range(LANES):
+            if done[lane]:
                 continue
-            radius = math.sqrt(area[lane] / math.pi)
-            height, slope, _ = profile_at(large, contact.tip, lane, radius, 0.0)
-            exponent = radius * slope / height
-            least, most = state.pressure[lane] / FASTEST, state.pressure[lane] * FASTEST
-            pressure = min(max((bearing[lane] + pull[lane]) / area[lane], least), most)
-            strongest = max(state.strongest[lane], pressure * area[lane])
-            usual = strongest / max(state.widest[lane], area[lane])
-            state.pressure[lane] = max(pressure, LEAST_PRESSURE * usual)
-            state.area[lane] = area[lane]
-            narrowing = math.sqrt(min(1.0, state.pressure[lane] / usual))
-            state.rise[lane] = 0.5 * slope * (1.0 + exponent) * narrowing
-            state.blend[lane] = contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
+            x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            area[lane] += contact.area[k] * normal_distribution(x)
+            if contact.attraction[k, lane] > 0.0:
+                pull[lane] += attraction_on(contact, state, x, k, lane)[0]
+    return area, pull
+
+
+@njit(cache=True, error_model="numpy")
+def take_pressure(contact, state, pressure, lane):
+    """Let a contact of a known area have a `pressure`, and the width and the b that belong to both."""
+    area = state.area[lane]
+    radius = math.sqrt(area / math.pi)
+    height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
+    exponent = radius * slope / height
+    usual = max(state.strongest[lane], pressure * area) / max(state.widest[lane], area)
+    state.pressure[lane] = max(pressure, LEAST_PRESSURE * usual)
+    narrowing = math.sqrt(min(1.0, state.pressure[lane] / usual))
+    state.rise[lane] = 0.5 * slope * (1.0 + exponent) * narrowing
+    state.blend[lane] = contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
+
+
+@njit(cache=True, error_model="numpy")
+def spread(large, body, contact, state, displacement, depth, done, widening, swelling, growth):
+    """Write how forces and area of the contact depend on each other, for Newton's method.
+
+    Parameters
+    ----------
+    widening : ndarray, shape (size + 1, LANES)
+        Out: derivative of the area by the displacements, and by the depth as its last row.
+    swelling : ndarray, shape (size + 1, LANES)
+        Out: derivative of the residual by the area, at the same load, whose pressure and width follow.
+    growth : ndarray, shape (LANES,)
+        Out: derivative of the load by the area.
+    """
+    size, count = body.size, body.radial.shape[0]
+    wider = ContactState(
+        state.pressure.copy(), state.area * (1.0 + WIDER), state.rise.copy(), state.blend.copy(), state.strongest,
+        state.widest, state.anchor, state.share, state.place,
+    )  # fmt: skip
+    for lane in range(LANES):
+        take_pressure(contact, wider, state.pressure[lane] / (1.0 + WIDER), lane)
+    load, tangent, now = np.zeros(LANES), np.zeros((count, 2, 4, LANES)), np.zeros_like(swelling)
+    contact_forces(large, body, contact, state, displacement, depth, now, load, tangent, done)
+    swelling[:] = 0.0
+    contact_forces(large, body, contact, wider, displacement, depth, swelling, growth, tangent, done)
+    step = WIDER * state.area
+    swelling[:] = (swelling - now) / step
+    growth[:] = (growth - load) / step
+    touched, _ = touching(large, body, contact, state, displacement, depth, done)
+    reached, _ = touching(large, body, contact, wider, displacement, depth, done)
+    feedback = 1.0 - (reached - touched) / step
+    widening[:] = 0.0
+    for k in range(count):
+        r, z = body.radial[k], body.vertical[k]
+        for lane in range(LANES):
+            if done[lane]:
+                continue
+            x, _, slope, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            density = math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+            rate = contact.area[k] * density / width_of(contact, state, k, lane) / feedback[lane]
+            widening[z, lane] += rate
+            widening[size, lane] += rate
+            if r >= 0:
+                widening[r, lane] -= rate * slope
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,10 +1,12 @@
 """One time step of `LANES` indentations at once: Newton's method on equilibrium, law and contact together.
 
 The depth h of the tip is one more unknown beside the displacements u, and what is prescribed of load F and depth one
-more equation (`palpate.fem.batch_drive`). With the band matrix K of body and contact, the derivatives k of all forces
-by the depth, and those of the load by displacements r and depth c, every iteration solves
+more equation (`palpate.fem.batch_drive`). So is the area S of the contact, which pressure and width of the contact
+follow (`palpate.fem.batch_contact.adapt`). With the band matrix K of body and contact, the derivatives k and s of all
+forces by depth and area, those of the load r, c and g by displacements, depth and area, and those of the area v and b
+by displacements and depth, every iteration solves
 
-    K du + k dh = -R,    force_weight (r du + c dh) + depth_weight dh = -excess.
+    K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh.
 
 A factor of the matrix serves `REUSES` iterations. Each lane goes its own path: a line search along Newton's direction,
 by the secant, until the work of the forces along it falls below 0.8 of what it was. All lanes are assembled and
@@ -22,7 +24,14 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import adapt, add_tangent, contact_forces, normal_distribution, penetration
+from palpate.fem.batch_contact import (
+    adapt,
+    add_tangent,
+    contact_forces,
+    normal_distribution,
+    penetration,
+    spread,
+)
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -54,6 +63,10 @@ class System(NamedTuple):
         Derivative of the load by the depth.
     sideways : ndarray, shape (size + 1, LANES)
         Solution for the border.
+    widening, swelling : ndarray, shape (size + 1, LANES)
+        Derivatives of the area, and solution for those of all forces by it, see `palpate.fem.batch_contact.spread`.
+    growth : ndarray, shape (LANES,)
+        Derivative of the load by the area.
     """
 
     band: np.ndarray
@@ -62,6 +75,9 @@ class System(NamedTuple):
     row: np.ndarray
     corner: np.ndarray
     sideways: np.ndarray
+    widening: np.ndarray
+    swelling: np.ndarray
+    growth: np.ndarray
 
     @classmethod
     def of(cls, body: Body, symmetric: bool) -> System:
@@ -69,7 +85,8 @@ class System(NamedTuple):
         band, border = np.empty((body.size * body.width + 1, LANES)), np.zeros((body.size + 1, LANES))
         upper = np.empty((0, LANES)) if symmetric else np.empty_like(band)
         row = border if symmetric else np.zeros_like(border)
-        return cls(band, upper, border, row, np.zeros(LANES), np.zeros_like(border))
+        corner, growth, further = np.zeros(LANES), np.zeros(LANES), (np.zeros_like(border) for _ in range(3))
+        return cls(band, upper, border, row, corner, *further, growth)
 
 
 @njit(cache=True, error_model="numpy")
@@ -109,7 +126,7 @@ def advance(
     size, count = body.size, body.radial.shape[0]
     force_weight, depth_weight, target = equation
     forces, forward = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
-    direction, toward = np.zeros((size + 1, LANES)), np.zeros(LANES)
+    direction, toward, swelling = np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros((size + 1, LANES))
     excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     tangent, slips, changed = np.zeros((count, 2, 4, LANES)), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
@@ -154,6 +171,10 @@ def advance(
         if np.all(done):
             break
         if fresh:
+            spread(
+                large, body, contact, state, displacement, depth, done, system.widening, system.swelling, system.growth
+            )  # fmt: skip
+            swelling[:] = system.swelling
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, tangent, geometric, system, forces, forward)
         elif np.any(solving):
@@ -163,6 +184,7 @@ def advance(
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
+            system.swelling[:] = swelling
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, tangent, geometric, system, forces, forward)
             direct(system, forces, forward, force_weight, depth_weight, excess, indefinite, direction, toward, start)
@@ -181,6 +203,7 @@ def factor(body, tangent, geometric, system, forces, forward):
     add_tangent(body, tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
     forward[:], system.sideways[:] = forces, system.border
     solve(system.band, system.upper, body.size, body.width, forward, system.sideways)
+    solve_again(system.band, system.upper, body.size, body.width, system.swelling)
 
 
 @njit(cache=True)
@@ -267,22 +290,28 @@ def measure(forces, direction, size, norm, work):
 def direct(system, forces, forward, force_weight, depth_weight, excess, solving, direction, toward, start):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    The depth is eliminated from the bordered system; the matrix times `forward` is the `forces`. Where it is not
+    Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. Where it is not
     positive definite, the work is NaN.
     """
-    size, row, sideways = forces.shape[0] - 1, system.row, system.sideways
-    ahead, aside = splat(0.0), splat(0.0)
+    size = forces.shape[0] - 1
+    row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling
+    zero = splat(0.0)
+    load_ahead, load_aside, load_spread, area_ahead, area_aside, area_spread = zero, zero, zero, zero, zero, zero
     for i in range(size):
-        ahead = ahead + load(row, i) * load(forward, i)
-        aside = aside + load(row, i) * load(sideways, i)
+        r, v, f, s, w = load(row, i), load(widening, i), load(forward, i), load(sideways, i), load(swelling, i)
+        load_ahead, load_aside, load_spread = load_ahead + r * f, load_aside + r * s, load_spread + r * w
+        area_ahead, area_aside, area_spread = area_ahead + v * f, area_aside + v * s, area_spread + v * w
     weight, rest = load(force_weight, 0), load(excess, 0)
-    pivot = weight * (load(system.corner, 0) - aside) + load(depth_weight, 0)
-    change = (weight * ahead - rest) / where_less(splat(0.0), pivot, pivot, splat(np.nan))
+    by_area = (load(system.growth, 0) - load_spread) / (splat(1.0) + area_spread)
+    by_depth = load(widening, size) - area_aside
+    pivot = weight * (load(system.corner, 0) - load_aside + by_area * by_depth) + load(depth_weight, 0)
+    change = (weight * (load_ahead + by_area * area_ahead) - rest) / where_less(zero, pivot, pivot, splat(np.nan))
+    wider = (change * by_depth - area_ahead) / (splat(1.0) + area_spread)
     chosen = np.where(solving, 1.0, 0.0)
     mask = load(chosen, 0)
     total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
     for i in range(size):
-        value = splat(0.0) - load(forward, i) - change * load(sideways, i)
+        value = zero - load(forward, i) - change * load(sideways, i) - wider * load(swelling, i)
         total = total + value * load(forces, i)
         store(direction, i, where_less(mask, splat(0.5), load(direction, i), value))
     store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
