@@ -17,7 +17,7 @@ element at the edge of contact,
     w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),    p = F / (pi a^2),
 
 with the local distance l of nodes; it narrows with the root of p in unloading. Both a and p belong to the equilibrium
-that a step looks for: each iteration takes them from its own displacements (`adapt`), so the contact has no memory.
+that a step looks for, so the contact has no memory but for the largest force and area so far.
 Nothing here has a length or a stress of its own: scaling laws of sharp tips hold exactly. At given a and p the force
 has a potential, so the stiffness is symmetric without friction.
 
@@ -40,9 +40,8 @@ from palpate.fem.batch_vector import LANES
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
-FASTEST = 2.0  # factor by which the pressure changes at most from one iteration to the next
-WIDER = 1e-5  # of the area, for derivatives by it
-ROUNDS = 2  # in which the radius of contact and the width that it determines are found together
+WIDER = 1e-6  # of the area, for derivatives by it
+FAR = -8.0  # widths, beyond which a node bears nothing
 
 
 class Contact(NamedTuple):
@@ -85,22 +84,24 @@ class ContactState(NamedTuple):
 
     Attributes
     ----------
-    pressure, area : ndarray, shape (LANES,)
-        Mean pressure p and area pi a^2.
-    rise : ndarray, shape (LANES,)
-        f'(a) (1 + n) / 2 at the edge of contact, and how far it has narrowed: w / (s l).
-    blend : ndarray, shape (LANES,)
-        b.
+    area, pull : ndarray, shape (LANES,)
+        Area pi a^2, an unknown of the equilibrium, and the attraction of the whole surface.
+    pressure, rise, blend : ndarray, shape (LANES,)
+        p, w / (s l) and b.
+    by_area : ndarray, shape (3, LANES)
+        Derivatives by the area of the logarithms of p and w, and of b.
     strongest, widest : ndarray, shape (LANES,)
         Largest force p pi a^2 and largest area so far.
     anchor, share, place : ndarray, shape (k, LANES)
         See `palpate.fem.batch_friction`.
     """
 
-    pressure: np.ndarray
     area: np.ndarray
+    pull: np.ndarray
+    pressure: np.ndarray
     rise: np.ndarray
     blend: np.ndarray
+    by_area: np.ndarray
     strongest: np.ndarray
     widest: np.ndarray
     anchor: np.ndarray
@@ -110,8 +111,8 @@ class ContactState(NamedTuple):
 
 @njit(cache=True)
 def normal_distribution(x):
-    """Return Phi(x), not below 1e-28."""
-    return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0))
+    """Return Phi(x), not below 1e-28, and phi(x)."""
+    return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0)), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
 
 
 @njit(cache=True, error_model="numpy")
@@ -131,13 +132,37 @@ def penetration(large, body, contact, state, displacement, depth, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def force_on(contact, state, x, k, lane):
-    """Return force and derivative by the gap of the penetration x of a node."""
-    share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-    blend = state.blend[lane]
-    scale = contact.stiffness[lane] * state.pressure[lane] * contact.area[k]
-    width = width_of(contact, state, k, lane)
-    return scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
+def share_of(large, body, contact, state, displacement, depth, k, lane):
+    """Return which share of a node touches, and where it is."""
+    x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+    return normal_distribution(x)[0], place
+
+
+@njit(cache=True, error_model="numpy")
+def fit(contact, state, push, done):
+    """Let pressure, width and b be what they are at the state's area where tip and surface `push` (LANES,) so much."""
+    for lane in range(LANES):
+        if done[lane]:
+            continue
+        area = state.area[lane]
+        pressure, rise, blend = fitted(contact, state, push[lane], area, lane)
+        then, steeper, blended = fitted(contact, state, push[lane], area * (1.0 + WIDER), lane)
+        state.pressure[lane], state.rise[lane], state.blend[lane] = pressure, rise, blend
+        state.by_area[0, lane] = (then / pressure - 1.0) / (WIDER * area)
+        state.by_area[1, lane] = (steeper / rise - 1.0) / (WIDER * area)
+        state.by_area[2, lane] = (blended - blend) / (WIDER * area)
+
+
+@njit(cache=True, error_model="numpy")
+def fitted(contact, state, push, area, lane):
+    """Return pressure, rise and b of a contact of some `area`."""
+    radius = math.sqrt(area / math.pi)
+    height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
+    exponent = radius * slope / height
+    usual = max(state.strongest[lane], push) / max(state.widest[lane], area)
+    pressure = max(push / area, LEAST_PRESSURE * usual)
+    rise = 0.5 * slope * (1.0 + exponent) * math.sqrt(min(1.0, pressure / usual))
+    return pressure, rise, contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
 
 
 @njit(cache=True, error_model="numpy")
@@ -147,105 +172,8 @@ def begin_step(large, body, contact, state, displacement, depth):
         return
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
-            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-            state.share[k, lane] = normal_distribution(x)
-            state.place[k, lane] = place
-
-
-@njit(cache=True, error_model="numpy")
-def adapt(large, body, contact, state, displacement, depth, bearing, done):
-    """Take pressure and radius of the contact from the displacements and the load that it is `bearing` (LANES,)."""
-    for _ in range(ROUNDS):
-        area, pull = touching(large, body, contact, state, displacement, depth, done)
-        for lane in range(LANES):
-            push = bearing[lane] + pull[lane]
-            if not done[lane] and np.isfinite(area[lane] + push):
-                state.area[lane] = area[lane]
-                least, most = state.pressure[lane] / FASTEST, state.pressure[lane] * FASTEST
-                take_pressure(contact, state, min(max(push / area[lane], least), most), lane)
-
-
-@njit(cache=True, error_model="numpy")
-def touching(large, body, contact, state, displacement, depth, done):
-    """Return the area (LANES,) of the contact, and the attraction (LANES,) that acts on the surface."""
-    area, pull = np.zeros(LANES), np.zeros(LANES)
-    for k in range(body.radial.shape[0]):
-        for lane in range(LANES):
-            if done[lane]:
-                continue
-            x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-            area[lane] += contact.area[k] * normal_distribution(x)
-            if contact.attraction[k, lane] > 0.0:
-                pull[lane] += attraction_on(contact, state, x, k, lane)[0]
-    return area, pull
-
-
-@njit(cache=True, error_model="numpy")
-def take_pressure(contact, state, pressure, lane):
-    """Let a contact of a known area have a `pressure`, and the width and the b that belong to both."""
-    area = state.area[lane]
-    radius = math.sqrt(area / math.pi)
-    height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
-    exponent = radius * slope / height
-    usual = max(state.strongest[lane], pressure * area) / max(state.widest[lane], area)
-    state.pressure[lane] = max(pressure, LEAST_PRESSURE * usual)
-    narrowing = math.sqrt(min(1.0, state.pressure[lane] / usual))
-    state.rise[lane] = 0.5 * slope * (1.0 + exponent) * narrowing
-    state.blend[lane] = contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
-
-
-@njit(cache=True, error_model="numpy")
-def spread(large, body, contact, state, displacement, depth, done, widening, swelling, growth):
-    """Write how forces and area of the contact depend on each other, for Newton's method.
-
-    Parameters
-    ----------
-    widening : ndarray, shape (size + 1, LANES)
-        Out: derivative of the area by the displacements, and by the depth as its last row.
-    swelling : ndarray, shape (size + 1, LANES)
-        Out: derivative of the residual by the area, at the same load, whose pressure and width follow.
-    growth : ndarray, shape (LANES,)
-        Out: derivative of the load by the area.
-    """
-    size, count = body.size, body.radial.shape[0]
-    wider = ContactState(
-        state.pressure.copy(), state.area * (1.0 + WIDER), state.rise.copy(), state.blend.copy(), state.strongest,
-        state.widest, state.anchor, state.share, state.place,
-    )  # fmt: skip
-    for lane in range(LANES):
-        take_pressure(contact, wider, state.pressure[lane] / (1.0 + WIDER), lane)
-    load, tangent, now = np.zeros(LANES), np.zeros((count, 2, 4, LANES)), np.zeros_like(swelling)
-    contact_forces(large, body, contact, state, displacement, depth, now, load, tangent, done)
-    swelling[:] = 0.0
-    contact_forces(large, body, contact, wider, displacement, depth, swelling, growth, tangent, done)
-    step = WIDER * state.area
-    swelling[:] = (swelling - now) / step
-    growth[:] = (growth - load) / step
-    touched, _ = touching(large, body, contact, state, displacement, depth, done)
-    reached, _ = touching(large, body, contact, wider, displacement, depth, done)
-    feedback = 1.0 - (reached - touched) / step
-    widening[:] = 0.0
-    for k in range(count):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            if done[lane]:
-                continue
-            x, _, slope, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-            density = math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-            rate = contact.area[k] * density / width_of(contact, state, k, lane) / feedback[lane]
-            widening[z, lane] += rate
-            widening[size, lane] += rate
-            if r >= 0:
-                widening[r, lane] -= rate * slope
-
-
-@njit(cache=True, error_model="numpy")
-def attraction_on(contact, state, x, k, lane):
-    """Return the force of attraction on a node, and its derivative by the penetration."""
-    share, density = normal_distribution(x), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-    gap = width_of(contact, state, k, lane) * (x * share + density - x)
-    pull = contact.attraction[k, lane] * math.exp(-gap / contact.reach[lane])
-    return pull, pull * (1.0 - share) / contact.reach[lane]
+            share, place = share_of(large, body, contact, state, displacement, depth, k, lane)
+            state.share[k, lane], state.place[k, lane] = share, place
 
 
 @njit(cache=True, error_model="numpy")
@@ -258,52 +186,122 @@ def end_step(large, body, contact, state, displacement, depth):
         return
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
-            x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+            share, place = share_of(large, body, contact, state, displacement, depth, k, lane)
             slip = 2.0 * contact.slip[k, lane]
-            anchor = anchored(state, place, normal_distribution(x), k, lane)
-            state.anchor[k, lane] = min(max(anchor, place - slip), place + slip)
+            state.anchor[k, lane] = min(max(anchored(state, place, share, k, lane), place - slip), place + slip)
+
+
+class Coupling(NamedTuple):
+    """How forces and area of the contact depend on where its nodes are, and on each other.
+
+    Attributes
+    ----------
+    tangent : ndarray, shape (k, 2, 4, LANES)
+        Derivatives of a node's radial residual by u_r and by u_z, and those of its vertical one; by the depth they are
+        those by u_z. The second of the two leaves out what keeps a matrix from being positive definite: the rise of
+        the force where b < 1 makes it fall, attraction that decays, and a tip that curves away.
+    by_area : ndarray, shape (k, 2, LANES)
+        Derivatives of its radial and its vertical residual by the area, at the same load.
+    touching : ndarray, shape (k, 2, LANES)
+        Derivatives of the sum of A Phi(x) by u_r and by u_z.
+    area, feedback : ndarray, shape (LANES,)
+        That sum, and its derivative by the area that the width belongs to.
+    """
+
+    tangent: np.ndarray
+    by_area: np.ndarray
+    touching: np.ndarray
+    area: np.ndarray
+    feedback: np.ndarray
+
+
+@njit(cache=True)
+def no_coupling(count):
+    """Return storage for the coupling of so many nodes."""
+    return Coupling(
+        np.zeros((count, 2, 4, LANES)), np.zeros((count, 2, LANES)), np.zeros((count, 2, LANES)), np.zeros(LANES),
+        np.zeros(LANES),
+    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
-def contact_forces(large, body, contact, state, displacement, depth, forces, load, tangent, done):
-    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,) and `tangent` (k, 2, 4, LANES).
-
-    The tangent holds the derivatives of a node's radial residual by u_r and by u_z, and those of its vertical one; by
-    the depth they are those by u_z. The second of the two leaves out what keeps a matrix from being positive definite:
-    the rise of the force where b < 1 makes it fall, attraction that decays, and a tip that curves away.
-    """
-    load[:] = 0.0
+def contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, done):
+    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,), attraction and `coupling`."""
+    for lane in range(LANES):
+        if not done[lane]:
+            load[lane], state.pull[lane], coupling.area[lane], coupling.feedback[lane] = 0.0, 0.0, 0.0, 0.0
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
         for lane in range(LANES):
             if done[lane]:
                 continue
             x, place, slope, curvature = penetration(large, body, contact, state, displacement, depth, k, lane)
-            push, rate = force_on(contact, state, x, k, lane)
+            if x < FAR and contact.attraction[k, lane] == 0.0:
+                coupling.tangent[k, :, :, lane] = 0.0
+                coupling.by_area[k, :, lane] = 0.0
+                coupling.touching[k, :, lane] = 0.0
+                continue
+            width = width_of(contact, state, k, lane)
+            pressing, widening, blending = state.by_area[0, lane], state.by_area[1, lane], state.by_area[2, lane]
+            share, density = normal_distribution(x)
+            blend, scale = state.blend[lane], contact.stiffness[lane] * state.pressure[lane] * contact.area[k]
+            push, rate = scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
+            swell = push * pressing - rate * x * width * widening + scale * density * blending
             if r < 0:
                 slope, curvature = 0.0, 0.0
-            net, net_rate = push, rate
+            net, net_rate, net_swell = push, rate, swell
             if contact.attraction[k, lane] > 0.0:
-                pull, pull_rate = attraction_on(contact, state, x, k, lane)
-                net, net_rate = net - pull, net_rate - pull_rate
-            pressing, pressing_rate = max(push, 0.0), rate if push > 0.0 else 0.0
+                gap, reach = width * (x * share + density - x), contact.reach[lane]
+                pull = contact.attraction[k, lane] * math.exp(-gap / reach)
+                state.pull[lane] += pull
+                net, net_rate = net - pull, net_rate - pull * (1.0 - share) / reach
+                net_swell += pull * width * widening * density / reach
+            if push <= 0.0:
+                push, rate, swell = 0.0, 0.0, 0.0
             m, m_r, m_g = 0.0, 0.0, 0.0
             if contact.friction[lane] > 0.0 and r >= 0:
-                width = width_of(contact, state, k, lane)
-                m, m_r, m_g = friction_ratio(contact, state, place, normal_distribution(x), x, width, k, lane)
-            forces[z, lane] += net + m * pressing * slope
-            load[lane] += net + m * pressing * slope
+                m, m_r, m_g = friction_ratio(contact, state, place, share, density, width, k, lane)
+            along_swell = m * swell - m_g * push * x * width * widening
+            forces[z, lane] += net + m * push * slope
+            load[lane] += net + m * push * slope
+            coupling.by_area[k, 1, lane] = net_swell + along_swell * slope
+            coupling.area[lane] += contact.area[k] * share
+            coupling.feedback[lane] -= contact.area[k] * density * x * widening
+            coupling.touching[k, 1, lane] = contact.area[k] * density / width
             if r >= 0:
-                forces[r, lane] += m * pressing - net * slope
+                forces[r, lane] += m * push - net * slope
+                coupling.by_area[k, 0, lane] = along_swell - net_swell * slope
+                coupling.touching[k, 0, lane] = -coupling.touching[k, 1, lane] * slope
             for part in range(2):
                 if part == 1:
                     net_rate, curvature = max(rate, 0.0), min(curvature, 0.0)
-                along = m * pressing_rate + m_g * pressing
+                along = m * rate + m_g * push
                 by_gap, vertical = along - net_rate * slope, net_rate + along * slope
-                tangent[k, part, 0, lane] = m_r * pressing - by_gap * slope - net * curvature
-                tangent[k, part, 1, lane] = by_gap
-                tangent[k, part, 2, lane] = m_r * pressing * slope - vertical * slope + m * pressing * curvature
-                tangent[k, part, 3, lane] = vertical
+                coupling.tangent[k, part, 0, lane] = m_r * push - by_gap * slope - net * curvature
+                coupling.tangent[k, part, 1, lane] = by_gap
+                coupling.tangent[k, part, 2, lane] = m_r * push * slope - vertical * slope + m * push * curvature
+                coupling.tangent[k, part, 3, lane] = vertical
+
+
+@njit(cache=True, error_model="numpy")
+def spread(body, coupling, widening, swelling, growth):
+    """Write the derivatives of the area, of the residual by it (size + 1, LANES), and of the load by it (LANES,).
+
+    Those of the area are by the displacements, and by the depth in the last row.
+    """
+    size = widening.shape[0] - 1
+    widening[:], swelling[:], growth[:] = 0.0, 0.0, 0.0
+    for k in range(body.radial.shape[0]):
+        r, z = body.radial[k], body.vertical[k]
+        for lane in range(LANES):
+            rate = coupling.touching[k, 1, lane] / (1.0 - coupling.feedback[lane])
+            widening[z, lane] += rate
+            widening[size, lane] += rate
+            swelling[z, lane] += coupling.by_area[k, 1, lane]
+            growth[lane] += coupling.by_area[k, 1, lane]
+            if r >= 0:
+                widening[r, lane] += coupling.touching[k, 0, lane] / (1.0 - coupling.feedback[lane])
+                swelling[r, lane] += coupling.by_area[k, 0, lane]
 
 
 @njit(cache=True)

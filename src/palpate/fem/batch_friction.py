@@ -40,8 +40,8 @@ def anchored(state, place, share, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def friction_ratio(contact, state, place, share, x, width, k, lane):
-    """Return m with its derivatives by the distance from the axis, and by the gap, of a node at x widths."""
+def friction_ratio(contact, state, place, share, density, width, k, lane):
+    """Return m with its derivatives by the distance from the axis, and by the gap, whose share is Phi(g / width)."""
     mu, slip_length, before = contact.friction[lane], contact.slip[k, lane], state.share[k, lane]
     if share < LEAST_SHARE:
         return 0.0, 0.0, 0.0
@@ -53,7 +53,6 @@ def friction_ratio(contact, state, place, share, x, width, k, lane):
     if share <= before:
         return m, rate, 0.0
     midway = 0.5 * (state.place[k, lane] + place)
-    density = math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
     drag = before * (midway - state.anchor[k, lane]) / share**2 * density / width
     return m, rate * (1.0 - 0.5 * (share - before) / share), -rate * drag
 

@@ -51,8 +51,10 @@ class Neighbours:
         for k, march in enumerate(self.marches):
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
             away, deeper = states.displacement - start.displacement, states.depth - start.depth
+            wider = states.contact.area - start.contact.area
             march.open(states, begin, end)
             states.displacement, states.depth = arrived.displacement + away, arrived.depth + deeper
+            states.contact.area[:] = arrived.contact.area + wider
             correct(
                 march.large, march.body, states.points, march.contact, states.contact, states.laws, states.weights,
                 march.drives.equation(end), states.displacement, states.depth, states.reaction, march.system, lanes,

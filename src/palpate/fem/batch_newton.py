@@ -2,11 +2,11 @@
 
 The depth h of the tip is one more unknown beside the displacements u, and what is prescribed of load F and depth one
 more equation (`palpate.fem.batch_drive`). So is the area S of the contact, which pressure and width of the contact
-follow (`palpate.fem.batch_contact.adapt`). With the band matrix K of body and contact, the derivatives k and s of all
-forces by depth and area, those of the load r, c and g by displacements, depth and area, and those of the area v and b
-by displacements and depth, every iteration solves
+follow (`palpate.fem.batch_contact`). With the band matrix K of body and contact, the derivatives k and s of all forces
+by depth and area, those of the load r, c and g by displacements, depth and area, those of the area v and b by
+displacements and depth, and what S is too large by, e, every iteration solves
 
-    K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh.
+    K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh - e.
 
 A factor of the matrix serves `REUSES` iterations. Each lane goes its own path: a line search along Newton's direction,
 by the secant, until the work of the forces along it falls below 0.8 of what it was. All lanes are assembled and
@@ -24,14 +24,7 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import (
-    adapt,
-    add_tangent,
-    contact_forces,
-    normal_distribution,
-    penetration,
-    spread,
-)
+from palpate.fem.batch_contact import add_tangent, contact_forces, fit, no_coupling, share_of, spread
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -41,6 +34,7 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
+LESS = 100.0  # times less closely the area of contact needs to be met
 TIGHT = 1e-9  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -126,9 +120,9 @@ def advance(
     size, count = body.size, body.radial.shape[0]
     force_weight, depth_weight, target = equation
     forces, forward = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
-    direction, toward, swelling = np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros((size + 1, LANES))
+    direction, toward, wider = np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
     excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
-    tangent, slips, changed = np.zeros((count, 2, 4, LANES)), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
+    coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
@@ -139,8 +133,9 @@ def advance(
             shares = shares_of(large, body, contact, state, displacement, depth)
             turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        adapt(large, body, contact, state, displacement, depth, bearing(body, forces, equation), done)
-        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, done)
+        push = pushing(body, state, forces, equation)
+        fit(contact, state, push, done)
+        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
         excess[:] = reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
         work += toward * excess / np.maximum(force_weight, STIFFEST)
@@ -151,72 +146,83 @@ def advance(
             spent[lane] += 1
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
+            unlike = abs(coupling.area[lane] - state.area[lane]) / state.area[lane]
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
-                move(displacement, depth, direction, toward, lane, -fraction[lane])
-            elif imbalance < tolerance:
+                move(displacement, depth, state, direction, toward, wider, lane, -fraction[lane])
+            elif max(imbalance, unlike / LESS) < tolerance:
                 done[lane] = True
             elif (
                 searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
-                move(displacement, depth, direction, toward, lane, shorter - fraction[lane])
+                move(displacement, depth, state, direction, toward, wider, lane, shorter - fraction[lane])
                 fraction[lane] = shorter
             else:
                 solving[lane] = True
         if np.all(done):
             break
         if fresh:
-            spread(
-                large, body, contact, state, displacement, depth, done, system.widening, system.swelling, system.growth
-            )  # fmt: skip
-            swelling[:] = system.swelling
             stiffness(large, body, points, laws, displacement, geometric, system.band)
-            factor(body, tangent, geometric, system, forces, forward)
+            factor(body, coupling, geometric, system, forces, forward)
         elif np.any(solving):
             forward[:] = forces
             solve_again(system.band, system.upper, size, body.width, forward)
-        direct(system, forces, forward, force_weight, depth_weight, excess, solving, direction, toward, start)
+        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
+        direct(
+            system, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+        )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
             geometric[:] = np.where(indefinite, 0.0, 1.0)
-            system.swelling[:] = swelling
             stiffness(large, body, points, laws, displacement, geometric, system.band)
-            factor(body, tangent, geometric, system, forces, forward)
-            direct(system, forces, forward, force_weight, depth_weight, excess, indefinite, direction, toward, start)
+            factor(body, coupling, geometric, system, forces, forward)
+            direct(
+                system, forces, forward, force_weight, depth_weight, excess, late, indefinite, direction, toward, wider,
+                start,
+            )  # fmt: skip
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
-                shorten(direction, toward, start, lane, farthest[lane])
-                move(displacement, depth, direction, toward, lane, 1.0)
+                wider[lane] = min(max(wider[lane], -0.5 * state.area[lane]), state.area[lane])
+                shorten(direction, toward, wider, start, lane, farthest[lane])
+                move(displacement, depth, state, direction, toward, wider, lane, 1.0)
     alive &= done
 
 
 @njit(cache=True)
-def factor(body, tangent, geometric, system, forces, forward):
+def factor(body, coupling, geometric, system, forces, forward):
     """Complete the matrix by the contact, factor it and solve for the `forces`."""
-    add_tangent(body, tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
+    spread(body, coupling, system.widening, system.swelling, system.growth)
+    add_tangent(body, coupling.tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
     forward[:], system.sideways[:] = forces, system.border
     solve(system.band, system.upper, body.size, body.width, forward, system.sideways)
     solve_again(system.band, system.upper, body.size, body.width, system.swelling)
 
 
 @njit(cache=True)
-def bearing(body, forces, equation):
-    """Return the load (LANES,) that the contact bears: what is prescribed, or what the internal `forces` hold."""
+def pushing(body, state, forces, equation):
+    """Return the force (LANES,) between surface and tip, attraction aside: what is prescribed, or what `forces` hold.
+
+    Where it is not prescribed, it changes by no more than a factor of two from one iteration to the next.
+    """
     force_weight, depth_weight, target = equation
-    held = target / np.maximum(force_weight, 1e-300)
+    push = np.zeros(LANES)
     for lane in range(LANES):
-        if depth_weight[lane] > 0.0:
-            held[lane] = 0.0
+        if depth_weight[lane] == 0.0:
+            push[lane] = target[lane] / force_weight[lane]
+        else:
             for k in range(body.vertical.shape[0]):
-                held[lane] -= forces[body.vertical[k], lane]
-    return held
+                push[lane] -= forces[body.vertical[k], lane]
+        if depth_weight[lane] > 0.0 or state.pull[lane] > 0.0:
+            before = state.pressure[lane] * state.area[lane]
+            push[lane] = min(max(push[lane] + state.pull[lane], 0.5 * before), 2.0 * before)
+    return push
 
 
 @njit(cache=True)
@@ -225,8 +231,7 @@ def shares_of(large, body, contact, state, displacement, depth):
     shares = np.zeros((body.radial.shape[0], LANES))
     for k in range(body.radial.shape[0]):
         for lane in range(LANES):
-            x, _, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-            shares[k, lane] = normal_distribution(x)
+            shares[k, lane] = share_of(large, body, contact, state, displacement, depth, k, lane)[0]
     return shares
 
 
@@ -255,15 +260,16 @@ def unbalanced(work, start, tries):
 
 
 @njit(cache=True)
-def move(displacement, depth, direction, toward, lane, distance):
+def move(displacement, depth, state, direction, toward, wider, lane, distance):
     """Move one lane along its direction."""
     for i in range(displacement.shape[0] - 1):
         displacement[i, lane] += distance * direction[i, lane]
     depth[lane] += distance * toward[lane]
+    state.area[lane] += distance * wider[lane]
 
 
 @njit(cache=True)
-def shorten(direction, toward, start, lane, farthest):
+def shorten(direction, toward, wider, start, lane, farthest):
     """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that."""
     if farthest == np.inf:
         return
@@ -271,6 +277,7 @@ def shorten(direction, toward, start, lane, farthest):
     if largest > farthest:
         direction[:, lane] *= farthest / largest
         toward[lane] *= farthest / largest
+        wider[lane] *= farthest / largest
         start[lane] *= farthest / largest
 
 
@@ -287,7 +294,9 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def direct(system, forces, forward, force_weight, depth_weight, excess, solving, direction, toward, start):
+def direct(
+    system, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+):  # fmt: skip
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. Where it is not
@@ -301,20 +310,22 @@ def direct(system, forces, forward, force_weight, depth_weight, excess, solving,
         r, v, f, s, w = load(row, i), load(widening, i), load(forward, i), load(sideways, i), load(swelling, i)
         load_ahead, load_aside, load_spread = load_ahead + r * f, load_aside + r * s, load_spread + r * w
         area_ahead, area_aside, area_spread = area_ahead + v * f, area_aside + v * s, area_spread + v * w
+    area_ahead = area_ahead + load(late, 0)
     weight, rest = load(force_weight, 0), load(excess, 0)
     by_area = (load(system.growth, 0) - load_spread) / (splat(1.0) + area_spread)
     by_depth = load(widening, size) - area_aside
     pivot = weight * (load(system.corner, 0) - load_aside + by_area * by_depth) + load(depth_weight, 0)
     change = (weight * (load_ahead + by_area * area_ahead) - rest) / where_less(zero, pivot, pivot, splat(np.nan))
-    wider = (change * by_depth - area_ahead) / (splat(1.0) + area_spread)
+    spreading = (change * by_depth - area_ahead) / (splat(1.0) + area_spread)
     chosen = np.where(solving, 1.0, 0.0)
     mask = load(chosen, 0)
     total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
     for i in range(size):
-        value = zero - load(forward, i) - change * load(sideways, i) - wider * load(swelling, i)
+        value = zero - load(forward, i) - change * load(sideways, i) - spreading * load(swelling, i)
         total = total + value * load(forces, i)
         store(direction, i, where_less(mask, splat(0.5), load(direction, i), value))
     store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
+    store(wider, 0, where_less(mask, splat(0.5), load(wider, 0), spreading))
     store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))
 
 
@@ -335,17 +346,22 @@ def correct(
     """
     force_weight, depth_weight, target = equation
     forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
-    direction, toward, start = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    tangent = np.zeros((body.radial.shape[0], 2, 4, LANES))
+    direction, toward, wider = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
+    coupling, start = no_coupling(body.radial.shape[0]), np.zeros(LANES)
     for iteration in range(times + 1):
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        adapt(large, body, contact, state, displacement, depth, bearing(body, forces, equation), ~lanes)
-        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, ~lanes)
+        push = pushing(body, state, forces, equation)
+        fit(contact, state, push, ~lanes)
+        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
         if iteration == times:
             break
         forward[:] = forces
         solve_again(system.band, system.upper, body.size, body.width, forward)
         excess = reaction * force_weight + depth * depth_weight - target
-        direct(system, forces, forward, force_weight, depth_weight, excess, lanes, direction, toward, start)
+        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
+        direct(
+            system, forces, forward, force_weight, depth_weight, excess, late, lanes, direction, toward, wider, start
+        )  # fmt: skip
         displacement += direction
         depth += toward
+        state.area[:] += wider

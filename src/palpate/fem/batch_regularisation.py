@@ -109,5 +109,6 @@ def first_contact(
     blend, none = np.full(LANES, BLEND), np.zeros(LANES)
     area = math.pi * smallest**2
     return ContactState(
-        pressure, area, rise, blend, none, none.copy(), places, np.zeros_like(places), places.copy()
+        area, none, pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
+        np.zeros_like(places), places.copy(),
     )  # fmt: skip
