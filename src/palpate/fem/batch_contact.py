@@ -39,6 +39,7 @@ from palpate.fem.batch_vector import LANES
 
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
+LEAST_AREA = 0.05  # of the largest
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 WIDER = 1e-6  # of the area, for derivatives by it
 FAR = -8.0  # widths, beyond which a node bears nothing
@@ -139,6 +140,18 @@ def share_of(large, body, contact, state, displacement, depth, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
+def touch(large, body, contact, state, displacement, depth, lanes):
+    """Set the area of some `lanes` (LANES,) to what touches at the width that they have."""
+    for lane in range(LANES):
+        if lanes[lane]:
+            area = 0.0
+            for k in range(body.radial.shape[0]):
+                area += contact.area[k] * share_of(large, body, contact, state, displacement, depth, k, lane)[0]
+            if np.isfinite(area):
+                state.area[lane] = area
+
+
+@njit(cache=True, error_model="numpy")
 def fit(contact, state, push, done):
     """Let pressure, width and b be what they are at the state's area where tip and surface `push` (LANES,) so much."""
     for lane in range(LANES):
@@ -160,7 +173,8 @@ def fitted(contact, state, push, area, lane):
     height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
     exponent = radius * slope / height
     usual = max(state.strongest[lane], push) / max(state.widest[lane], area)
-    pressure = max(push / area, LEAST_PRESSURE * usual)
+    widest = max(state.widest[lane], area)
+    pressure = max(push / math.hypot(area, LEAST_AREA * widest), LEAST_PRESSURE * usual)
     rise = 0.5 * slope * (1.0 + exponent) * math.sqrt(min(1.0, pressure / usual))
     return pressure, rise, contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
 

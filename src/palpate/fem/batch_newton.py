@@ -17,6 +17,7 @@ definite takes its step without what takes that away.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import add_tangent, contact_forces, fit, no_coupling, share_of, spread
+from palpate.fem.batch_contact import add_tangent, contact_forces, fit, no_coupling, share_of, spread, touch
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -34,7 +35,8 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
-LESS = 100.0  # times less closely the area of contact needs to be met
+LESS = 10.0  # times less closely the load that the area of contact would bear is met
+ASTRAY = 0.2  # of the area, by which it may be off before it is taken as it is
 TIGHT = 1e-9  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -125,6 +127,7 @@ def advance(
     coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
+    astray = alive.copy()
     geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
@@ -133,6 +136,8 @@ def advance(
             shares = shares_of(large, body, contact, state, displacement, depth)
             turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
+        if iteration == 0 or np.any(astray):
+            touch(large, body, contact, state, displacement, depth, astray)
         push = pushing(body, state, forces, equation)
         fit(contact, state, push, done)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
@@ -146,14 +151,15 @@ def advance(
             spent[lane] += 1
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
-            unlike = abs(coupling.area[lane] - state.area[lane]) / state.area[lane]
+            unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
+            astray[lane] = unlike > ASTRAY
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
                 move(displacement, depth, state, direction, toward, wider, lane, -fraction[lane])
-            elif max(imbalance, unlike / LESS) < tolerance:
+            elif max(imbalance, unlike * push[lane] / scale[lane] / LESS) < tolerance:
                 done[lane] = True
             elif (
                 searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
@@ -189,7 +195,7 @@ def advance(
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
-                wider[lane] = min(max(wider[lane], -0.5 * state.area[lane]), state.area[lane])
+                wider[lane] = min(max(wider[lane] / state.area[lane], -1.0), 1.0)
                 shorten(direction, toward, wider, start, lane, farthest[lane])
                 move(displacement, depth, state, direction, toward, wider, lane, 1.0)
     alive &= done
@@ -265,7 +271,7 @@ def move(displacement, depth, state, direction, toward, wider, lane, distance):
     for i in range(displacement.shape[0] - 1):
         displacement[i, lane] += distance * direction[i, lane]
     depth[lane] += distance * toward[lane]
-    state.area[lane] += distance * wider[lane]
+    state.area[lane] *= math.exp(distance * wider[lane])
 
 
 @njit(cache=True)
