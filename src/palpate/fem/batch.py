@@ -179,11 +179,11 @@ def run_lanes(
     carries = np.stack([case.carries for case in lanes], axis=1)
     start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
     depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
-    trend, reasons = Trend.none(mesh.size + 1), [""] * LANES
+    trend, reasons = Trend.none(len(states.unknowns)), [""] * LANES
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
-        before = np.vstack([states.displacement, states.depth])
-        found = march.step(states, begin, end, *trend.guess(end - begin, carries[k]), alive)
+        before = states.unknowns
+        found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), alive)
         if beside:
             neighbours.follow(start, states, begin, end, found)
         lost = alive & ~found
@@ -197,7 +197,7 @@ def run_lanes(
             break
         if observe and alive[0]:
             observe(Moment.of(mesh, lanes[0].large, states, float(end[0]), float(units[0])))
-        trend = trend.followed(np.vstack([states.displacement, states.depth]) - before, end - begin, carries[k])
+        trend = trend.followed(states.unknowns - before, end - begin, carries[k])
         for curve, reached in enumerate([states, *neighbours.states]):
             depths[curve, alive, k] = (reached.depth * units * 1e3)[alive]
             loads[curve, alive, k] = (reached.reaction * units**2)[alive]
@@ -240,7 +240,10 @@ def begun(
     first = np.array([case.times[0] for case in hosts])
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),
-        first_contact(profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest),
+        first_contact(
+            profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
+            np.where(drives.depth_weight > 0.0, 0.0, drives.equation(first)[2]),
+        ),
         *bodies.at(np.zeros(LANES), first),
         np.zeros((mesh.size + 1, LANES)),
         np.zeros(LANES),

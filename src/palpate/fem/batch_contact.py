@@ -42,6 +42,7 @@ SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 LEAST_AREA = 0.05  # of the largest
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 WIDER = 1e-6  # of the area, for derivatives by it
+LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
 FAR = -8.0  # widths, beyond which a node bears nothing
 
 
@@ -140,18 +141,6 @@ def share_of(large, body, contact, state, displacement, depth, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def touch(large, body, contact, state, displacement, depth, lanes):
-    """Set the area of some `lanes` (LANES,) to what touches at the width that they have."""
-    for lane in range(LANES):
-        if lanes[lane]:
-            area = 0.0
-            for k in range(body.radial.shape[0]):
-                area += contact.area[k] * share_of(large, body, contact, state, displacement, depth, k, lane)[0]
-            if np.isfinite(area):
-                state.area[lane] = area
-
-
-@njit(cache=True, error_model="numpy")
 def fit(contact, state, push, done):
     """Let pressure, width and b be what they are at the state's area where tip and surface `push` (LANES,) so much."""
     for lane in range(LANES):
@@ -175,7 +164,7 @@ def fitted(contact, state, push, area, lane):
     usual = max(state.strongest[lane], push) / max(state.widest[lane], area)
     widest = max(state.widest[lane], area)
     pressure = max(push / math.hypot(area, LEAST_AREA * widest), LEAST_PRESSURE * usual)
-    rise = 0.5 * slope * (1.0 + exponent) * math.sqrt(min(1.0, pressure / usual))
+    rise = slope * (0.25 * (3.0 + exponent)) * math.sqrt(min(1.0, pressure / usual))
     return pressure, rise, contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
 
 
@@ -308,13 +297,13 @@ def spread(body, coupling, widening, swelling, growth):
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
         for lane in range(LANES):
-            rate = coupling.touching[k, 1, lane] / (1.0 - coupling.feedback[lane])
+            rate = coupling.touching[k, 1, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
             widening[z, lane] += rate
             widening[size, lane] += rate
             swelling[z, lane] += coupling.by_area[k, 1, lane]
             growth[lane] += coupling.by_area[k, 1, lane]
             if r >= 0:
-                widening[r, lane] += coupling.touching[k, 0, lane] / (1.0 - coupling.feedback[lane])
+                widening[r, lane] += coupling.touching[k, 0, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
                 swelling[r, lane] += coupling.by_area[k, 0, lane]
 
 

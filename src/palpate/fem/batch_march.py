@@ -21,6 +21,7 @@ from palpate.fem.batch_specimens import Specimens
 from palpate.specimen import halfway
 
 HALVINGS = 6  # of a step that finds no equilibrium
+SPREADING = 0.5  # largest change of the logarithm of the area of contact that a guess carries on
 FARTHEST = 0.2  # of the depth, that one iteration moves a node
 STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
@@ -52,6 +53,16 @@ class States:
         """Become what the `other` is, in all lanes or in some (LANES,)."""
         for mine, theirs in zip(self._arrays(), other._arrays(), strict=True):
             np.copyto(mine, theirs, where=True if lanes is None else lanes)
+
+    @property
+    def unknowns(self) -> np.ndarray:
+        """Displacements, depth and the logarithm of the area of contact (size + 3, LANES)."""
+        return np.vstack([self.displacement, self.depth, np.log(self.contact.area)])
+
+    def add(self, change: np.ndarray) -> None:
+        """Change the unknowns (size + 3, LANES)."""
+        self.displacement, self.depth = self.displacement + change[:-2], self.depth + change[-2]
+        self.contact.area[:] *= np.exp(np.clip(change[-1], -SPREADING, SPREADING))
 
     def _arrays(self) -> list[np.ndarray]:
         own = [self.laws, self.weights, self.displacement, self.depth, self.reaction]
@@ -91,17 +102,16 @@ class March:
     steps: np.ndarray
 
     def step(
-        self, states: States, begin: np.ndarray, end: np.ndarray, change: np.ndarray, deepening: np.ndarray,
-        lanes: np.ndarray,
-    ) -> np.ndarray:  # fmt: skip
+        self, states: States, begin: np.ndarray, end: np.ndarray, change: np.ndarray, lanes: np.ndarray
+    ) -> np.ndarray:
         """Bring some lanes from one time to another [s] in one step, which a guess of the change starts.
 
         Parameters
         ----------
         states
             In: at the time `begin`; out: at `end` in the lanes that are returned, and nothing of use in others.
-        begin, end, deepening : ndarray, shape (LANES,)
-        change : ndarray, shape (size + 1, LANES)
+        begin, end : ndarray, shape (LANES,)
+        change : ndarray, shape (size + 3, LANES)
         lanes : ndarray of bool, shape (LANES,)
 
         Returns
@@ -110,7 +120,7 @@ class March:
             The lanes that found equilibrium.
         """
         self.open(states, begin, end)
-        states.displacement, states.depth = states.displacement + change, states.depth + deepening
+        states.add(change)
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,
@@ -134,7 +144,7 @@ class March:
 
         A share of the depth, lest the tip leaves the surface for good; with adhesion, what its attraction spans.
         """
-        largest = np.abs(change).max(axis=0)
+        largest = np.abs(change[:-2]).max(axis=0)
         rise = states.contact.rise * self.contact.width[-1]
         free = np.maximum(FARTHEST * np.abs(states.depth) + rise, largest)
         held = np.maximum(STRIDE * self.contact.reach, largest)
@@ -163,10 +173,10 @@ class March:
         """
         trial, time = deepcopy(start), begin.copy()
         length, shortest = (end - begin) / parts, (end - begin) / 2**HALVINGS
-        going, still, level = lanes.copy(), np.zeros_like(start.displacement), np.zeros_like(start.depth)
+        going, still = lanes.copy(), np.zeros_like(start.unknowns)
         while going.any():
             target = np.where(time + 1.5 * length > end, end, time + length)
-            found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, level, going)
+            found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, going)
             lost = going & ~found
             if beside and found.any():
                 beside(start, trial, np.where(going, time, begin), np.where(going, target, end), found)

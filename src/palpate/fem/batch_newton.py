@@ -25,7 +25,7 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import add_tangent, contact_forces, fit, no_coupling, share_of, spread, touch
+from palpate.fem.batch_contact import LEAST_RESPONSE, add_tangent, contact_forces, fit, no_coupling, share_of, spread
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -36,7 +36,7 @@ _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.sti
 ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
-ASTRAY = 0.2  # of the area, by which it may be off before it is taken as it is
+LARGEST_CHANGE = 0.5  # of the area in one iteration
 TIGHT = 1e-9  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -127,7 +127,6 @@ def advance(
     coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
-    astray = alive.copy()
     geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
@@ -136,8 +135,6 @@ def advance(
             shares = shares_of(large, body, contact, state, displacement, depth)
             turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        if iteration == 0 or np.any(astray):
-            touch(large, body, contact, state, displacement, depth, astray)
         push = pushing(body, state, forces, equation)
         fit(contact, state, push, done)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
@@ -152,7 +149,6 @@ def advance(
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
             unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
-            astray[lane] = unlike > ASTRAY
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
@@ -178,9 +174,9 @@ def advance(
         elif np.any(solving):
             forward[:] = forces
             solve_again(system.band, system.upper, size, body.width, forward)
-        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
+        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
         direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+            system, state, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
         )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
@@ -188,14 +184,14 @@ def advance(
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, coupling, geometric, system, forces, forward)
             direct(
-                system, forces, forward, force_weight, depth_weight, excess, late, indefinite, direction, toward, wider,
-                start,
+                system, state, forces, forward, force_weight, depth_weight, excess, late, indefinite, direction, toward,
+                wider, start,
             )  # fmt: skip
             geometric[:] = 1.0
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
-                wider[lane] = min(max(wider[lane] / state.area[lane], -1.0), 1.0)
+                wider[lane] /= state.area[lane]
                 shorten(direction, toward, wider, start, lane, farthest[lane])
                 move(displacement, depth, state, direction, toward, wider, lane, 1.0)
     alive &= done
@@ -301,12 +297,12 @@ def measure(forces, direction, size, norm, work):
 
 @njit(cache=True)
 def direct(
-    system, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+    system, state, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
 ):  # fmt: skip
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. Where it is not
-    positive definite, the work is NaN.
+    Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. The area changes
+    by no more than `LARGEST_CHANGE`, and the rest with it. Where the matrix is not positive definite, the work is NaN.
     """
     size = forces.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling
@@ -317,12 +313,18 @@ def direct(
         load_ahead, load_aside, load_spread = load_ahead + r * f, load_aside + r * s, load_spread + r * w
         area_ahead, area_aside, area_spread = area_ahead + v * f, area_aside + v * s, area_spread + v * w
     area_ahead = area_ahead + load(late, 0)
-    weight, rest = load(force_weight, 0), load(excess, 0)
-    by_area = (load(system.growth, 0) - load_spread) / (splat(1.0) + area_spread)
-    by_depth = load(widening, size) - area_aside
-    pivot = weight * (load(system.corner, 0) - load_aside + by_area * by_depth) + load(depth_weight, 0)
-    change = (weight * (load_ahead + by_area * area_ahead) - rest) / where_less(zero, pivot, pivot, splat(np.nan))
-    spreading = (change * by_depth - area_ahead) / (splat(1.0) + area_spread)
+    weight, rest, area = load(force_weight, 0), load(excess, 0), load(state.area, 0)
+    yielding = splat(1.0) + area_spread
+    yielding = where_less(yielding, splat(LEAST_RESPONSE), splat(LEAST_RESPONSE), yielding)
+    by_area, by_depth = load(system.growth, 0) - load_spread, load(widening, size) - area_aside
+    alone = weight * (load(system.corner, 0) - load_aside) + load(depth_weight, 0)
+    together = alone + weight * by_area * by_depth / yielding
+    together = where_less(zero, together, together, alone)
+    change = (weight * (load_ahead + by_area * area_ahead / yielding) - rest) / together
+    spreading = (change * by_depth - area_ahead) / yielding
+    spreading = where_less(spreading, splat(-LARGEST_CHANGE) * area, splat(-LARGEST_CHANGE) * area, spreading)
+    spreading = where_less(splat(LARGEST_CHANGE) * area, spreading, splat(LARGEST_CHANGE) * area, spreading)
+    change = (weight * (load_ahead - by_area * spreading) - rest) / where_less(zero, alone, alone, splat(np.nan))
     chosen = np.where(solving, 1.0, 0.0)
     mask = load(chosen, 0)
     total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
@@ -364,9 +366,9 @@ def correct(
         forward[:] = forces
         solve_again(system.band, system.upper, body.size, body.width, forward)
         excess = reaction * force_weight + depth * depth_weight - target
-        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
+        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
         direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, lanes, direction, toward, wider, start
+            system, state, forces, forward, force_weight, depth_weight, excess, late, lanes, direction, toward, wider, start
         )  # fmt: skip
         displacement += direction
         depth += toward

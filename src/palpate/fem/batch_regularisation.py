@@ -97,18 +97,34 @@ def contact_of(
 
 def first_contact(
     profiles: Sequence[Profile], specimens: Sequence[Specimen], durations: Sequence[float], distance: np.ndarray,
-    smallest: np.ndarray,
+    smallest: np.ndarray, loads: np.ndarray,
 ) -> ContactState:  # fmt: skip
-    """Return the state of a contact before it begins, as it is expected at the `smallest` radii (LANES,)."""
-    slope = np.array([p.slope_for(s) for p, s in zip(profiles, smallest, strict=True)])
-    height = np.array([p.depth_for(s) for p, s in zip(profiles, smallest, strict=True)])
+    """Return the state of a contact before it begins, as it is expected at the end of the first step.
+
+    Parameters
+    ----------
+    profiles, specimens, durations
+        Of each lane; lengths in its unit, durations in s.
+    distance : ndarray, shape (k,)
+        Of the surface nodes from the axis.
+    smallest : ndarray, shape (LANES,)
+        Smallest contact radius that counts.
+    loads : ndarray, shape (LANES,)
+        At the end of the first step, in GPa times the square of the unit; not positive where they are not known.
+    """
+    radius = smallest.copy()
+    for lane, (profile, specimen, load) in enumerate(zip(profiles, specimens, loads, strict=True)):
+        for _ in range(40 if load > 0.0 else 0):
+            pressure = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
+            radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * pressure)))
+    slope = np.array([p.slope_for(a) for p, a in zip(profiles, radius, strict=True)])
+    height = np.array([p.depth_for(a) for p, a in zip(profiles, radius, strict=True)])
     pressure = np.array(
         [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
     )
-    rise, places = 0.5 * slope * (1.0 + smallest * slope / height), np.repeat(distance[:, None], LANES, axis=1)
+    rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
     blend, none = np.full(LANES, BLEND), np.zeros(LANES)
-    area = math.pi * smallest**2
     return ContactState(
-        area, none, pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
+        math.pi * radius**2, none, pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
         np.zeros_like(places), places.copy(),
     )  # fmt: skip

@@ -11,12 +11,12 @@ from palpate.fem.batch_vector import LANES
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """The last two changes of displacements and depth, and how long they took.
+    """The last two changes of the unknowns, and how long they took.
 
     Parameters
     ----------
-    last, before : ndarray, shape (size + 2, LANES)
-        Changes of the last step and of the one before; the depth comes last.
+    last, before : ndarray, shape (unknowns, LANES)
+        Changes of the last step and of the one before, see `palpate.fem.batch_march.States.unknowns`.
     taken, earlier : ndarray, shape (LANES,)
         Durations of both [s]; `earlier` is NaN where the last step did not carry on from the one before.
     """
@@ -27,13 +27,13 @@ class Trend:
     earlier: np.ndarray
 
     @classmethod
-    def none(cls, size: int) -> Trend:
-        """Return the trend of what has not moved yet, for displacements (size, LANES)."""
-        still = np.zeros((size + 1, LANES))
+    def none(cls, unknowns: int) -> Trend:
+        """Return the trend of so many unknowns that have not moved yet."""
+        still = np.zeros((unknowns, LANES))
         return cls(still, still, np.ones(LANES), np.full(LANES, np.nan))
 
-    def guess(self, step: np.ndarray, carries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the changes of displacements (size, LANES) and depth (LANES,) expected in a `step` (LANES,) [s].
+    def guess(self, step: np.ndarray, carries: np.ndarray) -> np.ndarray:
+        """Return the changes of the unknowns (unknowns, LANES) expected in a `step` (LANES,) [s].
 
         None is expected where the next step does not carry the last change on: `carries` (LANES,).
         """
@@ -41,9 +41,8 @@ class Trend:
         earlier = np.where(bends, self.earlier, 1.0)
         bend = np.where(bends, step * (step + self.taken) / (self.taken + earlier), 0.0)
         change = np.where(carries, step / self.taken, 0.0) * self.last
-        change = change + bend * (self.last / self.taken - self.before / earlier)
-        return change[:-1], change[-1]
+        return change + bend * (self.last / self.taken - self.before / earlier)
 
     def followed(self, change: np.ndarray, step: np.ndarray, carried: np.ndarray) -> Trend:
-        """Return the trend after one more `change` (size + 1, LANES) in a `step` that carried on or not."""
+        """Return the trend after one more `change` (unknowns, LANES) in a `step` that carried on or not."""
         return Trend(change, self.last, step, np.where(carried, self.taken, np.nan))
