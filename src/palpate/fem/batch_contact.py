@@ -56,10 +56,8 @@ class Contact(NamedTuple):
         s l of each surface node.
     area : ndarray, shape (k,)
         Area that belongs to each of them.
-    stiffness : ndarray, shape (LANES,)
-        C.
-    blend : ndarray, shape (2, LANES)
-        b under tips of n = 1, and what it grows by with n.
+    stiffness, blend : ndarray, shape (2, LANES)
+        C and b under tips of n = 1, and of n = 2.
     attraction : ndarray, shape (k, LANES)
         Largest force of attraction of each node along z; zero without adhesion.
     reach : ndarray, shape (LANES,)
@@ -88,10 +86,10 @@ class ContactState(NamedTuple):
     ----------
     area, pull : ndarray, shape (LANES,)
         Area pi a^2, an unknown of the equilibrium, and the attraction of the whole surface.
-    pressure, rise, blend : ndarray, shape (LANES,)
-        p, w / (s l) and b.
+    pressure, stiffness, rise, blend : ndarray, shape (LANES,)
+        p, C p, w / (s l) and b.
     by_area : ndarray, shape (3, LANES)
-        Derivatives by the area of the logarithms of p and w, and of b.
+        Derivatives by the area of the logarithms of C p and w, and of b.
     strongest, widest : ndarray, shape (LANES,)
         Largest force p pi a^2 and largest area so far.
     anchor, share, place : ndarray, shape (k, LANES)
@@ -101,6 +99,7 @@ class ContactState(NamedTuple):
     area: np.ndarray
     pull: np.ndarray
     pressure: np.ndarray
+    stiffness: np.ndarray
     rise: np.ndarray
     blend: np.ndarray
     by_area: np.ndarray
@@ -147,25 +146,27 @@ def fit(contact, state, push, done):
         if done[lane]:
             continue
         area = state.area[lane]
-        pressure, rise, blend = fitted(contact, state, push[lane], area, lane)
-        then, steeper, blended = fitted(contact, state, push[lane], area * (1.0 + WIDER), lane)
-        state.pressure[lane], state.rise[lane], state.blend[lane] = pressure, rise, blend
-        state.by_area[0, lane] = (then / pressure - 1.0) / (WIDER * area)
+        pressure, stiffness, rise, blend = fitted(contact, state, push[lane], area, lane)
+        _, stiffer, steeper, blended = fitted(contact, state, push[lane], area * (1.0 + WIDER), lane)
+        state.pressure[lane], state.stiffness[lane] = pressure, stiffness
+        state.rise[lane], state.blend[lane] = rise, blend
+        state.by_area[0, lane] = (stiffer / stiffness - 1.0) / (WIDER * area)
         state.by_area[1, lane] = (steeper / rise - 1.0) / (WIDER * area)
         state.by_area[2, lane] = (blended - blend) / (WIDER * area)
 
 
 @njit(cache=True, error_model="numpy")
 def fitted(contact, state, push, area, lane):
-    """Return pressure, rise and b of a contact of some `area`."""
-    radius = math.sqrt(area / math.pi)
+    """Return p, C p, rise and b of a contact of some `area`."""
+    radius, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
     height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
-    exponent = radius * slope / height
-    usual = max(state.strongest[lane], push) / max(state.widest[lane], area)
-    widest = max(state.widest[lane], area)
+    n = radius * slope / height
+    usual = max(state.strongest[lane], push) / widest
     pressure = max(push / math.hypot(area, LEAST_AREA * widest), LEAST_PRESSURE * usual)
-    rise = slope * (0.25 * (3.0 + exponent)) * math.sqrt(min(1.0, pressure / usual))
-    return pressure, rise, contact.blend[0, lane] + (exponent - 1.0) * contact.blend[1, lane]
+    rise = 0.125 * slope * (5.0 + 3.0 * n) * math.sqrt(min(1.0, pressure / usual))
+    cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
+    blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
+    return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend
 
 
 @njit(cache=True, error_model="numpy")
@@ -247,7 +248,7 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
             width = width_of(contact, state, k, lane)
             pressing, widening, blending = state.by_area[0, lane], state.by_area[1, lane], state.by_area[2, lane]
             share, density = normal_distribution(x)
-            blend, scale = state.blend[lane], contact.stiffness[lane] * state.pressure[lane] * contact.area[k]
+            blend, scale = state.blend[lane], state.stiffness[lane] * contact.area[k]
             push, rate = scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
             swell = push * pressing - rate * x * width * widening + scale * density * blending
             if r < 0:

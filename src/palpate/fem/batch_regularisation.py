@@ -25,9 +25,9 @@ from palpate.protocol import Protocol
 from palpate.specimen import Specimen
 
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
-STIFFNESS, STIFFNESS_POWER = 4.0, -0.13  # C, likewise
-BLEND, BLEND_OF_GROWTH = 0.555, 0.65  # b under a cone, and what it grows by with the growth of the rings
-BLEND_OF_SPHERE = 0.545  # b under a sphere
+STIFFNESS, STIFFNESS_POWER = 4.0, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
+BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
+BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.549, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
 
 
 def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
@@ -86,8 +86,8 @@ def contact_of(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
         area,
-        STIFFNESS * excess**STIFFNESS_POWER,
-        np.repeat([[blend], [BLEND_OF_SPHERE - blend]], LANES, axis=1),
+        STIFFNESS * excess ** STIFFNESS_POWER[:, None],
+        np.stack([np.full(LANES, blend), BLEND_OF_SPHERE + BLEND_OF_EXCESS * np.log(excess) ** 2]),
         attraction,
         reach,
         np.array(friction),
@@ -125,6 +125,6 @@ def first_contact(
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
     blend, none = np.full(LANES, BLEND), np.zeros(LANES)
     return ContactState(
-        math.pi * radius**2, none, pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
+        math.pi * radius**2, none, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
         np.zeros_like(places), places.copy(),
     )  # fmt: skip
