@@ -14,9 +14,9 @@ p is the mean pressure of the contact, and so the penetration that a typical pre
 a soft body to a hard one, and from the first contact to the last. The width is measured in the rise of the tip over one
 element at the edge of contact,
 
-    w = s l f'(a) (1 + n) / 2,    n = a f'(a) / f(a),    pi a^2 = sum A Phi(x),    p = F / (pi a^2),
+    w = s l f'(a) (5 + 3 n) / 8,    pi a^2 = sum A Phi(x),    p = F / (pi a^2),
 
-with the local distance l of nodes; it narrows with the root of p in unloading. Both a and p belong to the equilibrium
+with the local distance l of nodes and the exponent n of the tip near that edge: 1 under a cone, 2 under a sphere. It narrows with the root of p in unloading. Both a and p belong to the equilibrium
 that a step looks for, so the contact has no memory but for the largest force and area so far.
 Nothing here has a length or a stress of its own: scaling laws of sharp tips hold exactly. At given a and p the force
 has a potential, so the stiffness is symmetric without friction.
@@ -39,6 +39,8 @@ from palpate.fem.batch_vector import LANES
 
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
+EDGE = 1.4  # radius of the contact, in that of a circle of area S: nodes within touch by little more than their half
+INSIDE = 0.7  # of the contact radius, from where on the exponent of the tip is taken
 LEAST_AREA = 0.05  # of the largest
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 WIDER = 1e-6  # of the area, for derivatives by it
@@ -158,12 +160,13 @@ def fit(contact, state, push, done):
 @njit(cache=True, error_model="numpy")
 def fitted(contact, state, push, area, lane):
     """Return p, C p, rise and b of a contact of some `area`."""
-    radius, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
-    height, slope, _ = profile_at(True, contact.tip, lane, radius, 0.0)
-    n = radius * slope / height
+    edge, widest = EDGE * math.sqrt(area / math.pi), max(state.widest[lane], area)
+    slope = profile_at(True, contact.tip, lane, edge, 0.0)[1]
+    inside = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)[1]
+    n = 1.0 + math.log(slope / inside) / math.log(1.0 / INSIDE)
     usual = max(state.strongest[lane], push) / widest
     pressure = max(push / math.hypot(area, LEAST_AREA * widest), LEAST_PRESSURE * usual)
-    rise = 0.125 * slope * (5.0 + 3.0 * n) * math.sqrt(min(1.0, pressure / usual))
+    rise = slope * math.sqrt(min(1.0, pressure / usual))
     cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
     blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
     return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend
