@@ -1,17 +1,16 @@
-"""Derivatives by direct differentiation against central differences on the same mesh, and against exact laws."""
+"""Derivatives of the curve against central differences on the same mesh, and against exact laws."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from palpate.errors import ConvergenceError, InputError
-from palpate.fem import indent as history
-from palpate.fem import newton
+from palpate.errors import InputError
+from palpate.fem import batch_march, batch_newton
 from palpate.fem.discretisation import mesh_radii
 from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
-from palpate.model import sensitivities, simulate, specification_from
+from palpate.model import sensitivities, sensitivities_batch, simulate, specification_from
 from palpate.variation import acting
 from palpate.verification.materials import BURGERS as EPOXY
 
@@ -53,8 +52,9 @@ CASES = {
     ),
     "film": (
         {"film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0}},
-        ["film_on_substrate.substrate_modulus", "youngs_modulus"],
+        ["film_on_substrate.thickness", "film_on_substrate.substrate_modulus", "youngs_modulus"],
     ),
+    "adhesion": ({"adhesion": {"work": 200.0}}, ["adhesion.work", "youngs_modulus"]),
     "size_effect_and_lag": (
         {"size_effect": {"length": 50.0}, "controller_lag": {"lag": 1.0}},
         ["size_effect.length", "controller_lag.lag", "transient_exponent"],
@@ -86,57 +86,62 @@ def value_of(spec, name):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_central_differences_on_the_same_mesh(case, monkeypatch):
-    """The forces balance to 1e-11 here, so that their imbalance does not hide in the differences."""
-    monkeypatch.setattr(newton, "TOLERANCE", 1e-11)
+def test_central_differences_on_the_same_mesh(case):
+    """Differences over a hundredth of the value, whose error is of second order."""
     changes, names = CASES[case]
     spec = specification(**changes)
     radii = radii_of(spec)
     simulation, derivatives = sensitivities(spec, names, radii)
-    assert np.array_equal(simulation.depth, simulate(spec, radii).depth)
+    assert simulation.depth == pytest.approx(simulate(spec, radii).depth, rel=1e-6)
     for name, derivative in zip(names, derivatives.T, strict=True):
         value = value_of(spec, name)
-        high, low = (simulate(at(spec, name, value * (1 + k * 2e-6)), radii).depth for k in (1, -1))
-        difference = (high - low) / (4e-6 * value)
-        assert np.abs(derivative - difference).max() < 1e-4 * np.abs(difference).max(), name
+        step = 0.005 * value
+        high, low = (simulate(at(spec, name, value + k * step), radii).depth for k in (1, -1))
+        difference = (high - low) / (2 * step)
+        assert np.abs(derivative - difference).max() < 1e-3 * np.abs(difference).max(), name
 
 
-def test_friction_begins_at_zero(monkeypatch):
+def test_several_indentations_know_their_derivatives_in_one_call():
+    specs = [specification(), specification(material=BURGERS | {"youngs_modulus": 2.5})]
+    for alone, (simulation, derivatives) in zip(specs, sensitivities_batch(specs, ["poisson_ratio"]), strict=True):
+        single, column = sensitivities(alone, ["poisson_ratio"])
+        assert np.array_equal(simulation.depth, single.depth)
+        assert np.array_equal(derivatives, column)
+
+
+def test_friction_begins_at_zero():
     """A frictionless simulation knows the derivative by friction; one-sided differences of second order."""
-    monkeypatch.setattr(newton, "TOLERANCE", 1e-11)
     spec = specification(friction={"coefficient": 0.0})
     derivative = sensitivities(spec, ["friction.coefficient"], radii_of(spec))[1][:, 0]
-    none, little, more = (simulate(at(spec, "friction.coefficient", k * 1e-5), radii_of(spec)).depth for k in range(3))
-    difference = (4 * little - 3 * none - more) / 2e-5
-    assert np.abs(derivative - difference).max() < 1e-4 * np.abs(difference).max()
+    none, little, more = (simulate(at(spec, "friction.coefficient", k * 1e-3), radii_of(spec)).depth for k in range(3))
+    difference = (4 * little - 3 * none - more) / 2e-3
+    assert np.abs(derivative - difference).max() < 5e-3 * np.abs(difference).max()
 
 
 def test_stresses_scale_and_a_sharp_cone_has_no_length():
     """Derivatives obey the law h(c E, c^-(2m+1) C, c P) = h(E, C, P), with h(c P) = sqrt(c) h(P) for a cone.
 
-    At c = 1:  E dh/dE - sum (2 m + 1) C dh/dC = -h/2. A contact set that stays has a length, so single points scatter
-    by some percent on any one mesh; their mean over the loading keeps the law.
+    At c = 1:  E dh/dE - sum (2 m + 1) C dh/dC = -h/2.
     """
     spec = specification(protocol=PROTOCOL | {"points": 70})
     names = ["youngs_modulus", "steady_coefficient", "transient_coefficient"]
     simulation, derivatives = sensitivities(spec, names)
     values = np.array([value_of(spec, name) for name in names])
     powers = np.array([1.0, -(2 * 0.2 + 1), -(2 * 0.47 + 1)])
-    loading = simulation.time <= 30.0
+    loading = (simulation.time >= 3.0) & (simulation.time <= 30.0)
     scaled = (derivatives @ (values * powers))[loading]
-    assert scaled.sum() == pytest.approx(-0.5 * simulation.depth[loading].sum(), rel=0.02)
-    assert scaled == pytest.approx(-0.5 * simulation.depth[loading], rel=0.1)
+    assert scaled == pytest.approx(-0.5 * simulation.depth[loading], rel=2e-3)
 
 
 def test_a_lag_delays_the_curve():
-    """A body that does not age responds to a delayed load with a delayed depth: dh/dlag = -dh/dt, on average."""
+    """A body that does not age responds to a delayed load with a delayed depth: dh/dlag = -dh/dt."""
     protocol = PROTOCOL | {"points": 70}
     spec = specification(controller_lag={"lag": 1.03}, protocol=protocol)
     derivative = sensitivities(spec, ["controller_lag.lag"])[1][:, 0]
     plain = simulate(specification(protocol=protocol))
     loading = (plain.time > 5.0) & (plain.time < 30.0)
     rate = np.interp(plain.time[loading] - 1.03, plain.time, np.gradient(plain.depth, plain.time))
-    assert np.mean(-derivative[loading] / rate) == pytest.approx(1.0, abs=0.02)
+    assert -derivative[loading] / rate == pytest.approx(1.0, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -145,13 +150,6 @@ def test_a_lag_delays_the_curve():
         ({}, "youngs_modulo", "use one of: youngs_modulus"),
         ({}, "thermal_drift.rate", "add the mechanism"),
         ({"thermal_drift": {"rate": 0.1}}, "thermal_drift.rat", "use one of: thermal_drift.rate"),
-        (
-            {"film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0}},
-            "film_on_substrate.thickness",
-            "no derivative by the thickness",
-        ),
-        ({"controller_lag": {"lag": 5.0}}, "controller_lag.lag", "meets a sampling time"),
-        ({"controller_lag": {"lag": 0.0}}, "controller_lag.lag", "without a lag"),
     ],
 )
 def test_what_has_no_derivative_is_refused(changes, name, message):
@@ -162,16 +160,24 @@ def test_what_has_no_derivative_is_refused(changes, name, message):
 
 def test_a_failure_leaves_derivatives_unknown(monkeypatch):
     """Both depth and derivatives are NaN from the failure on, and known before it."""
-    advance = history.advance
-
-    def stop_half_way(problem, state, time, *rest, **options):
-        if time > 35.0:
-            raise ConvergenceError("stopped", time=state.time)
-        return advance(problem, state, time, *rest, **options)
-
-    monkeypatch.setattr(history, "advance", stop_half_way)
-    simulation, derivatives = sensitivities(specification(), ["youngs_modulus"])
-    known = simulation.time <= 35.0
+    spec = specification(kinematics="large", material={"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3})
+    failing = losing_from(40)
+    monkeypatch.setattr(batch_march, "advance", failing)
+    simulation, derivatives = sensitivities(spec, ["youngs_modulus"])
+    known = np.isfinite(simulation.depth)
     assert simulation.status == "failed"
+    assert known.any() and not known.all()
     assert np.array_equal(np.isfinite(derivatives[:, 0]), known)
-    assert np.array_equal(np.isfinite(simulation.depth), known)
+
+
+def losing_from(step):
+    """Return `advance` of a march that finds no equilibrium from some step on."""
+    taken = [0]
+
+    def advance(*arguments):
+        batch_newton.advance(*arguments)
+        taken[0] += 1
+        if taken[0] >= step:
+            arguments[-2][:] = False
+
+    return advance
