@@ -74,7 +74,7 @@ def contact_of(
         Ratio of neighbouring rings.
     """
     spacing = np.gradient(distance)
-    spacing[0] = distance[1]
+    spacing = np.minimum(spacing, (growth - 1.0) * np.maximum(distance, distance[2]))
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
     blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
