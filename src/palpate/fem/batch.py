@@ -236,14 +236,19 @@ def begun(
         [case.indenter.friction for case in lanes], sticking, units, body.distance, area, smallest,
         np.array([case.largest for case in hosts]) / units, resolution.growth,
     )  # fmt: skip
-    march = March(large, body, bodies, contact, drives, units, system, tolerance, *np.zeros((2, LANES), dtype=np.int64))
     first = np.array([case.times[0] for case in hosts])
+    touching = first_contact(
+        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
+        np.where(drives.depth_weight > 0.0, 0.0, drives.equation(first)[2]),
+    )  # fmt: skip
+    radii = np.sqrt(touching.area / np.pi)
+    onset = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
+    march = March(
+        large, body, bodies, contact, drives, units, system, tolerance, onset, *np.zeros((2, LANES), dtype=np.int64)
+    )  # fmt: skip
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),
-        first_contact(
-            profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
-            np.where(drives.depth_weight > 0.0, 0.0, drives.equation(first)[2]),
-        ),
+        touching,
         *bodies.at(np.zeros(LANES), first),
         np.zeros((mesh.size + 1, LANES)),
         np.zeros(LANES),

@@ -86,6 +86,8 @@ class March:
     system : System
     tolerance
         See `palpate.fem.batch_newton.advance`.
+    onset : ndarray, shape (LANES,)
+        Depth that the first contact begins its iteration with.
     iterations, steps : ndarray of int, shape (LANES,)
         Count the work done.
     """
@@ -98,6 +100,7 @@ class March:
     units: np.ndarray
     system: System
     tolerance: float
+    onset: np.ndarray
     iterations: np.ndarray
     steps: np.ndarray
 
@@ -121,6 +124,7 @@ class March:
         """
         self.open(states, begin, end)
         states.add(change)
+        states.depth += np.where(states.contact.widest == 0.0, self.onset, 0.0)
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,

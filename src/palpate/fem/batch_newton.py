@@ -37,6 +37,7 @@ ITERATIONS = 60
 TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
+CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
 TIGHT = 1e-9  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -127,6 +128,7 @@ def advance(
     coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
+    limit = np.zeros(LANES)
     geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
@@ -148,6 +150,8 @@ def advance(
             spent[lane] += 1
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
+            calm = max(norm[lane], abs(excess[lane])) < CALM * push[lane]
+            limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
             unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
@@ -176,7 +180,8 @@ def advance(
             solve_again(system.band, system.upper, size, body.width, forward)
         late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
         direct(
-            system, state, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+            system, forces, forward, force_weight, depth_weight, excess, late, limit, solving, direction, toward, wider,
+            start,
         )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
@@ -184,7 +189,7 @@ def advance(
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, coupling, geometric, system, forces, forward)
             direct(
-                system, state, forces, forward, force_weight, depth_weight, excess, late, indefinite, direction, toward,
+                system, forces, forward, force_weight, depth_weight, excess, late, limit, indefinite, direction, toward,
                 wider, start,
             )  # fmt: skip
             geometric[:] = 1.0
@@ -221,9 +226,10 @@ def pushing(body, state, forces, equation):
         else:
             for k in range(body.vertical.shape[0]):
                 push[lane] -= forces[body.vertical[k], lane]
-        if depth_weight[lane] > 0.0 or state.pull[lane] > 0.0:
+        push[lane] += state.pull[lane]
+        if depth_weight[lane] > 0.0 or state.pull[lane] > 0.0 or push[lane] <= 0.0:
             before = state.pressure[lane] * state.area[lane]
-            push[lane] = min(max(push[lane] + state.pull[lane], 0.5 * before), 2.0 * before)
+            push[lane] = min(max(push[lane], 0.5 * before), 2.0 * before)
     return push
 
 
@@ -297,12 +303,12 @@ def measure(forces, direction, size, norm, work):
 
 @njit(cache=True)
 def direct(
-    system, state, forces, forward, force_weight, depth_weight, excess, late, solving, direction, toward, wider, start
+    system, forces, forward, force_weight, depth_weight, excess, late, limit, solving, direction, toward, wider, start
 ):  # fmt: skip
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. The area changes
-    by no more than `LARGEST_CHANGE`, and the rest with it. Where the matrix is not positive definite, the work is NaN.
+    by no more than the `limit` (LANES,), and the rest with it. Where the matrix is not positive definite, the work is NaN.
     """
     size = forces.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling
@@ -313,7 +319,7 @@ def direct(
         load_ahead, load_aside, load_spread = load_ahead + r * f, load_aside + r * s, load_spread + r * w
         area_ahead, area_aside, area_spread = area_ahead + v * f, area_aside + v * s, area_spread + v * w
     area_ahead = area_ahead + load(late, 0)
-    weight, rest, area = load(force_weight, 0), load(excess, 0), load(state.area, 0)
+    weight, rest, most = load(force_weight, 0), load(excess, 0), load(limit, 0)
     yielding = splat(1.0) + area_spread
     yielding = where_less(yielding, splat(LEAST_RESPONSE), splat(LEAST_RESPONSE), yielding)
     by_area, by_depth = load(system.growth, 0) - load_spread, load(widening, size) - area_aside
@@ -322,8 +328,8 @@ def direct(
     together = where_less(zero, together, together, alone)
     change = (weight * (load_ahead + by_area * area_ahead / yielding) - rest) / together
     spreading = (change * by_depth - area_ahead) / yielding
-    spreading = where_less(spreading, splat(-LARGEST_CHANGE) * area, splat(-LARGEST_CHANGE) * area, spreading)
-    spreading = where_less(splat(LARGEST_CHANGE) * area, spreading, splat(LARGEST_CHANGE) * area, spreading)
+    spreading = where_less(spreading, zero - most, zero - most, spreading)
+    spreading = where_less(most, spreading, most, spreading)
     change = (weight * (load_ahead - by_area * spreading) - rest) / where_less(zero, alone, alone, splat(np.nan))
     chosen = np.where(solving, 1.0, 0.0)
     mask = load(chosen, 0)
@@ -368,7 +374,8 @@ def correct(
         excess = reaction * force_weight + depth * depth_weight - target
         late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
         direct(
-            system, state, forces, forward, force_weight, depth_weight, excess, late, lanes, direction, toward, wider, start
+            system, forces, forward, force_weight, depth_weight, excess, late, LARGEST_CHANGE * state.area, lanes,
+            direction, toward, wider, start,
         )  # fmt: skip
         displacement += direction
         depth += toward
