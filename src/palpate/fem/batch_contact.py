@@ -41,8 +41,9 @@ FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of no
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 EDGE = 1.4  # radius of the contact, in that of a circle of area S: nodes within touch by little more than their half
 INSIDE = 0.7  # of the contact radius, from where on the exponent of the tip is taken
-LEAST_AREA = 0.05  # of the largest
+LEAST_AREA = 0.05  # of the largest, below which the pressure falls
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
+NARROWING = 0.3  # of the pressure at the largest load, below which the contact becomes narrower
 WIDER = 1e-6  # of the area, for derivatives by it
 LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
 FAR = -8.0  # widths, beyond which a node bears nothing
@@ -62,8 +63,8 @@ class Contact(NamedTuple):
         C and b under tips of n = 1, and of n = 2.
     attraction : ndarray, shape (k, LANES)
         Largest force of attraction of each node along z; zero without adhesion.
-    reach : ndarray, shape (LANES,)
-        Gap over which the attraction falls by e.
+    strength, reach : ndarray, shape (LANES,)
+        Largest traction of the attraction, and gap over which it falls by e.
     friction : ndarray, shape (LANES,)
         Coulomb's coefficient.
     slip : ndarray, shape (k, LANES)
@@ -76,6 +77,7 @@ class Contact(NamedTuple):
     stiffness: np.ndarray
     blend: np.ndarray
     attraction: np.ndarray
+    strength: np.ndarray
     reach: np.ndarray
     friction: np.ndarray
     slip: np.ndarray
@@ -86,8 +88,8 @@ class ContactState(NamedTuple):
 
     Attributes
     ----------
-    area, pull : ndarray, shape (LANES,)
-        Area pi a^2, an unknown of the equilibrium, and the attraction of the whole surface.
+    area : ndarray, shape (LANES,)
+        pi a^2, an unknown of the equilibrium.
     pressure, stiffness, rise, blend : ndarray, shape (LANES,)
         p, C p, w / (s l) and b.
     by_area : ndarray, shape (3, LANES)
@@ -99,7 +101,6 @@ class ContactState(NamedTuple):
     """
 
     area: np.ndarray
-    pull: np.ndarray
     pressure: np.ndarray
     stiffness: np.ndarray
     rise: np.ndarray
@@ -142,14 +143,14 @@ def share_of(large, body, contact, state, displacement, depth, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def fit(contact, state, push, done):
-    """Let pressure, width and b be what they are at the state's area where tip and surface `push` (LANES,) so much."""
+def fit(contact, state, borne, done):
+    """Let pressure, width and b be what they are at the state's area where the contact has `borne` (LANES,) so much."""
     for lane in range(LANES):
         if done[lane]:
             continue
         area = state.area[lane]
-        pressure, stiffness, rise, blend = fitted(contact, state, push[lane], area, lane)
-        _, stiffer, steeper, blended = fitted(contact, state, push[lane], area * (1.0 + WIDER), lane)
+        pressure, stiffness, rise, blend = fitted(contact, state, borne[lane], area, lane)
+        _, stiffer, steeper, blended = fitted(contact, state, borne[lane], area * (1.0 + WIDER), lane)
         state.pressure[lane], state.stiffness[lane] = pressure, stiffness
         state.rise[lane], state.blend[lane] = rise, blend
         state.by_area[0, lane] = (stiffer / stiffness - 1.0) / (WIDER * area)
@@ -157,16 +158,25 @@ def fit(contact, state, push, done):
         state.by_area[2, lane] = (blended - blend) / (WIDER * area)
 
 
+@njit(cache=True)
+def pull_on(contact, area, lane):
+    """Return the attraction of a contact of some `area`."""
+    return contact.strength[lane] * EDGE * EDGE * area
+
+
 @njit(cache=True, error_model="numpy")
-def fitted(contact, state, push, area, lane):
-    """Return p, C p, rise and b of a contact of some `area`."""
+def fitted(contact, state, borne, area, lane):
+    """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls."""
+    pull = pull_on(contact, area, lane)
+    push = max(borne + pull, LEAST_PRESSURE * pull)
     edge, widest = EDGE * math.sqrt(area / math.pi), max(state.widest[lane], area)
     slope = profile_at(True, contact.tip, lane, edge, 0.0)[1]
     inside = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)[1]
     n = 1.0 + math.log(slope / inside) / math.log(1.0 / INSIDE)
     usual = max(state.strongest[lane], push) / widest
-    pressure = max(push / math.hypot(area, LEAST_AREA * widest), LEAST_PRESSURE * usual)
-    rise = slope * math.sqrt(min(1.0, pressure / usual))
+    least = math.hypot(LEAST_AREA * widest, contact.area[0] + contact.area[1])
+    pressure = max(push / math.hypot(area, least), LEAST_PRESSURE * usual)
+    rise = slope * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
     cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
     blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
     return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend
@@ -233,10 +243,10 @@ def no_coupling(count):
 
 @njit(cache=True, error_model="numpy")
 def contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, done):
-    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,), attraction and `coupling`."""
+    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,) and `coupling`."""
     for lane in range(LANES):
         if not done[lane]:
-            load[lane], state.pull[lane], coupling.area[lane], coupling.feedback[lane] = 0.0, 0.0, 0.0, 0.0
+            load[lane], coupling.area[lane], coupling.feedback[lane] = 0.0, 0.0, 0.0
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
         for lane in range(LANES):
@@ -260,7 +270,6 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
             if contact.attraction[k, lane] > 0.0:
                 gap, reach = width * (x * share + density - x), contact.reach[lane]
                 pull = contact.attraction[k, lane] * math.exp(-gap / reach)
-                state.pull[lane] += pull
                 net, net_rate = net - pull, net_rate - pull * (1.0 - share) / reach
                 net_swell += pull * width * widening * density / reach
             if push <= 0.0:

@@ -25,7 +25,7 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import LEAST_RESPONSE, add_tangent, contact_forces, fit, no_coupling, share_of, spread
+from palpate.fem.batch_contact import LEAST_RESPONSE, add_tangent, contact_forces, fit, no_coupling, pull_on, share_of, spread
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
@@ -137,8 +137,7 @@ def advance(
             shares = shares_of(large, body, contact, state, displacement, depth)
             turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        push = pushing(body, state, forces, equation)
-        fit(contact, state, push, done)
+        fit(contact, state, load_borne(body, contact, state, forces, equation), done)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
         excess[:] = reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
@@ -150,7 +149,8 @@ def advance(
             spent[lane] += 1
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
-            calm = max(norm[lane], abs(excess[lane])) < CALM * push[lane]
+            push = state.pressure[lane] * state.area[lane]
+            calm = max(norm[lane], abs(excess[lane])) < CALM * push
             limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
             unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
             broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
@@ -159,7 +159,7 @@ def advance(
             elif broken:
                 fraction[lane] *= 0.5
                 move(displacement, depth, state, direction, toward, wider, lane, -fraction[lane])
-            elif max(imbalance, unlike * push[lane] / scale[lane] / LESS) < tolerance:
+            elif max(imbalance, unlike * push / scale[lane] / LESS) < tolerance:
                 done[lane] = True
             elif (
                 searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
@@ -213,24 +213,23 @@ def factor(body, coupling, geometric, system, forces, forward):
 
 
 @njit(cache=True)
-def pushing(body, state, forces, equation):
-    """Return the force (LANES,) between surface and tip, attraction aside: what is prescribed, or what `forces` hold.
+def load_borne(body, contact, state, forces, equation):
+    """Return the load (LANES,) of the contact: what is prescribed, or what the internal `forces` hold.
 
-    Where it is not prescribed, it changes by no more than a factor of two from one iteration to the next.
+    Where it is not prescribed, what presses changes by no more than a factor of two from one iteration to the next.
     """
     force_weight, depth_weight, target = equation
-    push = np.zeros(LANES)
+    borne = np.zeros(LANES)
     for lane in range(LANES):
         if depth_weight[lane] == 0.0:
-            push[lane] = target[lane] / force_weight[lane]
+            borne[lane] = target[lane] / force_weight[lane]
         else:
             for k in range(body.vertical.shape[0]):
-                push[lane] -= forces[body.vertical[k], lane]
-        push[lane] += state.pull[lane]
-        if depth_weight[lane] > 0.0 or state.pull[lane] > 0.0 or push[lane] <= 0.0:
-            before = state.pressure[lane] * state.area[lane]
-            push[lane] = min(max(push[lane], 0.5 * before), 2.0 * before)
-    return push
+                borne[lane] -= forces[body.vertical[k], lane]
+            push = state.pressure[lane] * state.area[lane]
+            pull = pull_on(contact, state.area[lane], lane)
+            borne[lane] = min(max(borne[lane], 0.5 * push - pull), 2.0 * push - pull)
+    return borne
 
 
 @njit(cache=True)
@@ -364,8 +363,7 @@ def correct(
     coupling, start = no_coupling(body.radial.shape[0]), np.zeros(LANES)
     for iteration in range(times + 1):
         internal_forces(large, body, points, laws, weights, displacement, forces)
-        push = pushing(body, state, forces, equation)
-        fit(contact, state, push, ~lanes)
+        fit(contact, state, load_borne(body, contact, state, forces, equation), ~lanes)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
         if iteration == times:
             break

@@ -27,7 +27,7 @@ from palpate.specimen import Specimen
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 4.0, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
 BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
-BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.555, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
+BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.55, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
 
 
 def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
@@ -78,10 +78,11 @@ def contact_of(
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
     blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
-    reach, attraction = np.ones(LANES), np.zeros((len(distance), LANES))
+    strength, reach, attraction = np.zeros(LANES), np.ones(LANES), np.zeros((len(distance), LANES))
     for lane, adhesion in enumerate(adhesions):
         if adhesion is not None:
-            reach[lane], attraction[:, lane] = adhesion.reach / units[lane], adhesion.hold
+            strength[lane], reach[lane] = adhesion.strength, adhesion.reach / units[lane]
+            attraction[:, lane] = adhesion.hold
     return Contact(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
@@ -89,6 +90,7 @@ def contact_of(
         STIFFNESS * excess ** STIFFNESS_POWER[:, None],
         np.stack([np.full(LANES, blend), BLEND_OF_SPHERE + BLEND_OF_EXCESS * np.log(excess) ** 2]),
         attraction,
+        strength,
         reach,
         np.array(friction),
         SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
@@ -125,6 +127,6 @@ def first_contact(
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
     blend, none = np.full(LANES, BLEND), np.zeros(LANES)
     return ContactState(
-        math.pi * radius**2, none, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
+        math.pi * radius**2, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
         np.zeros_like(places), places.copy(),
     )  # fmt: skip
