@@ -14,12 +14,13 @@ p is the mean pressure of the contact, and so the penetration that a typical pre
 a soft body to a hard one, and from the first contact to the last. The width is measured in the rise of the tip over one
 element at the edge of contact,
 
-    w = s l f'(a) (5 + 3 n) / 8,    pi a^2 = sum A Phi(x),    p = F / (pi a^2),
+    w = s l f',    pi a^2 = sum A Phi(2 x + 2),    p = F / (pi a^2),
 
-with the local distance l of nodes and the exponent n of the tip near that edge: 1 under a cone, 2 under a sphere. It narrows with the root of p in unloading. Both a and p belong to the equilibrium
-that a step looks for, so the contact has no memory but for the largest force and area so far.
-Nothing here has a length or a stress of its own: scaling laws of sharp tips hold exactly. At given a and p the force
-has a potential, so the stiffness is symmetric without friction.
+with the local distance l of nodes and the slope f' that the tip has up to that edge. C and b depend on the exponent n
+of the tip there, which is 1 under a cone and 2 under a sphere. Where the pressure falls far below what it was at the
+largest load, w narrows with its root. Both a and p belong to the equilibrium that a step looks for, so the contact has
+no memory but for the largest force and area so far. Nothing here has a length or a stress of its own: scaling laws of
+sharp tips hold exactly. At given a and p the force has a potential, so the stiffness is symmetric without friction.
 
 Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels
 of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
@@ -39,11 +40,11 @@ from palpate.fem.batch_vector import LANES
 
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
-EDGE = 1.4  # radius of the contact, in that of a circle of area S: nodes within touch by little more than their half
+STEEP, BEFORE = 2.0, 1.0  # a node within touches, one at the edge by its half: Phi(STEEP (x + BEFORE))
 INSIDE = 0.7  # of the contact radius, from where on the exponent of the tip is taken
 LEAST_AREA = 0.05  # of the largest, below which the pressure falls
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
-NARROWING = 0.3  # of the pressure at the largest load, below which the contact becomes narrower
+NARROWING = 0.5  # of the pressure at the largest load, below which the contact becomes narrower
 WIDER = 1e-6  # of the area, for derivatives by it
 LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
 FAR = -8.0  # widths, beyond which a node bears nothing
@@ -119,6 +120,13 @@ def normal_distribution(x):
     return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0)), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
 
 
+@njit(cache=True)
+def touching(x):
+    """Return which share of a node belongs to the area of the contact, and its derivative by x."""
+    share, density = normal_distribution(STEEP * (x + BEFORE))
+    return share, STEEP * density
+
+
 @njit(cache=True, error_model="numpy")
 def width_of(contact, state, k, lane):
     """Return the width w over which the gap of a node closes."""
@@ -161,7 +169,7 @@ def fit(contact, state, borne, done):
 @njit(cache=True)
 def pull_on(contact, area, lane):
     """Return the attraction of a contact of some `area`."""
-    return contact.strength[lane] * EDGE * EDGE * area
+    return contact.strength[lane] * area
 
 
 @njit(cache=True, error_model="numpy")
@@ -169,14 +177,15 @@ def fitted(contact, state, borne, area, lane):
     """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls."""
     pull = pull_on(contact, area, lane)
     push = max(borne + pull, LEAST_PRESSURE * pull)
-    edge, widest = EDGE * math.sqrt(area / math.pi), max(state.widest[lane], area)
-    slope = profile_at(True, contact.tip, lane, edge, 0.0)[1]
-    inside = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)[1]
-    n = 1.0 + math.log(slope / inside) / math.log(1.0 / INSIDE)
+    edge, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
+    height, slope, _ = profile_at(True, contact.tip, lane, edge, 0.0)
+    inner_height, inner_slope, _ = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)
+    n = min(1.0 + math.log(slope / inner_slope) / math.log(1.0 / INSIDE), 2.0)
+    chord = (height - inner_height) / ((1.0 - INSIDE) * edge)
     usual = max(state.strongest[lane], push) / widest
     least = math.hypot(LEAST_AREA * widest, contact.area[0] + contact.area[1])
     pressure = max(push / math.hypot(area, least), LEAST_PRESSURE * usual)
-    rise = slope * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
+    rise = chord * (1.0 + (n - 1.0) * (1.0 - INSIDE) / (1.0 + INSIDE)) * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
     cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
     blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
     return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend
@@ -220,7 +229,7 @@ class Coupling(NamedTuple):
     by_area : ndarray, shape (k, 2, LANES)
         Derivatives of its radial and its vertical residual by the area, at the same load.
     touching : ndarray, shape (k, 2, LANES)
-        Derivatives of the sum of A Phi(x) by u_r and by u_z.
+        Derivatives of the sum of A Phi(2 x + 2) by u_r and by u_z.
     area, feedback : ndarray, shape (LANES,)
         That sum, and its derivative by the area that the width belongs to.
     """
@@ -281,9 +290,10 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
             forces[z, lane] += net + m * push * slope
             load[lane] += net + m * push * slope
             coupling.by_area[k, 1, lane] = net_swell + along_swell * slope
-            coupling.area[lane] += contact.area[k] * share
-            coupling.feedback[lane] -= contact.area[k] * density * x * widening
-            coupling.touching[k, 1, lane] = contact.area[k] * density / width
+            within, spreading = touching(x)
+            coupling.area[lane] += contact.area[k] * within
+            coupling.feedback[lane] -= contact.area[k] * spreading * x * widening
+            coupling.touching[k, 1, lane] = contact.area[k] * spreading / width
             if r >= 0:
                 forces[r, lane] += m * push - net * slope
                 coupling.by_area[k, 0, lane] = along_swell - net_swell * slope

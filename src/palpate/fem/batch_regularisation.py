@@ -25,9 +25,9 @@ from palpate.protocol import Protocol
 from palpate.specimen import Specimen
 
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
-STIFFNESS, STIFFNESS_POWER = 4.0, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
+STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
 BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
-BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.55, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
+BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.554, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
 
 
 def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
