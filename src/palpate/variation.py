@@ -15,7 +15,7 @@ from palpate.parameters import Parameter
 from palpate.protocol import DISPLACEMENT
 from palpate.specification import Specification
 
-STEP = 3e-4  # of the value, or of one unit, or of the test where a time is zero: derivatives err by about as much
+STEP = 3e-5  # of the value, or of one unit, or of the test where a time is zero: derivatives err by about as much
 
 
 def acting(specification: Specification) -> Specification:

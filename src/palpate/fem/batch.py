@@ -173,7 +173,7 @@ def run_lanes(
     system = System.of(body, not any(case.indenter.friction for case in lanes))
     tolerance = TIGHT if beside else TOLERANCE
     march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
-    neighbours = Neighbours.of([begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
+    neighbours = Neighbours.of(march, [begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
     ends = np.stack([case.times for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([case.carries for case in lanes], axis=1)

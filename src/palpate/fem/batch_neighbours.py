@@ -21,7 +21,7 @@ import numpy as np
 
 from palpate.fem.batch_contact import end_step
 from palpate.fem.batch_march import March, States
-from palpate.fem.batch_newton import correct
+from palpate.fem.batch_newton import correct, refactor
 
 CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
 
@@ -32,22 +32,28 @@ class Neighbours:
 
     Parameters
     ----------
+    host : March
     marches
         How each advances.
     states
         Where each has arrived.
     """
 
+    host: March
     marches: Sequence[March]
     states: list[States]
 
     @classmethod
-    def of(cls, begun: Sequence[tuple[March, States]]) -> Neighbours:
+    def of(cls, host: March, begun: Sequence[tuple[March, States]]) -> Neighbours:
         """Return neighbours that have just begun."""
-        return cls([march for march, _ in begun], [states for _, states in begun])
+        return cls(host, [march for march, _ in begun], [states for _, states in begun])
 
     def follow(self, start: States, arrived: States, begin: np.ndarray, end: np.ndarray, lanes: np.ndarray) -> None:
         """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s."""
+        refactor(
+            self.host.large, self.host.body, arrived.points, self.host.contact, arrived.contact, arrived.laws,
+            arrived.displacement, arrived.depth, self.host.system,
+        )  # fmt: skip
         for k, march in enumerate(self.marches):
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
             away, deeper = states.displacement - start.displacement, states.depth - start.depth

@@ -38,7 +38,7 @@ TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls belo
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
 CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
-TIGHT = 1e-9  # likewise, where neighbours are carried along
+TIGHT = 1e-10  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
 PATIENT = 7  # iterations, after which each has a factor of its own
@@ -340,6 +340,16 @@ def direct(
     store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
     store(wider, 0, where_less(mask, splat(0.5), load(wider, 0), spreading))
     store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))
+
+
+@njit(cache=True, error_model="numpy")
+def refactor(large, body, points, contact, state, laws, displacement, depth, system):
+    """Factor the matrix where lanes have arrived; the parameters are those of `advance`."""
+    forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(body.radial.shape[0])
+    none, geometric = np.zeros(LANES, dtype=np.bool_), np.ones(LANES)
+    contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, none)
+    stiffness(large, body, points, laws, displacement, geometric, system.band)
+    factor(body, coupling, geometric, system, forces, np.zeros_like(forces))
 
 
 @njit(cache=True, error_model="numpy")
