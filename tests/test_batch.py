@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from palpate.fem import batch, batch_march, batch_newton
 from palpate.fem.batch_banded import PANEL, solve, solve_again
-from palpate.fem.batch_contact import contact_forces, penetration, width_of
+from palpate.fem.batch_contact import contact_forces, fit, no_coupling, penetration, width_of
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_tip import profile_at
 from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, store
@@ -277,7 +277,8 @@ def test_contact_forces_have_a_potential(tip, work, large):
     body = Body.of(mesh)
     march, states = batch.begun(lanes, lanes, mesh, body, units, batch_newton.System.of(body, True), 1e-9)
     contact, state, count = march.contact, states.contact, len(body.distance)
-    rng = np.random.default_rng(4)
+    none, rng = np.zeros(LANES, dtype=bool), np.random.default_rng(4)
+    fit(contact, state, np.full(LANES, 0.1), none)
     width = np.array([width_of(contact, state, k, 0) for k in range(count)])
     reference = np.array([profile_at(large, contact.tip, 0, r, 0.0)[0] for r in body.distance])
 
@@ -292,16 +293,15 @@ def test_contact_forces_have_a_potential(tip, work, large):
         for node, weight in zip(*np.polynomial.legendre.leggauss(80), strict=True):
             share = 0.5 * (1.0 + node)
             u, depth = ((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))
-            forces, load, tangent = np.zeros_like(u), np.zeros(LANES), np.zeros((count, 2, 4, LANES))
-            contact_forces(large, body, contact, state, u, depth, forces, load, tangent, np.zeros(LANES, dtype=bool))
+            forces, load = np.zeros_like(u), np.zeros(LANES)
+            contact_forces(large, body, contact, state, u, depth, forces, load, no_coupling(count), none)
             along = forces[:, 0] @ (end[0] - start[0])[:, 0] + load[0] * (end[1] - start[1])[0]
             total += 0.5 * weight * along
         return total
 
     def potential(u, depth):
         x = np.array([penetration(large, body, contact, state, u, depth, k, 0)[0] for k in range(count)])
-        b = contact.blend[0, 0] + (state.exponent[0] - 1.0) * contact.blend[1, 0]
-        scale = contact.stiffness[0] * state.pressure[0] * contact.area * width
+        b, scale = state.blend[0], state.stiffness[0] * contact.area * width
         return (scale * 0.5 * ((x * x + 2.0 * b - 1.0) * norm.cdf(x) + x * norm.pdf(x))).sum()
 
     first, second, third = corner(), corner(), corner()

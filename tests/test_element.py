@@ -5,7 +5,7 @@ import pytest
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch import Case, begun, padded
-from palpate.fem.batch_contact import contact_forces
+from palpate.fem.batch_contact import contact_forces, fit, no_coupling
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_newton import System
@@ -137,9 +137,11 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     held = body.radial[1:]
     u = np.zeros((body.size + 1, LANES))
     u[held] = 1e-3 * rng.normal(size=(count - 1, 1))
-    x = rng.uniform(-1.2, 1.2, count)
+    near = 20  # nodes; those farther out do not touch
+    x = np.where(np.arange(count) < near, rng.uniform(-1.2, 1.2, count), -30.0)
     moved = np.append(0.0, u[held, 0])
     height = np.array(Profile.of(tip).in_units_of(units[0]).beneath(body.distance, moved, False)[0])
+    fit(contact, state, np.full(LANES, 0.1), np.zeros(LANES, dtype=bool))
     width = contact.width[:, 0] * state.rise[0]
     u[body.vertical] = (x * width - depth[0] + height)[:, None]
     state.share[:], state.place[:] = 0.0, body.distance[:, None]
@@ -147,14 +149,17 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     state.anchor[:] = body.distance[:, None] + moved[:, None] - slips
     state.share[::2] = 1.0
 
-    def evaluate(displacement):
-        forces, load = np.zeros((body.size + 1, LANES)), np.zeros(LANES)
-        tangent = np.zeros((count, 2, 4, LANES))
-        contact_forces(False, body, contact, state, displacement, depth, forces, load, tangent, np.zeros(LANES, bool))
-        return forces[:, 0], tangent[:, 0, :, 0]
+    bears, none = np.full(LANES, 0.1), np.zeros(LANES, dtype=bool)
+    fit(contact, state, bears, none)
 
-    _, tangent = evaluate(u)
-    for k in range(1, count):
+    def evaluate(displacement):
+        forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(count)
+        contact_forces(False, body, contact, state, displacement, depth, forces, load, coupling, none)
+        return forces[:, 0], coupling
+
+    forces, coupling = evaluate(u)
+    tangent = coupling.tangent[:, 0, :, 0]
+    for k in range(1, near):
         r, z, scale = body.radial[k], body.vertical[k], np.abs(tangent[k]).max()
         for first, rows in ((0, r), (1, z)):
             step = 1e-5 * min(contact.slip[k, 0], width[k])
@@ -163,3 +168,22 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
             down[rows] -= step
             change = (evaluate(up)[0] - evaluate(down)[0]) / (2 * step)
             assert change[[r, z]] == pytest.approx(tangent[k, [first, 2 + first]], abs=1e-5 * scale)
+            step = 1e-3 * width[k]
+            up[rows], down[rows] = u[rows] + step, u[rows] - step
+            spread = (evaluate(up)[1].area - evaluate(down)[1].area)[0] / (2 * step)
+            assert coupling.touching[k, first, 0] == pytest.approx(spread, abs=1e-4 * contact.area[k] / width[k])
+    area = state.area.copy()
+    by_area, step = coupling.by_area[:, :, 0].copy(), 1e-4 * area
+    feedback = coupling.feedback[0]
+
+    def at_area(changed):
+        state.area[:] = changed
+        fit(contact, state, bears, none)
+        return evaluate(u)
+
+    (higher, with_more), (lower, with_less) = at_area(area + step), at_area(area - step)
+    change = (higher - lower) / (2 * step[0])
+    expected = (with_more.area - with_less.area)[0] / (2 * step[0])
+    assert feedback == pytest.approx(expected, rel=1e-3, abs=1e-4)
+    assert by_area[:, 1] == pytest.approx(change[body.vertical], abs=1e-4 * np.abs(change).max())
+    assert by_area[1:, 0] == pytest.approx(change[held], abs=1e-4 * np.abs(change).max())

@@ -143,21 +143,27 @@ def newton_norms(opened, iterations):
     displacement, depth, reaction = opened[11:14]
     force_weight, depth_weight, target = equation
     forces, forward, direction = np.zeros((3, *displacement.shape))
-    tangent, toward, work = np.zeros((len(body.radial), 2, 4, LANES)), np.zeros(LANES), np.zeros(LANES)
+    coupling, toward, wider, work = batch_newton.no_coupling(len(body.radial)), *np.zeros((3, LANES))
     slips, changed = np.zeros((len(body.radial), LANES)), np.zeros(LANES, dtype=bool)
     none, all_of_it, norms = np.zeros(LANES, dtype=bool), np.ones(LANES), []
     for _ in range(iterations):
         shares = batch_newton.shares_of(large, body, contact, state, displacement, depth)
         turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, none)
         batch_newton.internal_forces(large, body, points, laws, weights, displacement, forces)
-        batch_newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, tangent, none)
+        batch_newton.fit(contact, state, batch_newton.load_borne(body, contact, state, forces, equation), none)
+        batch_newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, none)
         excess = reaction * force_weight + depth * depth_weight - target
         norms.append(max(np.abs(forces[:-1, 0]).max(), abs(excess[0])) / scale[0])
         batch_newton.stiffness(large, body, points, laws, displacement, all_of_it, system.band)
-        batch_newton.factor(body, tangent, all_of_it, system, forces, forward)
-        batch_newton.direct(system, forces, forward, force_weight, depth_weight, excess, ~none, direction, toward, work)
+        batch_newton.factor(body, coupling, all_of_it, system, forces, forward)
+        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
+        batch_newton.direct(
+            system, forces, forward, force_weight, depth_weight, excess, late, state.area, ~none, direction, toward,
+            wider, work,
+        )  # fmt: skip
         displacement += direction
         depth += toward
+        state.area[:] += wider
     return np.array(norms)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from palpate.fem import batch, batch_newton
 from palpate.fem.batch import Case, indent_batch
-from palpate.fem.batch_contact import contact_forces, normal_distribution, penetration, width_of
+from palpate.fem.batch_contact import contact_forces, no_coupling, normal_distribution, penetration, width_of
 from palpate.fem.batch_tip import profile_at
 from palpate.fem.batch_vector import LANES
 from palpate.fem.discretisation import RESOLUTIONS
@@ -219,12 +219,12 @@ def loaded(case, steps, monkeypatch):
 def forces_of(march, states, displacement, depth):
     """Return the forces of the contact (size + 2, LANES) at other displacements; the load comes last."""
     forces, load = np.zeros_like(displacement), np.zeros(LANES)
-    tangent = np.zeros((len(march.body.radial), 2, 4, LANES))
+    coupling = no_coupling(len(march.body.radial))
     contact_forces(
-        march.large, march.body, march.contact, states.contact, displacement, depth, forces, load, tangent,
+        march.large, march.body, march.contact, states.contact, displacement, depth, forces, load, coupling,
         np.zeros(LANES, dtype=bool),
     )  # fmt: skip
-    return np.vstack([forces, load]), tangent
+    return np.vstack([forces, load]), coupling.tangent
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -262,15 +262,14 @@ def test_forces_of_the_contact_have_a_potential(large, monkeypatch):
         Case(Specimen(BURGERS), Indenter("sphere", radius=2000.0), TEST, STANDARD, large), 20, monkeypatch
     )
     body, contact, state, lane = march.body, march.contact, states.contact, 0
-    blend = contact.blend[0, lane] + (state.exponent[lane] - 1.0) * contact.blend[1, lane]
 
     def potential(displacement):
         total = 0.0
         for k, area in enumerate(contact.area):
             x, *_ = penetration(march.large, body, contact, state, displacement, states.depth, k, lane)
-            phi, share = np.exp(-0.5 * x * x) / np.sqrt(2.0 * np.pi), normal_distribution(x)
-            scale = contact.stiffness[lane] * state.pressure[lane] * area * width_of(contact, state, k, lane)
-            total += scale * (0.5 * (x * x * share + x * phi - share) + blend * share)
+            share, phi = normal_distribution(x)
+            scale = state.stiffness[lane] * area * width_of(contact, state, k, lane)
+            total += scale * (0.5 * (x * x * share + x * phi - share) + state.blend[lane] * share)
         return total
 
     forces, _ = forces_of(march, states, states.displacement, states.depth)

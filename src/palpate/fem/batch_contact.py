@@ -185,7 +185,11 @@ def fitted(contact, state, borne, area, lane):
     usual = max(state.strongest[lane], push) / widest
     least = math.hypot(LEAST_AREA * widest, contact.area[0] + contact.area[1])
     pressure = max(push / math.hypot(area, least), LEAST_PRESSURE * usual)
-    rise = chord * (1.0 + (n - 1.0) * (1.0 - INSIDE) / (1.0 + INSIDE)) * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
+    rise = (
+        chord
+        * (1.0 + (n - 1.0) * (1.0 - INSIDE) / (1.0 + INSIDE))
+        * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
+    )
     cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
     blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
     return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend

@@ -25,7 +25,16 @@ from numba import njit
 
 from palpate.fem import batch_element, batch_hencky
 from palpate.fem.batch_banded import solve, solve_again
-from palpate.fem.batch_contact import LEAST_RESPONSE, add_tangent, contact_forces, fit, no_coupling, pull_on, share_of, spread
+from palpate.fem.batch_contact import (
+    LEAST_RESPONSE,
+    add_tangent,
+    contact_forces,
+    fit,
+    no_coupling,
+    pull_on,
+    share_of,
+    spread,
+)
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_friction import turn_back
 from palpate.fem.batch_vector import LANES, load, magnitude, splat, store, where_less
