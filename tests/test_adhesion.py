@@ -30,7 +30,7 @@ LAW = {
 BURGERS = LAWS["nonlinear_burgers"].coefficients(LAW)
 SPHERE, FLAT_CONE = Indenter("sphere", radius=1e5), Indenter("cone", 85.0)
 TEST = trapezoid(1.0, 1.0, 0.0, 1.0, points=40)
-PULL = 0.1  # of the mean pressure, which a node that does not touch may be pulled with
+PULL = 0.27  # of the mean pressure, which a node that does not touch may be pulled with: C max(-x Phi(x) - b phi(x))
 DEEPEST = 0.6  # of the width over which a gap closes, that a node lies inside the tip at most
 
 

@@ -26,7 +26,7 @@ METAL = LAWS["bilinear_plasticity"].coefficients(
 )
 STANDARD = RESOLUTIONS["standard"]
 TEST = trapezoid(1.0, 30.0, 0.0, 30.0)
-PULL = 0.14  # of what the mean pressure gives a node: C max(-x Phi(x) - b phi(x)) of `palpate.fem.batch_contact`
+PULL = 0.27  # of what the mean pressure gives a node: C max(-x Phi(x) - b phi(x)) of `palpate.fem.batch_contact`
 SLIPS = 0.9  # of the limit of friction, which is neared gradually, from which a node counts as slipping
 
 

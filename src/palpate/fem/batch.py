@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from palpate.fem.adhesion import attraction, nodal_areas
-from palpate.fem.batch_drive import Drives
+from palpate.fem.batch_drive import NO_LOAD, Drives
 from palpate.fem.batch_element import Body
 from palpate.fem.batch_law import Points
 from palpate.fem.batch_march import March, States
@@ -95,6 +95,12 @@ class Case:
     def times(self) -> np.ndarray:
         """Ends of the time steps [s]."""
         return step_times(self.protocol, self.resolution, self.specimen.yields)
+
+    @property
+    def first_loaded(self) -> float:
+        """When the first step ends that loads the contact [s]."""
+        drive = self.protocol.drive_at(self.times)
+        return float(self.times[np.argmax(drive > NO_LOAD * self.protocol.largest_drive)])
 
     @property
     def carries(self) -> np.ndarray:
@@ -237,12 +243,15 @@ def begun(
         np.array([case.largest for case in hosts]) / units, resolution.growth,
     )  # fmt: skip
     first = np.array([case.times[0] for case in hosts])
+    loaded = np.array([case.first_loaded for case in hosts])
+    adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
         profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
-        np.where(drives.depth_weight > 0.0, 0.0, drives.equation(first)[2]),
+        np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)
-    onset = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
+    depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
+    onset = np.stack([touching.area, depth])
     march = March(
         large, body, bodies, contact, drives, units, system, tolerance, onset, *np.zeros((2, LANES), dtype=np.int64)
     )  # fmt: skip

@@ -21,6 +21,7 @@ from palpate.fem.batch_specimens import Specimens
 from palpate.specimen import halfway
 
 HALVINGS = 6  # of a step that finds no equilibrium
+LITTLE = 0.2  # of the area of the first contact that counts, below which there has been none
 SPREADING = 0.5  # largest change of the logarithm of the area of contact that a guess carries on
 FARTHEST = 0.2  # of the depth, that one iteration moves a node
 STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
@@ -86,8 +87,8 @@ class March:
     system : System
     tolerance
         See `palpate.fem.batch_newton.advance`.
-    onset : ndarray, shape (LANES,)
-        Depth that the first contact begins its iteration with.
+    onset : ndarray, shape (2, LANES)
+        Area of the first contact that counts, and the depth that its iteration begins with.
     iterations, steps : ndarray of int, shape (LANES,)
         Count the work done.
     """
@@ -124,7 +125,7 @@ class March:
         """
         self.open(states, begin, end)
         states.add(change)
-        states.depth += np.where(states.contact.widest == 0.0, self.onset, 0.0)
+        self._begin_contact(states)
         found = lanes.copy()
         advance(
             self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,
@@ -134,6 +135,17 @@ class March:
         end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
         self.steps[found] += 1
         return found
+
+    def _begin_contact(self, states: States) -> None:
+        """Let the tip overlap the surface where it has not touched as much as by the first load."""
+        (area, depth), first = self.onset, self._first(states)
+        states.depth = np.where(first, np.maximum(states.depth, depth), states.depth)
+        states.contact.area[first] = area[first]
+
+    def _first(self, states: States) -> np.ndarray:
+        """Return whether lanes have not touched much so far; with adhesion, whether at all."""
+        little = np.where(self.contact.strength > 0.0, 0.0, LITTLE) * self.onset[0]
+        return states.contact.widest <= little
 
     def open(self, states: States, begin: np.ndarray, end: np.ndarray) -> None:
         """Open a step from one time to another [s]: laws and weights at its middle, and what the history fixes."""
@@ -151,7 +163,9 @@ class March:
         largest = np.abs(change[:-2]).max(axis=0)
         rise = states.contact.rise * self.contact.width[-1]
         free = np.maximum(FARTHEST * np.abs(states.depth) + rise, largest)
-        held = np.maximum(STRIDE * self.contact.reach, largest)
+        held = np.maximum(
+            STRIDE * self.contact.reach, np.maximum(largest, np.where(self._first(states), states.depth, 0.0))
+        )
         return np.where(self.contact.attraction.any(axis=0), held, free)
 
     def in_parts(
