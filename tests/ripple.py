@@ -12,12 +12,11 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
+from bodies import case_of
 
 from palpate.fem.batch import run_lanes
 from palpate.model import specification_from
 from palpate.verification.materials import BURGERS
-
-from bodies import case_of
 
 OFFSETS = 8
 FROM = 0.05  # of the largest load

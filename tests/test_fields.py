@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from bodies import internal_force
 
 from palpate.cli import main
 from palpate.fem.batch_newton import TOLERANCE

@@ -1,7 +1,6 @@
 """One simulation at the standard accuracy hardly depends on where its nodes lie."""
 
 import pytest
-
 from ripple import indentation, ripple
 
 CALM, YIELDING = 5e-5, 2e-4

@@ -131,8 +131,8 @@ def _simulation(specification: Specification, history: History) -> Simulation:
     time, depth, reason = protocol.sample_time, history.depth, history.reason
     load = protocol.sample_load if protocol.control == LOAD else history.load
     indenter = specification.indenter
-    sunk = np.maximum.accumulate(depth) > indenter.radius
-    if indenter.shape == "sphere" and sunk.any() and not reason:
+    sunk = np.fmax.accumulate(depth) > indenter.radius
+    if indenter.shape == "sphere" and sunk.any():
         reason = (
             f"the sphere sinks in beyond its radius after {time[sunk.argmax()]:.4g} s; press less, or a larger sphere"
         )

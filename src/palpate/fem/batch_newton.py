@@ -43,7 +43,7 @@ _small_forces, _small_stiffness = batch_element.internal_forces, batch_element.s
 _large_forces, _large_stiffness = batch_hencky.internal_forces, batch_hencky.stiffness
 
 ITERATIONS = 60
-TOLERANCE = 1e-6  # of the largest load, which every unbalanced force falls below
+TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls below
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
 CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
@@ -316,7 +316,8 @@ def direct(
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. The area changes
-    by no more than the `limit` (LANES,), and the rest with it. Where the matrix is not positive definite, the work is NaN.
+    by no more than the `limit` (LANES,), and the rest with it. Where the matrix is not positive definite, the work is
+    NaN.
     """
     size = forces.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling

@@ -127,6 +127,6 @@ def first_contact(
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
     blend, none = np.full(LANES, BLEND), np.zeros(LANES)
     return ContactState(
-        math.pi * radius**2, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(), none.copy(), places,
-        np.zeros_like(places), places.copy(),
+        math.pi * radius**2, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(),
+        none.copy(), places, np.zeros_like(places), places.copy(),
     )  # fmt: skip

@@ -1,8 +1,8 @@
 """One hexahedron at large strains and rotations: the law relates logarithmic strain to true stress.
 
 As in the plane (`palpate.fem.batch_hencky`, which gives the reasons): E = (1/2) ln C with C = F^T F takes the place of
-the linear strain, and the stress T of the law counts per present area. In the axes N_a of the right stretch, with squared
-stretches l_a, images n_a = F N_a of the axes, and the divided differences f_ab and f_abc of (1/2) ln l,
+the linear strain, and the stress T of the law counts per present area. In the axes N_a of the right stretch, with
+squared stretches l_a, images n_a = F N_a of the axes, and the divided differences f_ab and f_abc of (1/2) ln l,
 
     dE_ab = f_ab dC_ab,   dC_ab = n_a . dF N_b + n_b . dF N_a,   d2E_ab = 2 f_acb dC_ac dC_cb + f_ab d2C_ab
 
