@@ -41,6 +41,7 @@ from palpate.fem.batch_vector import LANES
 FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 STEEP, BEFORE = 2.0, 1.0  # a node within touches, one at the edge by its half: Phi(STEEP (x + BEFORE))
+STEEPEST = 2.25  # exponent of a tip that counts
 INSIDE = 0.7  # of the contact radius, from where on the exponent of the tip is taken
 LEAST_AREA = 0.05  # of the largest, below which the pressure falls
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
@@ -180,7 +181,7 @@ def fitted(contact, state, borne, area, lane):
     edge, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
     height, slope, _ = profile_at(True, contact.tip, lane, edge, 0.0)
     inner_height, inner_slope, _ = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)
-    n = min(1.0 + math.log(slope / inner_slope) / math.log(1.0 / INSIDE), 2.0)
+    n = min(1.0 + math.log(slope / inner_slope) / math.log(1.0 / INSIDE), STEEPEST)
     chord = (height - inner_height) / ((1.0 - INSIDE) * edge)
     usual = max(state.strongest[lane], push) / widest
     least = math.hypot(LEAST_AREA * widest, contact.area[0] + contact.area[1])

@@ -91,8 +91,8 @@ class System(NamedTuple):
         band, border = np.empty((body.size * body.width + 1, LANES)), np.zeros((body.size + 1, LANES))
         upper = np.empty((0, LANES)) if symmetric else np.empty_like(band)
         row = border if symmetric else np.zeros_like(border)
-        corner, growth, further = np.zeros(LANES), np.zeros(LANES), (np.zeros_like(border) for _ in range(3))
-        return cls(band, upper, border, row, corner, *further, growth)
+        sideways, widening, swelling = (np.zeros_like(border) for _ in range(3))
+        return cls(band, upper, border, row, np.zeros(LANES), sideways, widening, swelling, np.zeros(LANES))
 
 
 @njit(cache=True, error_model="numpy")

@@ -117,16 +117,16 @@ def first_contact(
     radius = smallest.copy()
     for lane, (profile, specimen, load) in enumerate(zip(profiles, specimens, loads, strict=True)):
         for _ in range(40 if load > 0.0 else 0):
-            pressure = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
-            radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * pressure)))
+            mean = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
+            radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * mean)))
     slope = np.array([p.slope_for(a) for p, a in zip(profiles, radius, strict=True)])
     height = np.array([p.depth_for(a) for p, a in zip(profiles, radius, strict=True)])
     pressure = np.array(
         [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
     )
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
-    blend, none = np.full(LANES, BLEND), np.zeros(LANES)
+    area, stiffness, none = np.asarray(np.pi * radius**2), np.asarray(STIFFNESS * pressure), np.zeros(LANES)
     return ContactState(
-        math.pi * radius**2, pressure, STIFFNESS * pressure, rise, blend, np.zeros((3, LANES)), none.copy(),
-        none.copy(), places, np.zeros_like(places), places.copy(),
+        area, pressure, stiffness, rise, np.full(LANES, BLEND), np.zeros((3, LANES)), none, none.copy(), places,
+        np.zeros_like(places), places.copy(),
     )  # fmt: skip
