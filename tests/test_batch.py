@@ -214,6 +214,20 @@ def test_lanes_may_have_their_corners_at_different_steps():
     assert_cases_as_alone(cases)
 
 
+def test_lanes_may_take_different_numbers_of_steps():
+    protocols = [trapezoid(1.0, 30.0, hold, 30.0, points) for hold, points in ((0.0, 20), (10.0, 24), (5.0, 21))]
+    cases = [case(protocol=protocol) for protocol in protocols]
+    assert len({len(each.times) for each in cases}) == 3
+    assert_cases_as_alone(cases)
+
+
+def test_nothing_happens_before_a_load_acts():
+    lagging = specification(mechanisms={"controller_lag": {"lag": 5.0}})
+    found = simulate(lagging)
+    assert np.all(found.depth[found.time < 5.0] == 0.0)
+    assert np.all(found.depth[found.time > 5.0] > 0.0)
+
+
 PLASTIC = {"model": "burgers_plasticity", "yield_stress": 0.4, "hardening": 0.5}
 SPHERE = {"shape": "sphere", "half_angle": None, "radius": 1e4}
 FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_modulus": 70.0}}}

@@ -137,7 +137,7 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     held = body.radial[1:]
     u = np.zeros((body.size + 1, LANES))
     u[held] = 1e-3 * rng.normal(size=(count - 1, 1))
-    near = 20  # nodes; those farther out do not touch
+    near = 16  # nodes; those farther out do not touch
     x = np.where(np.arange(count) < near, rng.uniform(-1.2, 1.2, count), -30.0)
     moved = np.append(0.0, u[held, 0])
     height = np.array(Profile.of(tip).in_units_of(units[0]).beneath(body.distance, moved, False)[0])

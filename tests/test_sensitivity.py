@@ -24,7 +24,7 @@ ALUMINIUM = {
     "hardening": 0.5,
 }
 CONE = {"shape": "cone", "half_angle": 70.3}
-COARSE = Resolution(growth=1.25, sectors=8, far=200.0)
+NEAR = Resolution(growth=1.1, sectors=8, far=200.0)
 PROTOCOL = {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 14}
 CASES = {
     "burgers": ({"material": BURGERS | SECOND}, [*BURGERS, *SECOND][1:]),
@@ -63,10 +63,11 @@ CASES = {
 
 
 CLOSE = {
-    "friction.coefficient": 0.1,
+    "friction.coefficient": 0.01,
     "adhesion.work": 0.08,
-    "controller_lag.lag": 0.06,
-    "plastic_yield.yield_stress": 0.04,
+    "retardation_time": 0.02,
+    "plastic_yield.yield_stress": 6e-3,
+    "poisson_ratio": 6e-3,
 }
 
 
@@ -78,7 +79,7 @@ def specification(**changes):
 
 def radii_of(spec):
     solid = acting(spec)
-    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, COARSE)
+    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, NEAR)
 
 
 def at(spec, name, value):
@@ -118,6 +119,14 @@ def test_several_indentations_know_their_derivatives_in_one_call():
         single, column = sensitivities(alone, ["poisson_ratio"])
         assert simulation.depth == pytest.approx(single.depth, rel=1e-8)
         assert derivatives == pytest.approx(column, rel=1e-4, abs=1e-4 * np.abs(column).max())
+
+
+def test_parameters_share_out_the_lanes_that_few_indentations_leave():
+    """Two indentations leave three lanes to each beside its own; eight leave none."""
+    specs = [specification(material=BURGERS | {"youngs_modulus": 2.5 + 0.25 * k}) for k in range(8)]
+    names = [*BURGERS][1:6]
+    many, few = (sensitivities_batch(chosen, names)[1][1] for chosen in (specs, specs[:2]))
+    assert few == pytest.approx(many, rel=1e-6, abs=1e-6 * np.abs(many).max())
 
 
 def test_friction_begins_at_zero():

@@ -3,9 +3,10 @@
 Under a sharp cone, meshes for different homogeneous materials differ by a factor on all lengths alone, and so do not
 differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
 
-Where the load history has a corner may differ from lane to lane. At large strains each step of the graded onset, and
-the one after it, begins where the last one ended: carried on, it could turn an element inside out. A lane that finds no
-equilibrium from where its last change carried it tries again from where the last step ended, and then in parts.
+Where the load history has a corner, and how many steps it takes, may differ from lane to lane. At large strains each
+step of the graded onset, and the one after it, begins where the last one ended: carried on, it could turn an element
+inside out. A lane that finds no equilibrium from where its last change carried it tries again from where the last step
+ended, and then in parts.
 """
 
 from __future__ import annotations
@@ -97,10 +98,10 @@ class Case:
         return step_times(self.protocol, self.resolution, self.specimen.yields)
 
     @property
-    def first_loaded(self) -> float:
-        """When the first step ends that loads the contact [s]."""
+    def unloaded_steps(self) -> int:
+        """Number of steps before the first that loads the contact; the body rests, unless adhesion pulls at it."""
         drive = self.protocol.drive_at(self.times)
-        return float(self.times[np.argmax(drive > NO_LOAD * self.protocol.largest_drive)])
+        return int(np.argmax(drive > NO_LOAD * self.protocol.largest_drive))
 
     @property
     def carries(self) -> np.ndarray:
@@ -116,7 +117,7 @@ class Case:
         shape = np.round(np.log(radii / radii[0]), 6).tobytes()
         body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
         surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
-        return self.resolution, shape, len(self.times), body, surface
+        return self.resolution, shape, body, surface
 
 
 def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
@@ -140,10 +141,11 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
     for number, case in enumerate(cases):
         kinds.setdefault(case.kind, []).append(number)
     for members in kinds.values():
+        members.sort(key=lambda number: len(cases[number].times))
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
-            others = [list(row) for row in zip(*(beside[number] for number in chosen), strict=True)] if beside else []
-            histories |= zip(chosen, run_lanes([cases[number] for number in chosen], others), strict=True)
+            others = [beside[number] for number in chosen] if beside else []
+            histories |= zip(chosen, _with_neighbours([cases[number] for number in chosen], others), strict=True)
     again = [number for number, case in enumerate(cases) if histories[number].reason and case.mergeable]
     if again:
         wider = [replace(cases[number], merged=cases[number].merged + 1) for number in again]
@@ -154,6 +156,27 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
         ]
         histories |= zip(again, indent_batch(wider, others), strict=True)
     return [history for _, history in sorted(histories.items())]
+
+
+def _with_neighbours(cases: Sequence[Case], beside: Sequence[Sequence[Case]]) -> list[History]:
+    """Simulate 1 to `LANES` cases of one kind with their neighbours, which share out the lanes that are left."""
+    if not beside:
+        return run_lanes(cases)
+    copies, count = LANES // len(cases), len(beside[0])
+    rows = -(-count // copies)
+    lanes = [case for case in cases for _ in range(copies)]
+    others = [[*row, *[case] * (rows * copies - count)] for case, row in zip(cases, beside, strict=True)]
+    ran = run_lanes(lanes, [[o for row in others for o in row[k * copies : (k + 1) * copies]] for k in range(rows)])
+    places = [divmod(parameter, copies) for parameter in range(count)]
+    return [
+        replace(
+            ran[first],
+            seconds=copies * ran[first].seconds,
+            depths_beside=np.array([ran[first + lane].depths_beside[row] for row, lane in places]),
+            loads_beside=np.array([ran[first + lane].loads_beside[row] for row, lane in places]),
+        )
+        for first in range(0, len(lanes), copies)
+    ]
 
 
 def run_lanes(
@@ -180,25 +203,30 @@ def run_lanes(
     tolerance = TIGHT if beside else TOLERANCE
     march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
     neighbours = Neighbours.of(march, [begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
-    ends = np.stack([case.times for case in lanes])
+    counts = np.array([len(case.times) for case in lanes])
+    resting = np.array([0 if case.specimen.adhesion else case.unloaded_steps for case in lanes])
+    ends = np.stack([_prolonged(case.times, counts.max()) for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
-    carries = np.stack([case.carries for case in lanes], axis=1)
+    carries = np.stack([np.resize(case.carries, counts.max()) for case in lanes], axis=1)
     start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
     depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
     trend, reasons = Trend.none(len(states.unknowns)), [""] * LANES
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
         before = states.unknowns
-        found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), alive)
+        alive &= k < counts
+        going = alive & (k >= resting)
+        found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), going)
         if beside:
             neighbours.follow(start, states, begin, end, found)
-        lost = alive & ~found
+        lost = going & ~found
         if lost.any():
             parts = np.where(carries[k], 1, 2)
             found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
-        for failed in np.flatnonzero(alive & ~found):
+        for failed in np.flatnonzero(going & ~found):
             reasons[failed] = f"no equilibrium beyond {begin[failed]:.4g} s"
-        alive = found
+        states.take(start, alive & ~going)
+        alive &= found | ~going
         if not alive.any():
             break
         if observe and alive[0]:
@@ -210,11 +238,23 @@ def run_lanes(
     seconds = (clock.perf_counter() - began) / len(cases)
     histories = []
     for lane, case in enumerate(cases):
-        places = np.searchsorted(ends[lane], case.protocol.sample_time * (1 - 1e-9))
+        places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
         depth, load = depths[:, lane, places], loads[:, lane, places]
+        for number in range(len(others)):
+            own = np.array([neighbours.corners[number][lane].get(time, time) for time in case.times])
+            moved = own[places] != case.times[places]
+            for found, curve in ((depth, depths), (load, loads)):
+                steps = curve[1 + number, lane, : len(own)]
+                found[1 + number, moved] = np.interp(case.times[places][moved], own, steps)
         tried, taken = int(march.iterations[lane]), int(march.steps[lane])
         histories.append(History(depth[0], load[0], reasons[lane], seconds, tried, taken, depth[1:], load[1:]))
     return histories
+
+
+def _prolonged(times: np.ndarray, count: int) -> np.ndarray:
+    """Return the ends of `count` steps, of which those past the last of the `times` (n,) are as long as it was [s]."""
+    step = times[-1] - (times[-2] if len(times) > 1 else 0.0)
+    return np.append(times, times[-1] + step * np.arange(1, count - len(times) + 1))
 
 
 def padded(cases: Sequence[Case]) -> list[Case]:
@@ -243,7 +283,7 @@ def begun(
         np.array([case.largest for case in hosts]) / units, resolution.growth,
     )  # fmt: skip
     first = np.array([case.times[0] for case in hosts])
-    loaded = np.array([case.first_loaded for case in hosts])
+    loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
         profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,

@@ -27,6 +27,7 @@ from palpate.specimen import Specimen
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
 BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
+ROUNDS = 12  # towards the radius of the first contact, from which the iteration only begins
 BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.554, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
 
 
@@ -116,7 +117,7 @@ def first_contact(
     """
     radius = smallest.copy()
     for lane, (profile, specimen, load) in enumerate(zip(profiles, specimens, loads, strict=True)):
-        for _ in range(40 if load > 0.0 else 0):
+        for _ in range(ROUNDS if load > 0.0 else 0):
             mean = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
             radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * mean)))
     slope = np.array([p.slope_for(a) for p, a in zip(profiles, radius, strict=True)])

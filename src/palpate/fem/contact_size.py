@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 from palpate.errors import InputError
 from palpate.fem.mesh import Resolution
@@ -17,7 +19,7 @@ from palpate.specimen import Specimen
 
 GPA_UM = 1e-6  # one mJ/m^2
 RADII = 81
-SOFTEST, BISECTIONS = 1e-12, 60
+SOFTEST = 1e-12  # share of an elastic body's pressure, below which none is sought
 LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
 
 
@@ -28,14 +30,16 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
     section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
     modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
     """
-    low, high = np.log(SOFTEST), 0.0  # of the pressure over that of an elastic body
     elastic = 0.5 * slope * plane_strain_modulus(coefficients)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        p = elastic * np.exp(middle)
+
+    def too_stiff(share: float) -> float:
+        """Compare the secant modulus with Young's at a logarithm of the pressure over that of an elastic body."""
+        p = elastic * math.exp(share)
         secant = 1.0 / secant_compliance(coefficients, p / 3.0, p, duration)
-        soft = secant < 2.0 * coefficients[SHEAR] * np.exp(middle)
-        low, high = (low, middle) if soft else (middle, high)
+        return math.log(secant / (2.0 * coefficients[SHEAR])) - share
+
+    share = brentq(too_stiff, math.log(SOFTEST), 0.0, xtol=1e-12) if too_stiff(0.0) < 0.0 else 0.0
+    p = elastic * math.exp(share)
     return float(min(p, 2.8 * flow_stress(coefficients, 0.2 * slope, p)))
 
 

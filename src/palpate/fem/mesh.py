@@ -11,11 +11,13 @@ grow faster than 1.4 make the whole body visibly too stiff. Sectors are a little
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 SECTOR_GRADING = 1.2
+TOGETHER = 4  # rings within the contact, of which there are multiples
 
 
 @dataclass(frozen=True)
@@ -125,14 +127,20 @@ def _tip(r: np.ndarray, z: np.ndarray, height: float, area: np.ndarray) -> np.nd
 
 
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
-    """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip."""
-    growth = resolution.growth
-    even = resolution.even
-    radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
+    """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip.
+
+    Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
+    for its size, and run in lanes.
+    """
+    growth, even, turn = resolution.growth, resolution.even, 2.2 * largest
+    innermost = smallest if rounded else resolution.inner * smallest
+    count = math.ceil(math.log(turn / innermost) / math.log(growth) / TOGETHER - 1e-9) * TOGETHER
+    radii = [turn / growth**k for k in range(count, -1, -1)]
+    if rounded:
+        radii = [radii[0] * (k + 1) / even for k in range(even - 1)] + radii
     while radii[-1] < resolution.far * largest:
+        growth = min(1.0 + 1.05 * (growth - 1.0), resolution.outer_growth)
         radii.append(radii[-1] * growth)
-        if radii[-1] > 2.0 * largest:
-            growth = min(1.0 + 1.05 * (growth - 1.0), resolution.outer_growth)
     return np.array(radii)
 
 
