@@ -30,7 +30,7 @@ ORDER = [
     {"readers"},
     {"design", "levels"},
     {"config"},
-    {"snapshots", "laboratory", "solved"},
+    {"snapshots", "laboratory", "inference"},
     {"surrogate"},
     {"classical"},
     {"calibration"},

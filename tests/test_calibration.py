@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
-from palpate.calibration.confirm import Tangent, confirm_and_correct
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import error_measures, mean_square, relative
 from palpate.calibration.noise import replicate_noise
 from palpate.calibration.polish import WeightedFit
 from palpate.calibration.space import Space
 from palpate.errors import InputError, PalpateError
+from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.recording import Recording
 
 T = np.linspace(0.02, 1.0, 50)
@@ -107,121 +107,103 @@ def test_validation_conditions_are_judged_but_never_fitted():
     assert with_it.conditions["check"]["role"] == "validate" and with_it.conditions["check"]["rmse_nm"] > 100
 
 
-def forward(families=FAMILIES):
-    """Return families as a forward model, asked for several points at once."""
-    return lambda points: [
-        {name: family.predict(np.array([[*values.values()]]))[0] for name, family in families.items()}
-        for values in points
-    ]
+class Forward:
+    """Families as a forward model, which fails at a beyond an edge and under some conditions."""
+
+    def __init__(self, families=FAMILIES, names=tuple(FAMILIES), edge=np.inf, fails=()):
+        self.families, self.names, self.edge, self.fails = families, names, edge, fails
+        free = [Coordinate(n, *BOUNDS[n], 0.0, 50.0, logarithmic=n == "a") for n in "abc"]
+        self.coordinates = Coordinates(free, {"d": 0.34})
+
+    def under(self, names):
+        return Forward(self.families, names, self.edge, self.fails)
+
+    def thinned(self):
+        return self, {name: np.ones(len(T), dtype=bool) for name in self.names}
+
+    def curves(self, points):
+        return [found if isinstance(found, str) else found[0] for found in self.tangents(points)]
+
+    def tangents(self, points):
+        found = []
+        for u in points:
+            x = np.array([self.coordinates.named(u)[name] for name in BOUNDS])
+            failing = [name for name in self.names if name in self.fails or x[0] > self.edge]
+            curves = {name: self.families[name].predict(x[None])[0] for name in self.names if name not in self.fails}
+            slopes = {n: self.families[n].jacobian(x)[:, :3] * self.coordinates.slopes(u) for n in curves}
+            found.append(f"{failing[0]}: no equilibrium" if failing else (curves, slopes))
+        return found
 
 
-@pytest.mark.parametrize("cheaper", [0.0, 20.0])
-def test_confirmation_removes_the_error_of_the_surrogate(cheaper):
-    """Both its bias and its slope in the parameters; also where a biased cheaper model leads the way."""
+def quiet(line):
+    pass
+
+
+def test_the_forward_model_removes_the_error_of_the_surrogate():
+    """Both its bias and its slope in the parameters."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
-
-    settings = CalibrationSettings(QUICK.genetic, solver_error=0.0)
-    biased = {name: Family(family.rate, cheaper) for name, family in FAMILIES.items()}
-    options = {"confirm": forward(), "approximate": forward(biased)}
-    surrogate_only, confirmed = (
-        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, **given)
-        for given in ({}, options)
+    surrogate_only, found = (
+        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=QUICK, forward=model, report=quiet)
+        for model in (None, Forward())
     )
     assert abs(surrogate_only.values["b"] - TRUTH["b"]) > 5e-3
-    assert confirmed.values["b"] == pytest.approx(TRUTH["b"], abs=1e-4)
-    assert confirmed.confirmed_by == "fe" and 1 < len(confirmed.confirmations) <= settings.corrections + 1
-    assert confirmed.conditions["slow"]["curve"] == "fe" and confirmed.conditions["slow"]["rmse_nm"] < 0.2
-    assert confirmed.settled and surrogate_only.settled is None
-    best = min(run["chi_square"] for run in confirmed.confirmations)
-    used = [run for run in confirmed.confirmations if run["parameters"] == confirmed.values]
-    assert [run["chi_square"] for run in used] == [best]
+    assert found.values["b"] == pytest.approx(TRUTH["b"], abs=1e-4)
+    assert found.confirmed_by == "fe" and found.iterations and found.on_surrogates == surrogate_only.values
+    assert found.conditions["slow"]["curve"] == "fe" and found.conditions["slow"]["rmse_nm"] < 0.2
+    assert found.settled and surrogate_only.settled is None
 
 
-def test_an_estimate_that_still_moves_has_not_settled():
+def test_an_estimate_may_lie_outside_its_range():
+    truth = TRUTH | {"a": 2.2}
+    x = np.array([list(truth.values())])
+    rng = np.random.default_rng(1)
+    data = {name: Observation(T, recordings(rng, f.predict(x)[0])) for name, f in FAMILIES.items()}
+    rng = np.random.default_rng(0)
+    found = calibrate(FAMILIES, data, BOUNDS, rng=rng, settings=QUICK, forward=Forward(), report=quiet)
+    a = found.parameters["a"]
+    assert found.on_surrogates["a"] == pytest.approx(BOUNDS["a"][1], rel=1e-3)
+    assert a.lower < 2.2 < a.upper and a.outside and not a.at_bound and a.identified
+    assert not found.parameters["b"].outside
+
+
+def test_a_search_stops_where_the_forward_model_fails():
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
-    wrong = {"slow": Family(1.1, bias=15.0), "fast": Family(0.5, bias=-5.0)}
-    settled = [
-        calibrate(wrong, data, BOUNDS, rng=np.random.default_rng(0), settings=settings, confirm=forward()).settled
-        for settings in (CalibrationSettings(QUICK.genetic, solver_error=0.0, corrections=n) for n in (0, 3))
-    ]
-    assert settled == [False, True]
+    rng = np.random.default_rng(0)
+    found = calibrate(FAMILIES, data, BOUNDS, rng=rng, settings=QUICK, forward=Forward(edge=1.05), report=quiet)
+    assert 0.9 < found.values["a"] <= 1.05
 
 
-@pytest.mark.parametrize("bound", [0.0, 1.0])
-def test_an_estimate_leaves_the_bound_that_the_surrogate_put_it_on(bound):
-    space, exact = Space({"a": BOUNDS["a"], "b": (0.45, 0.45)}), forward({"slow": Family()})
-    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, exact([TRUTH])[0], np.eye(len(T)))
-    confirmation = confirm_and_correct(fit, np.array([bound]), exact, corrections=3)
-    assert confirmation.settled
-    assert space.named(confirmation.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-4)
-
-
-def test_an_estimate_held_by_the_cheaper_models_slope_moves_on():
-    """Where the cheaper model's slope is normal to the true one, every value stays as it is under its guidance."""
-
-    def sine(points):
-        return [{"slow": 500.0 * T + 20.0 * v["a"] * np.sin(2 * np.pi * T)} for v in points]
-
-    def cosine(points):
-        return [{"slow": 500.0 * T + 20.0 * v["a"] * np.cos(2 * np.pi * T)} for v in points]
-
-    space = Space({"a": BOUNDS["a"]})
-    flat = Tangent(np.array([1.0]), 500.0 * T, np.zeros((len(T), 1)))
-    fit = WeightedFit(space, {"slow": flat}, sine([TRUTH])[0], np.eye(len(T)))
-    found = confirm_and_correct(fit, np.array([0.1]), sine, 3, cosine)
-    assert found.settled and space.named(found.u)["a"] == pytest.approx(TRUTH["a"], abs=1e-3)
-
-
-def confirmed_before(fine_edge, cheap_edge):
-    """Confirmation from a = 0.9 by models that fail at a beyond their edge, and the estimate of a; 1.1 is true."""
-
-    def model(edge):
-        def solve(points):
-            if any(values["a"] > edge for values in points):
-                raise PalpateError("no equilibrium")
-            return forward({"slow": Family()})(points)
-
-        return solve
-
-    space = Space({name: BOUNDS[name] for name in "ab"})
-    fit = WeightedFit(space, {"slow": Family(bias=30.0)}, model(1.5)([TRUTH])[0], np.eye(len(T)))
-    found = confirm_and_correct(fit, np.array([0.4, 0.5]), model(fine_edge), 3, model(cheap_edge))
-    return found, space.named(found.u)["a"]
-
-
-def test_a_way_to_where_the_cheaper_model_fails_is_shortened():
-    found, a = confirmed_before(fine_edge=1.5, cheap_edge=1.05)
-    assert not found.settled and 1.0 < a <= 1.05
-
-
-def test_a_failure_of_the_forward_model_leaves_the_best_run_before_it():
-    found, a = confirmed_before(fine_edge=1.05, cheap_edge=1.5)
-    assert not found.settled and a == pytest.approx(0.9) and len(found.runs) == 1
-
-
-def test_a_forward_model_that_fails_where_the_surrogates_lead_is_told():
+def test_a_forward_model_that_fails_everywhere_is_told():
+    data = observed(np.random.default_rng(0))
     with pytest.raises(PalpateError, match="no equilibrium"):
-        confirmed_before(fine_edge=0.8, cheap_edge=1.5)
+        calibrate(
+            FAMILIES,
+            data,
+            BOUNDS,
+            rng=np.random.default_rng(0),
+            settings=QUICK,
+            forward=Forward(edge=0.0),
+            report=quiet,
+        )
+
+
+def test_nothing_is_identified_where_the_fit_fails():
+    shape = 300.0 * (1.0 + np.sin(9.0 * T))
+    rng = np.random.default_rng(2)
+    data = {name: Observation(T, recordings(rng, shape)) for name in FAMILIES}
+    found = calibrate(FAMILIES, data, BOUNDS, rng=rng, settings=QUICK, forward=Forward(), report=quiet)
+    assert not any(entry.identified for entry in found.parameters.values())
 
 
 def test_a_held_out_condition_that_cannot_be_simulated_is_told_and_left_out():
-    class Curves(dict):
-        def __missing__(self, name):
-            raise PalpateError(f"{name}: no equilibrium")
-
-        def __iter__(self):
-            return iter(("slow", "fast", "check"))
-
-    def confirm(points):
-        return [Curves(curves) for curves in forward()(points)]
-
     data = observed(np.random.default_rng(5))
     data |= {"check": Observation(T, data["slow"].response, role="validate")}
-    told, options = [], {"settings": QUICK, "confirm": confirm}
-    found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), report=told.append, **options)
+    told, model = [], Forward(fails=("check",))
+    options = {"settings": QUICK, "forward": model, "report": told.append}
+    found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), **options)
     assert set(found.fe_curves) == set(found.conditions) == set(FAMILIES)
-    assert told[-1] == "check is not judged: check: no equilibrium"
+    assert told[-1] == "check is not judged: no equilibrium"
     assert found.confirmed_by == "fe"
 
 

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from palpate.report import bound_sentence, confirmation_sentences, misfit_sentence, table
+from palpate.report import bound_sentence, misfit_sentence, search_sentences, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -22,15 +22,11 @@ def test_headings_are_words_with_units():
     assert re.findall("<td>(.*?)</td>", shown) == ["1.235", "all", "yes"]
 
 
-def test_the_surrogates_error_is_that_at_the_estimate():
-    runs = [
-        {"chi_square": 9.0, "surrogate_error_nm": {"T030": 7.0}},
-        {"chi_square": 4.0, "surrogate_error_nm": {"T030": 1.8, "T240": 2.3}},
-    ]
-    assert "up to 2.3 nm from the finite elements" in confirmation_sentences({"confirmations": runs, "settled": True})
-    assert "settled" not in confirmation_sentences({"confirmations": runs, "settled": True})
-    assert "not settled: after 2 runs" in confirmation_sentences({"confirmations": runs, "settled": False})
-    assert confirmation_sentences({"confirmations": []}) == ""
+def test_a_search_that_has_not_settled_is_told():
+    found = {"iterations": ["iteration 1", "iteration 2"], "settled": True}
+    assert "in 2 iterations" in search_sentences(found) and "not settled" not in search_sentences(found)
+    assert "not settled" in search_sentences(found | {"settled": False})
+    assert search_sentences({"iterations": []}) == ""
 
 
 def test_a_share_close_to_one_is_not_rounded_to_one():
@@ -38,7 +34,8 @@ def test_a_share_close_to_one_is_not_rounded_to_one():
     assert "<td>1</td>" in table(pd.DataFrame({"r2": [1.0]}))
 
 
-def test_an_estimate_at_an_end_of_its_range_is_told():
-    parameters = {"youngs_modulus": {"at_bound": False}, "hardening": {"at_bound": True}}
-    assert bound_sentence({"parameters": parameters}).startswith("At an end of its range: hardening.")
-    assert bound_sentence({"parameters": {"youngs_modulus": {"at_bound": False}}}) == ""
+def test_an_estimate_outside_its_range_is_told():
+    inside, outside, limit = ({"at_bound": a, "outside": o} for a, o in ((False, False), (False, True), (True, True)))
+    said = bound_sentence({"parameters": {"youngs_modulus": outside, "hardening": limit, "yield_stress": inside}})
+    assert said.startswith("At a limit: hardening;") and "plausible: youngs_modulus." in said
+    assert bound_sentence({"parameters": {"youngs_modulus": inside}}) == ""

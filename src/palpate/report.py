@@ -105,34 +105,26 @@ def misfit_sentence(calibration: Mapping) -> str:
 
 
 def bound_sentence(calibration: Mapping) -> str:
-    """Say which estimates lie at an end of their range."""
-    names = [name for name, entry in calibration["parameters"].items() if entry["at_bound"]]
-    if not names:
+    """Say which estimates lie outside their range, or at a limit of the law."""
+    names = {key: [n for n, e in calibration["parameters"].items() if e[key]] for key in ("at_bound", "outside")}
+    beyond = [name for name in names["outside"] if name not in names["at_bound"]]
+    said = []
+    if names["at_bound"]:
+        said.append(f"At a limit: {', '.join(names['at_bound'])}; the other estimates may make up for it.")
+    if beyond:
+        said.append(f"Outside the range that was thought plausible: {', '.join(beyond)}. Is the law the right one?")
+    return " ".join(said)
+
+
+def search_sentences(calibration: Mapping) -> str:
+    """Say how the estimate was found, and whether the search for it arrived."""
+    lines = calibration["iterations"]
+    if not lines:
         return ""
-    return (
-        f"At an end of its range: {', '.join(names)}. Widen it in `parameters`, unless the law itself ends there; the "
-        "other estimates may make up for it."
-    )
-
-
-def confirmation_sentences(calibration: Mapping) -> str:
-    """Say how far the surrogates are off at the estimate, and whether it settled.
-
-    Leave-one-out errors do not tell the first: what a grid misses between its levels may vanish on them.
-    """
-    runs = calibration["confirmations"]
-    if not runs:
-        return ""
-    best = min(runs, key=lambda run: run["chi_square"])
     said = (
-        f"At the estimate the surrogates are up to {max(best['surrogate_error_nm'].values()):.2g} nm from the finite "
-        "elements on the fine mesh, on which the estimate rests; errors by leave-one-out are those at the snapshots, "
-        "and between the levels of a grid they may be several times as large."
+        "The estimate rests on the finite elements themselves, on which least squares went on from the optimum of the "
+        f"surrogates in {len(lines)} iterations; the surrogates' own optimum is in calibration.json."
     )
     if calibration["settled"]:
         return said
-    return (
-        f"{said} The estimate has not settled: after {len(runs)} runs of the finite elements it still moved by a third "
-        "of its uncertainty or more, or they failed beyond it. Raise calibration: corrections, hold what the data "
-        "cannot tell apart, or narrow the ranges to where no snapshot fails."
-    )
+    return f"{said} The search has not settled: hold what the data cannot tell apart, or narrow the ranges."

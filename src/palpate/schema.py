@@ -64,6 +64,8 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
         known = error.schema.get("properties", {})
         key = next(key for key in error.instance if key not in known)
+        if gone := error.schema.get("removed", {}).get(key):
+            raise InputError(f"{key} is gone: {gone}", remedy="take it out", place=f"{place}.{key}".lstrip("."))
         raise InputError(
             f"unknown key {key!r}{suggestion(key, known)}",
             remedy=f"use one of: {', '.join(known)}",

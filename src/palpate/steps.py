@@ -16,9 +16,9 @@ import pandas as pd
 from palpate import report, snapshots
 from palpate.calibration import Calibration, CalibrationSettings, GeneticSettings, Observation, calibrate
 from palpate.config import Study
+from palpate.inference.forward import FiniteElements
 from palpate.observations import observations
 from palpate.quantity import UNITS
-from palpate.solved import SolvedCurves
 from palpate.surrogate import PODRBF
 
 
@@ -72,7 +72,7 @@ def settings_of(study: Study) -> CalibrationSettings:
     """Return the calibration settings of a study."""
     given = dict(study.calibration)
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
-    own |= {key: given.pop(key) for key in ("corrections", "site_scatter", "solver_error")}
+    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
@@ -82,7 +82,7 @@ def calibrate_study(
     observed: Mapping[str, Observation],
     report: Callable[[str], None] = print,
 ) -> Calibration:
-    """Calibrate a study's parameters within its grid; the forward model confirms on the fine mesh."""
+    """Calibrate a study's parameters: on its surrogates first, then on the finite elements."""
     return calibrate(
         models,
         observed,
@@ -90,8 +90,7 @@ def calibrate_study(
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
         surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        confirm=lambda points: SolvedCurves.at(study, points, "fine"),
-        approximate=lambda points: SolvedCurves.at(study, points, "standard"),
+        forward=FiniteElements.of(study, list(observed)),
         report=report,
     )
 
@@ -99,11 +98,9 @@ def calibrate_study(
 def run_calibration(
     study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
 ) -> tuple[Calibration, pd.DataFrame]:
-    """Calibrate one condition set on one set of recordings, confirmed by the solver on every condition.
+    """Calibrate one condition set on one set of recordings, judged by the solver on every condition.
 
-    The solver confirms at `accuracy: fine`, whatever the snapshots were made with; between its runs the estimate is
-    sought at `accuracy: standard`, with what that misses added. So neither the surrogate's error nor that of the
-    snapshots' mesh biases the estimate.
+    The estimate rests on the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
 
     Returns
     -------
@@ -201,7 +198,7 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
         calibration = read_json(found / "calibration.json")
         pieces = [
             f"<p>{report.misfit_sentence(calibration)}</p>",
-            report.paragraph(report.confirmation_sentences(calibration)),
+            report.paragraph(report.search_sentences(calibration)),
             report.paragraph(report.bound_sentence(calibration)),
             report.table(pd.read_csv(found / "errors.csv")),
             report.table(

@@ -106,9 +106,9 @@ CALIBRATION_CODE = fingerprint(
     *PHYSICS,
     "alignment.py",
     "calibration",
+    "inference",
     "observations.py",
     "recording.py",
-    "solved.py",
     "steps.py",
 )
 FINDERS = (

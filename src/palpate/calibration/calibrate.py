@@ -1,25 +1,28 @@
-"""From recordings to parameters: genetic search, least-squares polish, forward-model confirmation, intervals."""
+"""From recordings to parameters: genetic search on surrogates, least squares on the finite elements, intervals."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.confirm import Model, confirm_and_correct
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import OBJECTIVES, check_indents, check_measurable
 from palpate.calibration.noise import complete_noise, model_covariance
 from palpate.calibration.observation import Observation
+from palpate.calibration.on_finite_elements import Linearised, estimated, known_errors
 from palpate.calibration.polish import Predictor, WeightedFit
-from palpate.calibration.report import described, estimates, front, in_nm, judged, named_matrix, predicted, reached
+from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted, simulated
 from palpate.calibration.result import Calibration
 from palpate.calibration.space import Space
 from palpate.errors import InputError
+from palpate.inference.coordinates import Coordinates
+from palpate.inference.forward import Forward
+
+LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,6 @@ class CalibrationSettings:
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
         `palpate.calibration.noise.model_covariance` says where the default comes from.
-    corrections
-        Largest number of times that the estimate is improved by the forward model itself, after its confirmation.
     """
 
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
@@ -48,14 +49,13 @@ class CalibrationSettings:
     aggregated: bool = False
     site_scatter: float = 0.01
     solver_error: float = 0.003
-    corrections: int = 3
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:
             raise InputError(
                 f"objective is {self.objective!r}", remedy=f"use one of: {', '.join(OBJECTIVES)}", place="objective"
             )
-        for name in ("site_scatter", "solver_error", "corrections"):
+        for name in ("site_scatter", "solver_error"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} is negative", remedy="give zero or more", place=name)
 
@@ -68,15 +68,15 @@ def calibrate(
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
     surrogate_error: Mapping[str, np.ndarray] | None = None,
-    confirm: Model | None = None,
-    approximate: Model | None = None,
+    forward: Forward | None = None,
     report: Callable[[str], None] = print,
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
     The genetic search minimises the thesis' objectives on the mean curves. Its best points are polished by
-    generalised least squares with the noise of the recordings. With `confirm`, the estimate and its intervals rest on
-    the forward model itself (`palpate.calibration.confirm`); without, on the surrogates and their errors.
+    generalised least squares with the noise of the recordings. With `forward`, least squares go on from there on the
+    forward model itself, beyond the bounds where that fits better; estimate and intervals rest on its curves and
+    derivatives. Without, they rest on the surrogates and their errors.
 
     Parameters
     ----------
@@ -85,19 +85,14 @@ def calibrate(
     observations
         What was measured. Conditions with the role ``validate`` are only judged, never fitted.
     bounds
-        (lower, upper) of each parameter in its unit; equal bounds hold it.
+        (lower, upper) of each parameter in its unit, within which the surrogates are searched; equal bounds hold it.
     rng
         Source of all randomness.
     surrogate_error
         Errors of the surrogate (k, n_points) of each condition, such as `PODRBF.loo_error_`; their second
-        moments join the noise until the forward model takes the surrogate's place.
-    confirm
-        The forward model: from a list of parameters by name to one mapping each, of a curve (n_points,) for
-        each condition, the validation conditions included. Mappings that solve a condition when it is asked for save
-        runs.
-    approximate
-        A cheaper forward model, such as `accuracy: standard`, that leads the way to where it is run next, as
-        `confirm`; the same when not given.
+        moments join the noise where the estimate rests on the surrogates.
+    forward
+        The forward model, such as `palpate.inference.forward.FiniteElements`.
     report
         Told how it goes on.
 
@@ -125,35 +120,44 @@ def calibrate(
     blocks = (noise[name].mean_covariance(rough[name], len(item.response)) for name, item in fitted.items())
     shares = {name: item.quantity.share for name, item in fitted.items()}
     covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error, shares)
-    confirmed: Mapping[str, np.ndarray] = {}
-    runs: list[dict[str, Any]] = []
-    settled: bool | None = None
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
     u = fit.solve(starts)
-    if confirm is not None:
-        exact = WeightedFit(space, surrogates, measured, covariance)
-        confirmation = confirm_and_correct(exact, u, confirm, settings.corrections, approximate, report)
-        fit, u, confirmed, runs = (
-            confirmation.fit,
-            confirmation.u,
-            confirmation.curves,
-            in_nm(confirmation.runs, fitted),
-        )
-        settled = confirmation.settled
-    found = intervals(fit, u, noise, fitted)
-    curves = predicted(surrogates, observations, space.physical(u))
-    solved = reached(observations, confirmed, report)
+    own, iterations = space.named(u), []
+    curves, solved = predicted(surrogates, observations, space.physical(u)), {}
+    around: WeightedFit | Linearised = fit
+    coordinates: Space | Coordinates = space
+    settled: bool | None = None
+    if forward is not None:
+
+        def kept(line: str) -> None:
+            iterations.append(line)
+            report(line)
+
+        known = known_errors(fitted, noise, rough, settings.solver_error)
+        begin = [own, *(space.named(start) for start in starts)]
+        found_there = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
+        u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
+        noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
+        final = (noise[name].mean_covariance(found_there.curves[name], len(i.response)) for name, i in fitted.items())
+        errors = block_diag(*final) + model_covariance(found_there.curves, settings.solver_error, shares)
+        around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
+        others = [name for name in observations if name not in fitted]
+        solved = {**found_there.curves, **simulated(forward, others, u, report)}
+    found = intervals(around, u, noise, fitted)
+    table = judged(observations, curves, solved)
+    explained = all(table[name]["r2"] > LEAST_R2 for name in fitted)
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
     return Calibration(
-        parameters=estimates(space, u, found),
-        conditions=judged(observations, curves, solved),
+        parameters=estimates(coordinates, u, found, explained),
+        conditions=table,
         surrogate_curves=curves,
         fe_curves=solved,
         confirmed_by="fe" if solved else "surrogate",
-        confirmations=runs,
+        on_surrogates=own,
+        iterations=iterations,
         settled=settled,
         misfit_ratio=found.misfit_ratio,
-        correlation=named_matrix(space, found.correlation),
+        correlation=named_matrix(coordinates, found.correlation),
         noise={name: described(noise[name], fitted[name]) for name in fitted},
         pareto=front(space, evolution, ["sum"] if settings.aggregated else list(measured)),
         history=[dict(entry) for entry in evolution.history],

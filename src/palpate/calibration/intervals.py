@@ -13,8 +13,8 @@ on a handful of recordings; v_k is multiplied by chi^2 per degree of freedom whe
 
 A parameter is identified when its interval is narrower than half the range between its bounds and its estimate does
 not lie on one of them: an interval that fills most of the range says little more than the range did. On a bound the
-least sum of squares lies outside, the quadratic approximation does not hold, and the interval is the whole range.
-Intervals are reported within the bounds, because nothing outside was simulated.
+least sum of squares lies outside, the quadratic approximation does not hold, and the interval is the whole range. An
+estimate on surrogates ends at the bounds of their snapshots; one on the finite elements at the limits of the law.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from scipy.stats import t as student
 
 from palpate.calibration.noise import Noise
 from palpate.calibration.observation import Observation
+from palpate.calibration.on_finite_elements import Linearised
 from palpate.calibration.polish import WeightedFit
 
 PRIOR_INFORMATION = 12.0
-AT_BOUND = 1e-3
 WIDEST_IDENTIFIED = 0.5
 
 
@@ -58,7 +58,7 @@ class Intervals:
 
 
 def intervals(
-    fit: WeightedFit,
+    fit: WeightedFit | Linearised,
     u: np.ndarray,
     noise: Mapping[str, Noise],
     observations: Mapping[str, Observation],
@@ -76,14 +76,14 @@ def intervals(
         variance = max(ratio, 1.0) / np.maximum(own, 0.0)
         half_width = student.ppf(0.5 + confidence / 2, freedom(fit, jacobian, covariance, noise, observations))
         half_width = half_width * np.sqrt(variance)
-    at_bound = (u < AT_BOUND) | (u > 1 - AT_BOUND)
+    at_bound = fit.at_bound(u)
     half_width = np.where(at_bound, np.inf, half_width)
     correlation = covariance / np.outer(spread, spread)
     return Intervals(half_width, at_bound, (2 * half_width < WIDEST_IDENTIFIED) & ~at_bound, correlation, ratio)
 
 
 def freedom(
-    fit: WeightedFit,
+    fit: WeightedFit | Linearised,
     jacobian: np.ndarray,
     covariance: np.ndarray,
     noise: Mapping[str, Noise],

@@ -16,6 +16,8 @@ from scipy.optimize import least_squares
 
 from palpate.calibration.space import Space
 
+AT_BOUND = 1e-3  # of a range
+
 
 class Predictor(Protocol):
     """What a surrogate must offer."""
@@ -74,6 +76,10 @@ class WeightedFit:
     def chi_square(self, curves: Mapping[str, np.ndarray]) -> float:
         """Misfit chi^2 of any curves, one for each condition."""
         return float(np.sum(self.whiten({name: curves[name] - self.measured[name] for name in self.measured}) ** 2))
+
+    def at_bound(self, u: np.ndarray) -> np.ndarray:
+        """Return which coordinates (k,) lie on a bound."""
+        return (u < AT_BOUND) | (u > 1 - AT_BOUND)
 
     def solve(self, starts: Iterable[np.ndarray]) -> np.ndarray:
         """Coordinates (k,) of least chi^2 among the minima reached from the starts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,8 @@ from palpate.calibration.observation import Observation
 from palpate.calibration.polish import Predictor
 from palpate.calibration.result import Estimate
 from palpate.calibration.space import Space
-from palpate.errors import PalpateError
+from palpate.inference.coordinates import Coordinates
+from palpate.inference.forward import Forward
 
 
 def predicted(
@@ -25,24 +26,17 @@ def predicted(
     return {name: surrogates[name].predict(x)[0] for name in observations if name in surrogates}
 
 
-def reached(
-    observations: Mapping[str, Observation], confirmed: Mapping[str, np.ndarray], report: Callable[[str], None]
+def simulated(
+    forward: Forward, names: Sequence[str], u: np.ndarray, report: Callable[[str], None]
 ) -> dict[str, np.ndarray]:
-    """Return the forward model's curves; what took no part and cannot be simulated is told and left out.
-
-    Raises
-    ------
-    PalpateError
-        When a condition cannot be simulated that took part.
-    """
-    found = {}
-    for name in confirmed:
-        try:
-            found[name] = confirmed[name]
-        except PalpateError as error:
-            if name not in observations or observations[name].role == "calibrate":
-                raise
-            report(f"{name} is not judged: {error}")
+    """Return the forward model's curves at coordinates u (k,) of conditions that took no part; failures are told."""
+    found: dict[str, np.ndarray] = {}
+    for name in names:
+        curves = forward.under([name]).curves([u])[0]
+        if isinstance(curves, str):
+            report(f"{name} is not judged: {curves.removeprefix(f'{name}: ')}")
+        else:
+            found |= curves
     return found
 
 
@@ -61,30 +55,27 @@ def judged(
     return table
 
 
-def in_nm(runs: list[dict[str, Any]], observations: Mapping[str, Observation]) -> list[dict[str, Any]]:
-    """Return runs of the forward model with the surrogates' errors there as depths, see `palpate.quantity`."""
-    told = []
-    for run in runs:
-        errors = {name: observations[name].quantity.nm * error for name, error in run["surrogate_error"].items()}
-        rest = {key: value for key, value in run.items() if key != "surrogate_error"}
-        told.append(rest | {"surrogate_error_nm": errors})
+def estimates(
+    coordinates: Space | Coordinates, u: np.ndarray, found: Intervals, explained: bool
+) -> dict[str, Estimate]:
+    """Physical estimates and intervals by name, these within what is plausible; none is identified in a failing fit."""
+    beyond = np.where(np.isinf(found.half_width), 0.0, float(isinstance(coordinates, Coordinates)))
+    first, last = np.minimum(u, 0.0) - beyond, np.maximum(u, 1.0) + beyond
+    ends = np.clip(u - found.half_width, first, last), np.clip(u + found.half_width, first, last)
+    low, high = map(coordinates.named, ends)
+    outside = np.abs(u - 0.5) > 0.5 + 1e-9
+    places = {name: k for k, name in enumerate(coordinates.names)}
+    told = {}
+    for name, value in coordinates.named(u).items():
+        free, k = name in places, places.get(name, 0)
+        flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
+        told[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
     return told
 
 
-def estimates(space: Space, u: np.ndarray, found: Intervals) -> dict[str, Estimate]:
-    """Physical estimates and intervals by name; intervals are cut off at the bounds."""
-    low, high = (space.physical(np.clip(u + sign * found.half_width, 0.0, 1.0))[0] for sign in (-1, 1))
-    identified, at_bound = np.zeros((2, len(low)), dtype=bool)
-    identified[space.free], at_bound[space.free] = found.identified, found.at_bound
-    return {
-        name: Estimate(value, float(low[i]), float(high[i]), bool(identified[i]), not space.free[i], bool(at_bound[i]))
-        for i, (name, value) in enumerate(space.named(u).items())
-    }
-
-
-def named_matrix(space: Space, matrix: np.ndarray) -> dict[str, dict[str, float]]:
+def named_matrix(coordinates: Space | Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:
     """Matrix (k, k) of the free parameters, by name."""
-    names = [name for name, free in zip(space.bounds, space.free, strict=True) if free]
+    names = coordinates.names
     return {name: dict(zip(names, map(float, row), strict=True)) for name, row in zip(names, matrix, strict=True)}
 
 

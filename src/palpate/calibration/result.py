@@ -24,7 +24,9 @@ class Estimate:
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound
-        Whether the estimate lies on a bound: the truth may lie outside.
+        Whether the estimate lies on a bound: of the surrogates', or a limit of the law.
+    outside
+        Whether it lies outside its range.
     """
 
     estimate: float
@@ -33,6 +35,7 @@ class Estimate:
     identified: bool
     held: bool = False
     at_bound: bool = False
+    outside: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +49,18 @@ class Calibration:
     conditions
         For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or
         ``surrogate``, whichever the errors were taken of.
-    surrogate_curves, fe_curves
-        Curves at the estimate (n_points,), of depth [nm] or load [mN]; `fe_curves` is empty without confirmation.
+    surrogate_curves
+        Curves (n_points,) of the surrogates at their own optimum, of depth [nm] or load [mN].
+    fe_curves
+        Curves of the forward model at the estimate; empty without one.
     confirmed_by
-        ``fe`` when the forward model was run at the estimate, else ``surrogate``.
-    confirmations
-        For each forward-model run: its parameters, chi^2 and the surrogate's error there, as a depth [nm].
+        ``fe`` when the estimate rests on the forward model, else ``surrogate``.
+    on_surrogates
+        Parameters at the optimum of the genetic search, polished on the surrogates.
+    iterations
+        What the search on the forward model told.
     settled
-        Whether these runs settled the estimate within 0.3 of its uncertainty; None without confirmation.
+        Whether that search arrived; None without a forward model.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     correlation
@@ -78,7 +85,8 @@ class Calibration:
     surrogate_curves: Mapping[str, np.ndarray]
     fe_curves: Mapping[str, np.ndarray]
     confirmed_by: str
-    confirmations: list[dict[str, Any]]
+    on_surrogates: Mapping[str, float]
+    iterations: list[str]
     settled: bool | None
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
@@ -106,7 +114,8 @@ class Calibration:
             "parameters": {name: vars(found).copy() for name, found in self.parameters.items()},
             "conditions": {name: dict(row) for name, row in self.conditions.items()},
             "confirmed_by": self.confirmed_by,
-            "confirmations": self.confirmations,
+            "on_surrogates": dict(self.on_surrogates),
+            "iterations": self.iterations,
             "settled": self.settled,
             "misfit_ratio": self.misfit_ratio,
             "correlation": {name: dict(row) for name, row in self.correlation.items()},

@@ -54,6 +54,11 @@ class Space:
         return self.extent > 0
 
     @property
+    def names(self) -> list[str]:
+        """Names of the free parameters."""
+        return [name for name, free in zip(self.bounds, self.free, strict=True) if free]
+
+    @property
     def dimensions(self) -> int:
         """Number of free parameters k."""
         return int(self.free.sum())

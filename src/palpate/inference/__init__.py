@@ -1,0 +1,1 @@
+"""What recordings say about parameters: their coordinates and prior, and least squares on the finite elements."""

@@ -1,0 +1,149 @@
+r"""Parameters, the coordinates in which they are searched for, and what is known of them beforehand.
+
+A quantity with a unit that cannot be negative counts by its logarithm, an exponent or another pure number as it is:
+laws of creep and flow are products of powers, whose valleys are straight in such coordinates. Where the range of a
+quantity begins at zero, a hundredth of its largest value is added first,
+
+    g(x) = ln(x + s),    u = (g(x) - g(lower)) / (g(upper) - g(lower)).
+
+In the coordinate u the range of a parameter is 0 to 1. The prior is even within the range, and falls off outside as a
+Gaussian whose standard deviation is the range itself: a range is what is thought plausible and no wall. The limits of
+the law are walls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.parameters import Parameter
+
+BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which a parameter counts as it is
+AT_WALL = 1e-3  # of the range, within which an estimate lies on a limit
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinate:
+    """One free parameter.
+
+    Parameters
+    ----------
+    name
+    lower, upper
+        Its range, in its unit.
+    least, largest
+        Its limits, in its unit.
+    logarithmic
+        Whether it counts by its logarithm.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    least: float
+    largest: float
+    logarithmic: bool = False
+
+    @classmethod
+    def of(cls, parameter: Parameter, lower: float, upper: float) -> Coordinate:
+        """Return the coordinate of a declared parameter with a range from `lower` to `upper`."""
+        logarithmic = parameter.unit != "-" and parameter.lower >= 0.0
+        return cls(parameter.name, lower, upper, parameter.lower, parameter.upper, logarithmic)
+
+    @property
+    def offset(self) -> float:
+        """What is added before the logarithm is taken, in its unit."""
+        return BEYOND_ZERO * self.upper if self.lower == 0.0 else 0.0
+
+    def scaled(self, value: np.ndarray | float) -> np.ndarray:
+        """Return u of values in the parameter's unit; minus infinity for a zero whose logarithm counts."""
+        first, last = self._measure(self.lower), self._measure(self.upper)
+        return (self._measure(value) - first) / (last - first)
+
+    def physical(self, u: np.ndarray | float) -> np.ndarray:
+        """Return the values at coordinates u, within the limits."""
+        first, last = self._measure(self.lower), self._measure(self.upper)
+        measured = first + np.asarray(u) * (last - first)
+        return np.clip(np.exp(measured) - self.offset if self.logarithmic else measured, self.least, self.largest)
+
+    def slope(self, u: float) -> float:
+        """Return the derivative of the parameter by its coordinate."""
+        extent = self._measure(self.upper) - self._measure(self.lower)
+        return float(extent * (self.physical(u) + self.offset if self.logarithmic else 1.0))
+
+    def _measure(self, value: np.ndarray | float) -> np.ndarray:
+        value = np.asarray(value, dtype=float)
+        if not self.logarithmic:
+            return value
+        with np.errstate(divide="ignore"):
+            return np.log(value + self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """All free parameters of an explanation, and the values of those that are held.
+
+    Parameters
+    ----------
+    free
+        In the order of the coordinates u (k,).
+    held
+        Values by name.
+
+    Raises
+    ------
+    InputError
+        When every parameter is held.
+    """
+
+    free: Sequence[Coordinate]
+    held: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        if not self.free:
+            remedy = "give one of them at least two levels"
+            raise InputError("every parameter is held", remedy=remedy, place="parameters")
+
+    @classmethod
+    def of(cls, levels: Mapping[str, Sequence[float]], declared: Mapping[str, Parameter]) -> Coordinates:
+        """Return the coordinates of parameters with `levels` by name; one that has a single level is held."""
+        ends = {name: (float(min(values)), float(max(values))) for name, values in levels.items()}
+        free = [Coordinate.of(declared[name], *pair) for name, pair in ends.items() if pair[0] < pair[1]]
+        return cls(free, {name: lower for name, (lower, upper) in ends.items() if lower == upper})
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the free parameters."""
+        return [each.name for each in self.free]
+
+    @property
+    def walls(self) -> tuple[np.ndarray, np.ndarray]:
+        """Limits of the coordinates (k,) below and above; infinite where there are none."""
+        return (
+            np.array([each.scaled(each.least) for each in self.free]),
+            np.array([each.scaled(each.largest) for each in self.free]),
+        )
+
+    def named(self, u: np.ndarray) -> dict[str, float]:
+        """Return all parameters by name at coordinates u (k,)."""
+        return {**self.held, **{each.name: float(each.physical(x)) for each, x in zip(self.free, u, strict=True)}}
+
+    def scaled(self, values: Mapping[str, float]) -> np.ndarray:
+        """Return the coordinates (k,) of parameters by name."""
+        return np.array([float(each.scaled(values[each.name])) for each in self.free])
+
+    def slopes(self, u: np.ndarray) -> np.ndarray:
+        """Return the derivatives (k,) of the free parameters by their coordinates."""
+        return np.array([each.slope(x) for each, x in zip(self.free, u, strict=True)])
+
+    def beyond(self, u: np.ndarray) -> np.ndarray:
+        """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
+        return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
+
+    def at_wall(self, u: np.ndarray) -> np.ndarray:
+        """Return which coordinates (k,) lie on a limit."""
+        least, largest = self.walls
+        return (u < least + AT_WALL) | (u > largest - AT_WALL)

@@ -1,0 +1,91 @@
+r"""Weighted least squares of simulated curves against recorded ones, with a prior.
+
+What is minimised, in coordinates u with the prior of `palpate.inference.coordinates`, is
+
+    chi^2(u) = r^T (C + d^2 I)^-1 r + sum beyond(u)^2,    r = simulated - recorded depth,
+
+with the covariance C of the errors that are known: noise of the recordings and error of the solver. A model that does
+not explain the recordings to these errors departs from them by more; that discrepancy is taken to be the same at all
+points, with the variance d^2 that makes chi^2 of the curves equal to its degrees of freedom (method of moments). It is
+zero for a model that explains them. Weighing what a model lacks by the noise alone would sacrifice the level of a curve
+to its smallest details.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+
+from palpate.inference.coordinates import Coordinates
+from palpate.inference.forward import Curves
+
+NO_MORE = 1e6  # times the mean square of the residual, above any discrepancy
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """How far curves lie from recorded ones.
+
+    Parameters
+    ----------
+    measured
+        Mean recorded curve (n_points,) of each condition, in the unit of what answers.
+    covariance : ndarray, shape (n, n)
+        Of the errors that are known, one condition after the other.
+    nm
+        For each condition the depth that a unit of what answers amounts to, see `palpate.quantity`.
+    coordinates
+        Of the parameters.
+    """
+
+    measured: Mapping[str, np.ndarray]
+    covariance: np.ndarray
+    nm: Mapping[str, float]
+    coordinates: Coordinates
+
+    @cached_property
+    def scale(self) -> np.ndarray:
+        """Nanometres in a unit of each point (n,)."""
+        return np.concatenate([np.full(len(curve), self.nm[name]) for name, curve in self.measured.items()])
+
+    @cached_property
+    def principal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Variances (n,) [nm^2] and directions (n, n) of the known errors."""
+        return np.linalg.eigh(self.covariance * np.outer(self.scale, self.scale))
+
+    def stacked(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return what belongs to each condition (n_points, ...), one after the other, in nm."""
+        whole = np.concatenate([parts[name] for name in self.measured])
+        return whole * (self.scale if whole.ndim == 1 else self.scale[:, None])
+
+    def residual(self, curves: Curves) -> np.ndarray:
+        """Return simulated less recorded curves (n,) [nm]."""
+        return self.stacked({name: curves[name] - recorded for name, recorded in self.measured.items()})
+
+    def discrepancy(self, residual: np.ndarray) -> float:
+        """Return the variance [nm^2] of what the model lacks, see the module."""
+        variances, directions = self.principal
+        squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - len(self.coordinates.free), 1)
+        largest = NO_MORE * float(np.mean(residual**2))
+
+        def excess(more: float) -> float:
+            return float(np.sum(squares / (np.maximum(variances, 0.0) + more))) - freedom
+
+        least = 1e-12 * largest
+        if largest == 0.0 or excess(least) <= 0.0:
+            return 0.0
+        return float(brentq(excess, least, largest, rtol=1e-10))
+
+    def weights(self, discrepancy: float) -> np.ndarray:
+        """Return the matrix (n, n) that whitens residuals and derivatives in nm."""
+        variances, directions = self.principal
+        floor = 1e-12 * max(float(variances.max()), discrepancy)
+        return (directions / np.sqrt(np.maximum(variances, floor) + discrepancy)).T
+
+    def chi_square(self, curves: Curves, u: np.ndarray, weights: np.ndarray) -> float:
+        """Return the misfit of curves at coordinates u (k,), prior included."""
+        return float(np.sum((weights @ self.residual(curves)) ** 2) + np.sum(self.coordinates.beyond(u) ** 2))
