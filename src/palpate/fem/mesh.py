@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SECTOR_GRADING = 1.2
-TOGETHER = 4  # rings within the contact, of which there are multiples
+TOGETHER = 4  # rings that grow by the same ratio, of which there are multiples
 
 
 @dataclass(frozen=True)
@@ -132,13 +132,12 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded:
     Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
     for its size, and run in lanes.
     """
-    growth, even, turn = resolution.growth, resolution.even, 2.2 * largest
-    innermost = smallest if rounded else resolution.inner * smallest
-    count = math.ceil(math.log(turn / innermost) / math.log(growth) / TOGETHER - 1e-9) * TOGETHER
-    radii = [turn / growth**k for k in range(count, -1, -1)]
-    if rounded:
-        radii = [radii[0] * (k + 1) / even for k in range(even - 1)] + radii
-    while radii[-1] < resolution.far * largest:
+    growth, even = resolution.growth, resolution.even
+    radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
+    count = math.ceil(math.log(2.0 * largest / radii[-1]) / math.log(growth) / TOGETHER) * TOGETHER
+    radii += [radii[-1] * growth**k for k in range(1, count + 1)]
+    farthest = 0.5 * resolution.far * radii[-1]
+    while radii[-1] < farthest:
         growth = min(1.0 + 1.05 * (growth - 1.0), resolution.outer_growth)
         radii.append(radii[-1] * growth)
     return np.array(radii)
