@@ -24,7 +24,7 @@ ALUMINIUM = {
     "hardening": 0.5,
 }
 CONE = {"shape": "cone", "half_angle": 70.3}
-NEAR = Resolution(growth=1.1, sectors=8, far=200.0)
+COARSE = Resolution(growth=1.25, sectors=8, far=200.0)
 PROTOCOL = {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 14}
 CASES = {
     "burgers": ({"material": BURGERS | SECOND}, [*BURGERS, *SECOND][1:]),
@@ -62,13 +62,7 @@ CASES = {
 }
 
 
-CLOSE = {
-    "friction.coefficient": 0.01,
-    "adhesion.work": 0.08,
-    "retardation_time": 0.02,
-    "plastic_yield.yield_stress": 6e-3,
-    "poisson_ratio": 6e-3,
-}
+CLOSE = {"friction.coefficient": 0.01, "adhesion.work": 0.08, "plastic_yield.yield_stress": 0.04}
 
 
 def specification(**changes):
@@ -79,7 +73,7 @@ def specification(**changes):
 
 def radii_of(spec):
     solid = acting(spec)
-    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, NEAR)
+    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, COARSE)
 
 
 def at(spec, name, value):
