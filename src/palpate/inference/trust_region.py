@@ -25,7 +25,7 @@ LARGEST_STEP, SHORTEST_STEP = 1.0, 1e-3  # of the range of a parameter
 GROWTH = 4.0  # of the length of the next steps over that of the last
 STEPS = 8  # tried at once, shared out among searches and conditions
 LEAST_STEPS = 3
-SETTLED = 0.005  # of chi^2; 0.07 standard deviations of the estimate in all
+SETTLED = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 
 
