@@ -13,6 +13,8 @@ from palpate.calibration.polish import WeightedFit
 from palpate.calibration.space import Space
 from palpate.errors import InputError, PalpateError
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.least_squares import Misfit
+from palpate.inference.trust_region import descend
 from palpate.recording import Recording
 
 T = np.linspace(0.02, 1.0, 50)
@@ -172,6 +174,25 @@ def test_a_search_stops_where_the_forward_model_fails():
     rng = np.random.default_rng(0)
     found = calibrate(FAMILIES, data, BOUNDS, rng=rng, settings=QUICK, forward=Forward(edge=1.05), report=quiet)
     assert 0.9 < found.values["a"] <= 1.05
+
+
+def test_a_search_ends_where_curves_are_known_but_no_derivatives():
+    """The best step is not tried for ever; shorter ones are, until they are of no use."""
+
+    class Rough(Forward):
+        def curves(self, points):
+            return Forward().curves(points)
+
+        def tangents(self, points):
+            rough = [self.coordinates.named(u)["a"] > 1.0 for u in points]
+            return ["unknown" if r else found for r, found in zip(rough, super().tangents(points), strict=True)]
+
+    data, model, lines = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough(), []
+    measured = {name: item.mean for name, item in data.items()}
+    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, lines.append)
+    assert 0.95 < model.coordinates.named(found.u)["a"] <= 1.0
+    assert not found.settled and len(lines) < 40
 
 
 def test_a_forward_model_that_fails_everywhere_is_told():

@@ -126,6 +126,7 @@ DIAGNOSIS_CODE = fingerprint(
     "calibration",
     "classical",
     "diagnosis",
+    "inference",
     "observations.py",
     "recording.py",
 )

@@ -11,9 +11,9 @@ from scipy.linalg import block_diag
 from palpate.calibration.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.calibration.intervals import intervals
 from palpate.calibration.measures import OBJECTIVES, check_indents, check_measurable
-from palpate.calibration.noise import complete_noise, model_covariance
+from palpate.calibration.noise import complete_noise
 from palpate.calibration.observation import Observation
-from palpate.calibration.on_finite_elements import Linearised, estimated, known_errors
+from palpate.calibration.on_finite_elements import Linearised, all_errors, estimated, known_errors
 from palpate.calibration.polish import Predictor, WeightedFit
 from palpate.calibration.report import described, estimates, front, judged, named_matrix, predicted, simulated
 from palpate.calibration.result import Calibration
@@ -117,9 +117,7 @@ def calibrate(
     plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
     rough = plain.curves(plain.solve(starts))
     noise = complete_noise(fitted, rough, settings.site_scatter)
-    blocks = (noise[name].mean_covariance(rough[name], len(item.response)) for name, item in fitted.items())
-    shares = {name: item.quantity.share for name, item in fitted.items()}
-    covariance = block_diag(*blocks) + model_covariance(rough, settings.solver_error, shares)
+    covariance = all_errors(fitted, noise, rough, settings.solver_error)
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
     u = fit.solve(starts)
     own, iterations = space.named(u), []
@@ -138,8 +136,7 @@ def calibrate(
         found_there = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
         u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
         noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
-        final = (noise[name].mean_covariance(found_there.curves[name], len(i.response)) for name, i in fitted.items())
-        errors = block_diag(*final) + model_covariance(found_there.curves, settings.solver_error, shares)
+        errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
         around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
         others = [name for name in observations if name not in fitted]
         solved = {**found_there.curves, **simulated(forward, others, u, report)}

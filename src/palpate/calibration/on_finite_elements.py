@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky, solve_triangular
@@ -51,14 +52,27 @@ class Linearised:
         """Slope (n_residuals, k) of `residual`."""
         return self.whiten(self.slopes)
 
+    @cached_property
+    def factor(self) -> np.ndarray:
+        """Lower Cholesky factor of the covariance."""
+        return cholesky(self.covariance, lower=True)
+
     def whiten(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
         """L^-1 applied to a vector or matrix for each condition, stacked."""
-        factor = cholesky(self.covariance, lower=True)
-        return solve_triangular(factor, np.concatenate([parts[name] for name in self.measured]), lower=True)
+        return solve_triangular(self.factor, np.concatenate([parts[name] for name in self.measured]), lower=True)
 
     def at_bound(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit of the law."""
         return self.coordinates.at_wall(u)
+
+
+def all_errors(
+    observations: Mapping[str, Observation], noise: Mapping[str, Noise], curves: Curves, solver_error: float
+) -> np.ndarray:
+    """Return the covariance (n, n) of the mean curves about simulated `curves`: noise, sites, error of the solver."""
+    blocks = (noise[name].mean_covariance(curves[name], len(item.response)) for name, item in observations.items())
+    shares = {name: item.quantity.share for name, item in observations.items()}
+    return block_diag(*blocks) + model_covariance(curves, solver_error, shares)
 
 
 def known_errors(
@@ -68,12 +82,11 @@ def known_errors(
 
     The noise of a condition that was tested once is not known apart from what the model lacks.
     """
-    blocks = []
-    for name, item in observations.items():
-        known = noise[name] if len(item.response) > 1 else Noise(0.0, 0.0, noise[name].site_scatter, np.inf)
-        blocks.append(known.mean_covariance(curves[name], len(item.response)))
-    shares = {name: item.quantity.share for name, item in observations.items()}
-    return block_diag(*blocks) + model_covariance(curves, solver_error, shares)
+    known = {
+        name: noise[name] if len(item.response) > 1 else replace(noise[name], sigma=0.0)
+        for name, item in observations.items()
+    }
+    return all_errors(observations, known, curves, solver_error)
 
 
 def estimated(
@@ -112,13 +125,10 @@ def estimated(
     misfit = Misfit(fewer, known[np.ix_(kept, kept)], nm, coordinates)
     scattered = qmc.Sobol(len(coordinates.free), seed=rng).random(SCATTERED)
     points = [np.maximum(coordinates.scaled(start), -1.0) for start in starts] + list(scattered)
-    residuals = [
-        np.inf if isinstance(curves, str) else float(np.sum(misfit.residual(curves) ** 2))
-        for curves in cheaper.curves(points)
-    ]
+    outcomes = cheaper.curves(points)
+    residuals = [np.inf if isinstance(o, str) else float(np.sum(misfit.residual(o) ** 2)) for o in outcomes]
     chosen = [points[k] for k in np.argsort(residuals, kind="stable")[:SEARCHES] if np.isfinite(residuals[k])]
     if not chosen:
-        failed = cheaper.curves(points[:1])[0]
-        raise PalpateError(f"the finite elements fail wherever a search may begin: {failed}")
+        raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
     way = descend(misfit, cheaper, chosen, ON_THE_WAY, report)
     return descend(Misfit(measured, known, nm, coordinates), forward, [way.u], AT_LAST, report)

@@ -21,12 +21,12 @@ from palpate.errors import InputError
 from palpate.fem.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.profile import Profile
+from palpate.inference.forward import kept
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.protocol import DISPLACEMENT, LOAD, Protocol
 from palpate.snapshots import Batch, Snapshot, conditions_by_shape, divided
 from palpate.variation import acting
 
-THINNING = 3
 SMALL = {LOAD: 0.2, DISPLACEMENT: 0.45}  # of the largest drive: a sharp tip carries a fifth of the load there
 PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
 MOST_COORDINATES = 3
@@ -215,12 +215,8 @@ def thinned(protocol: Protocol) -> Protocol:
 
     At small loads, where depth goes with the root of the load, most effects change fastest.
     """
-    sample = protocol.sample_time
-    keep = np.zeros(len(sample), dtype=bool)
-    keep[::-THINNING] = True
-    keep |= protocol.sample_drive < SMALL[protocol.control] * protocol.largest_drive
-    keep |= np.isclose(sample[:, None], protocol.knot_time, rtol=1e-9, atol=0).any(axis=1)
-    return replace(protocol, sample_time=sample[keep])
+    keep = kept(protocol) | (protocol.sample_drive < SMALL[protocol.control] * protocol.largest_drive)
+    return replace(protocol, sample_time=protocol.sample_time[keep])
 
 
 def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:

@@ -30,7 +30,7 @@ cells_per_job: 64
 
 $material
 # guess: $reason;
-# where an estimate ends at the edge of its range, widen it
+# a range is what is plausible and no wall: estimates may lie outside, and the report says which do
 parameters:
 $parameters
 design: {kind: sobol, points: $points}

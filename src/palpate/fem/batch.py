@@ -240,8 +240,8 @@ def run_lanes(
     for lane, case in enumerate(cases):
         places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
         depth, load = depths[:, lane, places], loads[:, lane, places]
-        for number in range(len(others)):
-            own = np.array([neighbours.corners[number][lane].get(time, time) for time in case.times])
+        for number, corners in enumerate(neighbours.corners):
+            own = np.array([corners[lane].get(time, time) for time in case.times])
             moved = own[places] != case.times[places]
             for found, curve in ((depth, depths), (load, loads)):
                 steps = curve[1 + number, lane, : len(own)]

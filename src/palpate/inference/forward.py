@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import typing
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from palpate.config import Condition, Study
 from palpate.inference.coordinates import Coordinates
 from palpate.model import sensitivities_batch, simulate_batch
+from palpate.protocol import Protocol
 from palpate.specification import Specification
 
 Curves = Mapping[str, np.ndarray]
@@ -18,7 +19,7 @@ STEP = 0.02  # of a range, over which curves under a pyramid are differenced
 THINNING = 3  # of the samples, while a search is on its way
 
 
-class Forward(Protocol):
+class Forward(typing.Protocol):
     """A forward model, of which a search asks curves and tangents.
 
     Both are lists with one entry for each of the points (k,), which says why where a simulation failed.
@@ -68,7 +69,7 @@ class FiniteElements:
 
     def thinned(self) -> tuple[FiniteElements, Mapping[str, np.ndarray]]:
         """Return the same with fewer samples, hence in fewer steps, and which are kept."""
-        keep = {condition.name: kept(condition) for condition in self.conditions}
+        keep = {condition.name: kept(condition.protocol) for condition in self.conditions}
         fewer = [
             replace(c, protocol=replace(c.protocol, sample_time=c.protocol.sample_time[keep[c.name]]))
             for c in self.conditions
@@ -79,8 +80,7 @@ class FiniteElements:
         """See `Forward`."""
         outcomes = simulate_batch(self._specifications(points))
         found: list[Curves | str] = []
-        for k in range(len(points)):
-            own = dict(zip(self._names, outcomes[k * len(self._names) :], strict=False))
+        for own in self._by_condition(outcomes):
             failed = [f"{name}: {outcome.reason}" for name, outcome in own.items() if outcome.status != "ok"]
             found.append(failed[0] if failed else {name: outcome.response for name, outcome in own.items()})
         return found
@@ -91,8 +91,7 @@ class FiniteElements:
             return self._differences(points)
         outcomes = sensitivities_batch(self._specifications(points), self.coordinates.names)
         found: list[tuple[Curves, Curves] | str] = []
-        for k, u in enumerate(points):
-            own = dict(zip(self._names, outcomes[k * len(self._names) :], strict=False))
+        for u, own in zip(points, self._by_condition(outcomes), strict=True):
             failed = [f"{name}: {outcome.reason}" for name, (outcome, _) in own.items() if outcome.status != "ok"]
             failed += [f"{name}: a derivative is unknown" for name, (_, s) in own.items() if not np.isfinite(s).all()]
             by = self.coordinates.slopes(u)
@@ -114,18 +113,19 @@ class FiniteElements:
             found.append(failed[0] if failed else (here, slopes))
         return found
 
-    @property
-    def _names(self) -> list[str]:
-        return [condition.name for condition in self.conditions]
+    def _by_condition(self, outcomes: Sequence[typing.Any]) -> list[dict[str, typing.Any]]:
+        """Return the outcomes of each point by the names of the conditions."""
+        names = [condition.name for condition in self.conditions]
+        rows = [outcomes[first : first + len(names)] for first in range(0, len(outcomes), len(names))]
+        return [dict(zip(names, row, strict=True)) for row in rows]
 
     def _specifications(self, points: Sequence[np.ndarray]) -> list[Specification]:
         cells = [self.coordinates.named(u) for u in points]
         return [self.study.specification(cell, condition) for cell in cells for condition in self.conditions]
 
 
-def kept(condition: Condition) -> np.ndarray:
-    """Return which samples (n_points,) of a condition are kept while a search is on its way: corners, and the last."""
-    sample, corners = condition.protocol.sample_time, condition.protocol.knot_time
-    keep = np.isclose(sample[:, None], corners, rtol=1e-9, atol=0.0).any(axis=1)
+def kept(protocol: Protocol) -> np.ndarray:
+    """Return which samples (n_points,) are enough while a search is on its way: every third, corners, and the last."""
+    keep = np.isclose(protocol.sample_time[:, None], protocol.knot_time, rtol=1e-9, atol=0.0).any(axis=1)
     keep[::-THINNING] = True
     return keep

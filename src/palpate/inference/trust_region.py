@@ -58,7 +58,7 @@ class Descent:
 def descend(
     misfit: Misfit,
     model: Forward,
-    starts: Sequence[np.ndarray | Descent],
+    starts: Sequence[np.ndarray],
     iterations: int,
     report: Callable[[str], None] = lambda line: None,
 ) -> Descent:
@@ -67,7 +67,7 @@ def descend(
     Parameters
     ----------
     starts
-        Coordinates (k,), or searches whose curves and slopes are the model's own.
+        Coordinates (k,).
     iterations
         Largest number of iterations.
 
@@ -76,16 +76,11 @@ def descend(
     PalpateError
         When the model fails at all starts.
     """
-    searches = [start for start in starts if isinstance(start, Descent)]
-    points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
-    failures = []
-    for u, found in zip(points, model.tangents(points) if points else [], strict=True):
-        if isinstance(found, str):
-            failures.append(found)
-        else:
-            searches.append(Descent(u, *found))
+    points = [_inside(misfit, start) for start in starts]
+    outcomes = model.tangents(points)
+    searches = [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
     if not searches:
-        raise PalpateError(failures[0])
+        raise PalpateError(str(outcomes[0]))
     for iteration in range(iterations):
         going = [search for search in searches if search.active]
         if not going:
@@ -129,15 +124,17 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent]) -> Non
             search.length *= 0.5**count
             search.active = search.length >= SHORTEST_STEP
         else:
-            search.length = min(GROWTH * chosen, LARGEST_STEP)
-            search.settled = here - best < SETTLED
-            search.active = not search.settled
-            moved.append((search, place))
-    for (search, u), found in zip(moved, model.tangents([u for _, u in moved]) if moved else [], strict=True):
+            moved.append((search, place, chosen, here - best))
+    tangents = model.tangents([u for _, u, _, _ in moved]) if moved else []
+    for (search, u, chosen, gain), found in zip(moved, tangents, strict=True):
         if isinstance(found, str):
-            search.length, search.active = 0.25 * search.length, search.length >= SHORTEST_STEP
+            search.length = 0.5 * chosen  # the step itself would be found best again
+            search.active = search.length >= SHORTEST_STEP
         else:
             search.u, (search.curves, search.slopes) = u, found
+            search.length = min(GROWTH * chosen, LARGEST_STEP)
+            search.settled = gain < SETTLED
+            search.active = not search.settled
 
 
 @dataclass(frozen=True, eq=False)
