@@ -59,7 +59,7 @@ def _condition(curve, upper, lower) -> None:
     draw(recorded, "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded")
     draw(simulated, "-", color=SIMULATED, label="finite elements")
     if surrogate.notna().any():
-        draw(surrogate, "--", color=SURROGATE, lw=0.8, label="surrogate at its own optimum")
+        draw(surrogate, "--", color=SURROGATE, lw=0.8, label="surrogates")
     error = recorded - simulated
     rmse = np.sqrt(np.mean(error**2))
     shown = f"{rmse:.1f} nm" if unit == "nm" else f"{rmse:.2g} mN"

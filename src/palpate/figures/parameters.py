@@ -42,13 +42,16 @@ def draw(
             axis.plot(row["estimate"], k, "o", color=RECORDED, mfc=RECORDED if known else "white", ms=4.5)
         if "truth" in rows and rows["truth"].notna().any():
             axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
-        low, high = min(ranges[name]), max(ranges[name])
+        axis.axvspan(min(ranges[name]), max(ranges[name]), color="0.94", lw=0, zorder=0)
+        low, high = (f([*ranges[name], *rows["estimate"]]) for f in (min, max))
         axis.set_xlim(low - 0.05 * (high - low), high + 0.05 * (high - low))
         axis.set_title(in_words(name))
         axis.set_xlabel(labels[name])
         axis.set_yticks(range(len(rows)), rows["condition_set"])
         axis.set_ylim(len(rows) - 0.5, -0.5)
-    legend = "bars: 95 % intervals; open: not identified" + ("; dashed: truth" if "truth" in table else "")
+    legend = "bars: 95 % intervals; open: not identified; shaded: range" + (
+        "; dashed: truth" if "truth" in table else ""
+    )
     figure.suptitle(f"{title}\n{legend}", fontsize=8)
     mark_synthetic(figure, synthetic)
     save(figure, path)
