@@ -9,14 +9,17 @@ import yaml
 
 from palpate import model
 from palpate.analytic import berkovich, scaling
+from palpate.calibration import Observation
+from palpate.calibration.on_finite_elements import estimated
 from palpate.cli import main
 from palpate.config import load_study
 from palpate.errors import InputError
 from palpate.fem.mesh import Resolution
 from palpate.fem3d import newton
 from palpate.indenters import Indenter
+from palpate.inference.forward import FiniteElements
 from palpate.model import sensitivities, simulate, simulate_batch, specification_from
-from palpate.snapshots import address
+from palpate.snapshots import address, plan
 
 SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
@@ -121,6 +124,30 @@ def test_derivatives_and_decks_are_refused(tmp_path, capsys):
     assert "pyramid" in capsys.readouterr().err
 
 
+def test_a_modulus_is_found_under_the_pyramid_by_the_cones_curves(tmp_path):
+    """The cone alone would err by some per cent; of the pyramid three curves are simulated at most."""
+    path = tmp_path / "study.yaml"
+    path.write_text(yaml.safe_dump(STUDY))
+    study = load_study(path)
+    protocol = replace(study.conditions[0].protocol, sample_time=np.array([0.5, 1.0]))
+    condition = replace(study.conditions[0], protocol=protocol)
+    study = replace(study, conditions=(condition,))
+    depth = simulate(study.specification({"youngs_modulus": 3.28}, condition)).depth
+    forward = FiniteElements.of(study, ["P1"])
+    observed = {"P1": Observation(condition.protocol.sample_time, depth[None])}
+    known, rng = np.diag((1e-3 * depth + 1e-3) ** 2), np.random.default_rng(0)
+    found, _ = estimated(forward, observed, known, [{"youngs_modulus": 3.1}], rng, lambda line: None)
+    assert forward.coordinates.named(found.u)["youngs_modulus"] == pytest.approx(3.28, rel=2e-4)
+    cone = estimated(replace_record(forward), observed, known, [{"youngs_modulus": 3.1}], rng, lambda line: None)[0]
+    assert forward.coordinates.named(cone.u)["youngs_modulus"] > 1.03 * 3.28
+
+
+def replace_record(forward):
+    """Return a forward model that takes the equivalent cone for the pyramid."""
+    cone = replace(forward.study, indenter=forward.study.indenter.equivalent_cone)
+    return replace(forward, study=cone)
+
+
 def test_a_study_takes_it_but_no_diagnosis(tmp_path):
     path = tmp_path / "study.yaml"
     path.write_text(yaml.safe_dump(STUDY))
@@ -129,6 +156,16 @@ def test_a_study_takes_it_but_no_diagnosis(tmp_path):
     assert specification.indenter == PYRAMID.indenter
     blunter = replace(specification, indenter=replace(specification.indenter, face_angle=66.0))
     assert address(blunter) != address(specification)
+    (snapshot, *_) = plan(study)[0].snapshots
+    assert snapshot.specification.indenter == PYRAMID.indenter.equivalent_cone
     path.write_text(yaml.safe_dump({key: value for key, value in STUDY.items() if key != "diagnosis"}))
     with pytest.raises(InputError, match="diagnosis"):
         load_study(path)
+
+
+def test_the_equivalent_cone_keeps_all_but_the_shape():
+    tip = Indenter.from_mapping({"shape": "berkovich", "radius": 50.0, "friction": 0.2, "modulus": 1141.0})
+    cone = tip.equivalent_cone
+    assert (cone.shape, cone.radius, cone.friction, cone.modulus) == ("sphero_cone", 50.0, 0.2, 1141.0)
+    assert cone.slope == pytest.approx(tip.slope)
+    assert cone.equivalent_cone is cone

@@ -5,10 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from palpate.fem.batch import Case, indent_batch
+from palpate.fem.discretisation import RESOLUTIONS
+from palpate.fem.similar import indent_distinct
 from palpate.indenters import Indenter
 from palpate.model import simulate, simulate_batch
 from palpate.protocol import trapezoid
 from palpate.specification import Specification
+from palpate.variation import acting
 
 EPOXY = {
     "youngs_modulus": 3.0,
@@ -62,3 +66,60 @@ def test_loads_out_of_proportion_make_another_curve(simulated):
     assert len(simulate_batch([under(1.0), slower])) == 2
     assert simulated == [2]
     assert not np.allclose(*(outcome.depth for outcome in simulate_batch([under(1.0), slower])))
+
+
+def case(load, **changes):
+    solid = acting(under(load, **changes))
+    large = solid.kinematics == "large"
+    return Case(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS["standard"], large)
+
+
+SOFTER = {"parameters": EPOXY | {"youngs_modulus": 2.9997}}
+BLUNTER = {"indenter": Indenter("cone", half_angle=70.307)}
+
+
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+def test_neighbours_are_solved_once_where_cases_differ_in_size_alone(simulated, kinematics):
+    """And derivatives are those of cases that are solved each by itself."""
+    cases = [case(load, kinematics=kinematics) for load in (1.0, 4.0)]
+    beside = [[case(load, kinematics=kinematics, **change) for change in (SOFTER, BLUNTER)] for load in (1.0, 4.0)]
+    found = indent_distinct(cases, beside)
+    assert simulated == [1]
+    for shared, alone in zip(found, indent_batch(cases, beside), strict=True):
+        assert shared.depth == pytest.approx(alone.depth, rel=1e-9)
+        changes = [history.depths_beside - history.depth for history in (shared, alone)]
+        assert changes[0] == pytest.approx(changes[1], rel=1e-6, abs=1e-6 * np.abs(changes[1]).max())
+        assert np.all(np.abs(changes[1]).max(axis=1) > 1e-3), "both are felt"
+
+
+def rounded(radius):
+    return {"mechanisms": {"tip_rounding": {"radius": radius}}}
+
+
+def filmed(thickness):
+    return {"mechanisms": {"film_on_substrate": {"thickness": thickness, "substrate_modulus": 30.0}}}
+
+
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        ({}, rounded(1.0)),
+        ({}, {"mechanisms": {"size_effect": {"length": 1.0}}}),
+        (rounded(100.0), rounded(100.003)),
+        (filmed(5000.0), filmed(5000.15)),
+    ],
+)
+def test_neighbours_with_a_length_are_solved_for_each_size(simulated, own, other):
+    cases = [case(load, **own) for load in (1.0, 4.0)]
+    beside = [[case(load, **other)] for load in (1.0, 4.0)]
+    found = indent_distinct(cases, beside)
+    assert simulated == [2]
+    for number, history in enumerate(found):
+        (alone,) = indent_batch(cases[number : number + 1], beside[number : number + 1])
+        assert history.depths_beside == pytest.approx(alone.depths_beside, rel=1e-9, nan_ok=True)
+
+
+def test_neighbours_that_differ_otherwise_are_solved_for_each_case(simulated):
+    cases = [case(load) for load in (1.0, 4.0)]
+    indent_distinct(cases, [[case(1.0, **SOFTER)], [case(4.0, **BLUNTER)]])
+    assert simulated == [2]

@@ -115,6 +115,14 @@ class Indenter:
         return replace(self, half_angle=half_angle)
 
     @property
+    def equivalent_cone(self) -> Indenter:
+        """A pyramid's cone whose sections are as large, rounded alike; other shapes are their own."""
+        if not self.face_angle:
+            return self
+        shape, half_angle = "sphero_cone" if self.radius else "cone", math.degrees(math.atan(1.0 / self.slope))
+        return replace(self, shape=shape, half_angle=half_angle, face_angle=0.0)
+
+    @property
     def face_slope(self) -> float:
         """Slope of a pyramid's face along its middle, cot(face_angle)."""
         return 1.0 / math.tan(math.radians(self.face_angle))

@@ -13,7 +13,7 @@ from palpate.fem.batch import Case, indent_batch, run_lanes
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.fields import Fields, Moment
 from palpate.fem.history import History
-from palpate.fem.similar import indent_distinct, length_ratio
+from palpate.fem.similar import indent_distinct, length_ratio, room
 from palpate.fem3d.fields import fields_of
 from palpate.fem3d.indent import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.fem3d.indent import indent_3d
@@ -174,23 +174,69 @@ def sensitivities_batch(
     InputError
         When there is no such parameter, or the indenter is a pyramid.
     """
+    beside = [[Variation.of(specification, name) for name in parameters] for specification in specifications]
+    return differentiated(specifications, beside, radii)
+
+
+def differentiated(
+    specifications: Sequence[Specification], beside: Sequence[Sequence[Variation]], radii: np.ndarray | None = None
+) -> list[tuple[Simulation, np.ndarray]]:
+    """Simulate several indentations together with the derivatives by what their neighbours vary.
+
+    What the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
+
+    Parameters
+    ----------
+    beside
+        Neighbours of each indentation, as many as there are derivatives.
+    radii : ndarray, optional
+        As for `simulate`.
+
+    Returns
+    -------
+    list of (Simulation, ndarray of shape (n, p))
+        See `sensitivities_batch`.
+
+    Raises
+    ------
+    InputError
+        When the indenter is a pyramid.
+    """
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
-    beside = [[Variation.of(specification, name) for name in parameters] for specification in specifications]
-    neighbours = [[variation.neighbour for variation in row] for row in beside]
-    histories = indent_batch(
-        [_case(acting(each), radii) for each in specifications],
-        [[_case(acting(each), radii) for each in row] for row in neighbours],
+    solids = [acting(specification) for specification in specifications]
+    others = [[acting(variation.neighbour) for variation in row] for row in beside]
+    felt = [
+        [k for k, other in enumerate(row) if not _same_body(solid, other)]
+        for solid, row in zip(solids, others, strict=True)
+    ]
+    histories = indent_distinct(
+        [_case(solid, radii) for solid in solids],
+        [[_case(row[k], radii) for k in own] for row, own in zip(others, felt, strict=True)],
     )
     outcomes = []
-    for specification, history, row in zip(specifications, histories, beside, strict=True):
+    for specification, history, row, own in zip(specifications, histories, beside, felt, strict=True):
         simulation, columns = _simulation(specification, history), []
         for k, variation in enumerate(row):
-            other = replace(history, depth=history.depths_beside[k], load=history.loads_beside[k])
+            other = history
+            if k in own:
+                place = own.index(k)
+                other = replace(history, depth=history.depths_beside[place], load=history.loads_beside[place])
             moved = _simulation(variation.neighbour, other)
             columns.append((moved.response - simulation.response) / variation.step)
         outcomes.append((simulation, np.stack(columns, axis=1)))
     return outcomes
+
+
+def _same_body(solid: Specification, other: Specification) -> bool:
+    """Return whether two indentations differ in nothing that the body feels."""
+    return solid.protocol is other.protocol and all(
+        getattr(solid, name) == getattr(other, name)
+        for name in (
+            "model", "parameters", "indenter", "kinematics", "film_thickness", "substrate_modulus", "size_length",
+            "adhesion",
+        )
+    )  # fmt: skip
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
@@ -285,6 +331,13 @@ def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) 
         return [simulate(specification) for specification in specifications]
     histories = indent_distinct([replace(_case(acting(each)), shift=shift) for each in specifications])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
+
+
+def together(specifications: Sequence[Specification]) -> int:
+    """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        return 1
+    return room([_case(acting(each)) for each in specifications])
 
 
 def alike(specification: Specification, other: Specification) -> bool:

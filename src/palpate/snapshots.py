@@ -25,7 +25,7 @@ from palpate.errors import PalpateError
 from palpate.fem.batch_vector import LANES
 from palpate.fingerprint import PHYSICS, content, fingerprint
 from palpate.model import Simulation, alike, simulate_batch
-from palpate.specification import Specification
+from palpate.specification import Specification, of_equivalent_cone
 
 AT_ONCE = 2 * LANES
 
@@ -87,11 +87,14 @@ def address(specification: Specification) -> str:
 
 
 def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
-    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
+    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone.
+
+    Of a pyramid they are the equivalent cone's: on their surrogate a search begins, and ends on the pyramid itself.
+    """
     batches = []
     for conditions in conditions_by_shape(study):
         members = [
-            Snapshot(cell, condition.name, study.specification(cell, condition))
+            Snapshot(cell, condition.name, of_equivalent_cone(study.specification(cell, condition)))
             for cell in study.cells
             for condition in conditions
         ]
@@ -109,8 +112,9 @@ def conditions_by_shape(study: Study) -> list[list[Condition]]:
     groups: list[list[Condition]] = []
     for condition in study.conditions:
         if condition.role == "calibrate":
-            specification = study.specification(study.cells[0], condition)
-            same = [g for g in groups if alike(study.specification(study.cells[0], g[0]), specification)]
+            specification = of_equivalent_cone(study.specification(study.cells[0], condition))
+            first = [of_equivalent_cone(study.specification(study.cells[0], group[0])) for group in groups]
+            same = [group for group, other in zip(groups, first, strict=True) if alike(other, specification)]
             if same:
                 same[0].append(condition)
             else:

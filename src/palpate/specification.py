@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -82,6 +82,11 @@ class Specification:
         if math.isfinite(thickness):
             substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
         return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)
+
+
+def of_equivalent_cone(specification: Specification) -> Specification:
+    """Return what is simulated in place of an indentation by a pyramid; the same under other tips."""
+    return replace(specification, indenter=specification.indenter.equivalent_cone)
 
 
 def axisymmetric_only(lacking: str, place: str) -> InputError:

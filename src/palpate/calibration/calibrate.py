@@ -23,6 +23,7 @@ from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Forward
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
+MOST_MISFIT = 3.0  # chosen, of chi-square per degree of freedom: above it what the model lacks outweighs the noise
 
 
 @dataclass(frozen=True)
@@ -133,16 +134,16 @@ def calibrate(
 
         known = known_errors(fitted, noise, rough, settings.solver_error)
         begin = [own, *(space.named(start) for start in starts)]
-        found_there = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
+        found_there, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
         u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
         noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
         errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
         around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
         others = [name for name in observations if name not in fitted]
-        solved = {**found_there.curves, **simulated(forward, others, u, report)}
+        solved = {**found_there.curves, **simulated(recorded, others, u, report)}
     found = intervals(around, u, noise, fitted)
     table = judged(observations, curves, solved)
-    explained = all(table[name]["r2"] > LEAST_R2 for name in fitted)
+    explained = found.misfit_ratio < MOST_MISFIT and all(table[name]["r2"] > LEAST_R2 for name in fitted)
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
     return Calibration(
         parameters=estimates(coordinates, u, found, explained),

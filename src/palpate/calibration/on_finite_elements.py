@@ -16,10 +16,11 @@ from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
-from palpate.inference.trust_region import Descent, descend
+from palpate.inference.trust_region import Descent, descend, resumed
 
 SCATTERED = 16  # places of the ranges that are tried beside the surrogates' optima
 SEARCHES = 2  # that go on, from the best of them
+MAPPINGS = 3  # times that the model of record is simulated at most, each where the last search ended
 ON_THE_WAY, AT_LAST = 30, 6  # largest numbers of iterations, with few samples and with all
 
 
@@ -96,11 +97,11 @@ def estimated(
     starts: Sequence[Mapping[str, float]],
     rng: np.random.Generator,
     report: Callable[[str], None],
-) -> Descent:
-    """Return the least misfit of the forward model to the mean curves.
+) -> tuple[Descent, Forward]:
+    """Return the least misfit of the forward model of record to the mean curves, and that model.
 
     The best of the `starts` and of some places scattered over the ranges are followed with few samples, the end of the
-    better search with all.
+    better search with all, by the model of record.
 
     Parameters
     ----------
@@ -130,5 +131,12 @@ def estimated(
     chosen = [points[k] for k in np.argsort(residuals, kind="stable")[:SEARCHES] if np.isfinite(residuals[k])]
     if not chosen:
         raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
-    way = descend(misfit, cheaper, chosen, ON_THE_WAY, report)
-    return descend(Misfit(measured, known, nm, coordinates), forward, [way.u], AT_LAST, report)
+    way = descend(misfit, cheaper, chosen, ON_THE_WAY, report, exact=False)
+    whole, recorded = Misfit(measured, known, nm, coordinates), forward.of_record(way.u)
+    end = resumed(whole, recorded, way, AT_LAST, report)
+    for _ in range(MAPPINGS - 1):
+        again = recorded.of_record(end.u)
+        if again is recorded:
+            break
+        recorded, end = again, resumed(whole, again, end, AT_LAST, report)
+    return end, recorded

@@ -160,23 +160,29 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
 
 def _with_neighbours(cases: Sequence[Case], beside: Sequence[Sequence[Case]]) -> list[History]:
     """Simulate 1 to `LANES` cases of one kind with their neighbours, which share out the lanes that are left."""
-    if not beside:
+    count = max(map(len, beside), default=0)
+    if not count:
         return run_lanes(cases)
-    copies, count = LANES // len(cases), len(beside[0])
+    copies = LANES // len(cases)
     rows = -(-count // copies)
     lanes = [case for case in cases for _ in range(copies)]
-    others = [[*row, *[case] * (rows * copies - count)] for case, row in zip(cases, beside, strict=True)]
+    others = [[*row, *[case] * (rows * copies - len(row))] for case, row in zip(cases, beside, strict=True)]
     ran = run_lanes(lanes, [[o for row in others for o in row[k * copies : (k + 1) * copies]] for k in range(rows)])
-    places = [divmod(parameter, copies) for parameter in range(count)]
-    return [
-        replace(
-            ran[first],
-            seconds=copies * ran[first].seconds,
-            depths_beside=np.array([ran[first + lane].depths_beside[row] for row, lane in places]),
-            loads_beside=np.array([ran[first + lane].loads_beside[row] for row, lane in places]),
+    histories = []
+    for first, row in zip(range(0, len(lanes), copies), beside, strict=True):
+        places = [divmod(parameter, copies) for parameter in range(len(row))]
+        own, points = ran[first], len(ran[first].depth)
+        depths = [ran[first + lane].depths_beside[place] for place, lane in places]
+        loads = [ran[first + lane].loads_beside[place] for place, lane in places]
+        histories.append(
+            replace(
+                own,
+                seconds=copies * own.seconds,
+                depths_beside=np.reshape(depths, (len(row), points)),
+                loads_beside=np.reshape(loads, (len(row), points)),
+            )
         )
-        for first in range(0, len(lanes), copies)
-    ]
+    return histories
 
 
 def run_lanes(

@@ -17,28 +17,66 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.fem.batch import Case, indent_batch
+from palpate.fem.batch_vector import LANES
 from palpate.fem.history import History
 from palpate.protocol import LOAD
 
 CLOSE = 1e-12
 
 
-def indent_distinct(cases: Sequence[Case]) -> list[History]:
-    """Simulate all cases; those that differ in size alone once, and share the solver's wall time evenly."""
-    distinct: list[Case] = []
+def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
+    """Simulate all cases; those that differ in size alone once, and share the solver's wall time evenly.
+
+    Parameters
+    ----------
+    beside
+        Neighbours of each case, see `palpate.fem.batch.indent_batch`; those of cases that are simulated once must
+        differ as they do.
+    """
+    rows = beside or [()] * len(cases)
+    distinct: list[int] = []
     places = []
-    for case in cases:
-        ratios = (length_ratio(case, earlier) for earlier in distinct)
+    for number, case in enumerate(cases):
+        ratios = (_ratio_of_all([case, *rows[number]], [cases[k], *rows[k]]) for k in distinct)
         place, ratio = next(((k, ratio) for k, ratio in enumerate(ratios) if ratio), (len(distinct), 1.0))
         if place == len(distinct):
-            distinct.append(case)
+            distinct.append(number)
         places.append((place, ratio))
     shared = Counter(place for place, _ in places)
-    histories = [replace(h, seconds=h.seconds / shared[k]) for k, h in enumerate(indent_batch(distinct))]
-    return [
-        replace(histories[k], depth=ratio * histories[k].depth, load=ratio**2 * histories[k].load)
-        for k, ratio in places
-    ]
+    ran = indent_batch([cases[k] for k in distinct], [rows[k] for k in distinct] if beside else ())
+    histories = [replace(h, seconds=h.seconds / shared[k]) for k, h in enumerate(ran)]
+    return [_enlarged(histories[k], ratio) for k, ratio in places]
+
+
+def room(cases: Sequence[Case]) -> int:
+    """Return how many times all cases, each a little changed, fit into the lanes that they take once."""
+    distinct: list[Case] = []
+    for case in cases:
+        if not any(length_ratio(case, other) for other in distinct):
+            distinct.append(case)
+    return max(1, LANES // max(Counter(case.kind for case in distinct).values()))
+
+
+def _ratio_of_all(row: Sequence[Case], others: Sequence[Case]) -> float | None:
+    """Return the ratio of lengths that all cases of a row have to those of another; ``None`` where there is none."""
+    if len(row) != len(others) or (first := length_ratio(row[0], others[0])) is None:
+        return None
+    for case, other in zip(row[1:], others[1:], strict=True):
+        ratio = length_ratio(case, other)
+        if ratio is None or not math.isclose(ratio, first, rel_tol=CLOSE):
+            return None
+    return first
+
+
+def _enlarged(history: History, ratio: float) -> History:
+    """Return a history with all lengths in a ratio."""
+    return replace(
+        history,
+        depth=ratio * history.depth,
+        load=ratio**2 * history.load,
+        depths_beside=ratio * history.depths_beside,
+        loads_beside=ratio**2 * history.loads_beside,
+    )
 
 
 def length_ratio(case: Case, other: Case) -> float | None:

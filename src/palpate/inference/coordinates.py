@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.mechanisms import Mechanism, Range, Scale
 from palpate.parameters import Parameter
 
 BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which a parameter counts as it is
@@ -52,6 +53,12 @@ class Coordinate:
         """Return the coordinate of a declared parameter with a range from `lower` to `upper`."""
         logarithmic = parameter.unit != "-" and parameter.lower >= 0.0
         return cls(parameter.name, lower, upper, parameter.lower, parameter.upper, logarithmic)
+
+    @classmethod
+    def of_amplitude(cls, mechanism: Mechanism, name: str, searched: Range) -> Coordinate:
+        """Return the coordinate of a quantity of a mechanism; it is called ``key.name``."""
+        limits = mechanism.limits(name, searched)
+        return cls(f"{mechanism.key}.{name}", searched.lower, searched.upper, *limits, searched.log)
 
     @property
     def offset(self) -> float:
@@ -113,6 +120,15 @@ class Coordinates:
         ends = {name: (float(min(values)), float(max(values))) for name, values in levels.items()}
         free = [Coordinate.of(declared[name], *pair) for name, pair in ends.items() if pair[0] < pair[1]]
         return cls(free, {name: lower for name, (lower, upper) in ends.items() if lower == upper})
+
+    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Coordinates:
+        """Return the coordinates with those of mechanisms behind, in their order."""
+        amplitudes = [
+            Coordinate.of_amplitude(mechanism, name, searched)
+            for mechanism in mechanisms
+            for name, searched in mechanism.searched(scale).items()
+        ]
+        return Coordinates([*self.free, *amplitudes], self.held)
 
     @property
     def names(self) -> list[str]:

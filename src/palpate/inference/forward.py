@@ -10,13 +10,17 @@ import numpy as np
 
 from palpate.config import Condition, Study
 from palpate.inference.coordinates import Coordinates
-from palpate.model import sensitivities_batch, simulate_batch
+from palpate.inference.space_mapping import SpaceMapped
+from palpate.mechanisms import Mechanism, Scale
+from palpate.model import differentiated, simulate_batch, together
 from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.specification import Specification, of_equivalent_cone
+from palpate.variation import Variation
 
 Curves = Mapping[str, np.ndarray]
-STEP = 0.02  # of a range, over which curves under a pyramid are differenced
-THINNING = 3  # of the samples, while a search is on its way
+NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
+THINNING = 4  # of the samples, where curves of another simulation say what lies between
+FEWEST = 25  # samples that are left
 
 
 class Forward(typing.Protocol):
@@ -32,8 +36,23 @@ class Forward(typing.Protocol):
     def under(self, names: Sequence[str]) -> Forward:
         """Return the model under other conditions."""
 
+    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Forward:
+        """Return the model with mechanisms, whose amplitudes are further coordinates."""
+
+    def specification(self, u: np.ndarray, condition: Condition) -> Specification:
+        """Return what is simulated at coordinates u (k,) under a condition."""
+
+    def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
+        """Return the parameters of each mechanism at coordinates u (k,), by its key."""
+
+    def of_record(self, u: np.ndarray) -> Forward:
+        """Return the most accurate model, which is known best near coordinates u (k,)."""
+
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
+
+    def together(self, u: np.ndarray) -> int:
+        """Return how many points near coordinates u (k,) cost hardly more than one."""
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
         """Return what answers under each condition (n_points,)."""
@@ -51,12 +70,18 @@ class FiniteElements:
     study
     conditions
     coordinates
-        Of the study's free parameters.
+        Of the study's free parameters, and of the amplitudes of mechanisms.
+    mechanisms
+        That act, too.
+    scale
+        Size of the study, in which their amplitudes are searched for.
     """
 
     study: Study
     conditions: Sequence[Condition]
     coordinates: Coordinates
+    mechanisms: Sequence[Mechanism] = ()
+    scale: Scale | None = None
 
     @classmethod
     def of(cls, study: Study, names: Sequence[str]) -> FiniteElements:
@@ -67,6 +92,15 @@ class FiniteElements:
         """Return the same under other conditions of the study."""
         return replace(self, conditions=[self.study.condition(name) for name in names])
 
+    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> FiniteElements:
+        """See `Forward`."""
+        coordinates = self.coordinates.joined(mechanisms, scale)
+        return replace(self, coordinates=coordinates, mechanisms=(*self.mechanisms, *mechanisms), scale=scale)
+
+    def of_record(self, u: np.ndarray) -> SpaceMapped:
+        """See `Forward`."""
+        return SpaceMapped.of(self, u)
+
     def thinned(self) -> tuple[FiniteElements, Mapping[str, np.ndarray]]:
         """Return the same with fewer samples, hence in fewer steps, and which are kept."""
         keep = {condition.name: kept(condition.protocol) for condition in self.conditions}
@@ -75,6 +109,10 @@ class FiniteElements:
             for c in self.conditions
         ]
         return replace(self, conditions=fewer), keep
+
+    def together(self, u: np.ndarray) -> int:
+        """See `Forward`: as many as fill the lanes of one run."""
+        return together(self._specifications([u]))
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
         """See `Forward`."""
@@ -86,32 +124,26 @@ class FiniteElements:
         return found
 
     def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
-        """See `Forward`; under a pyramid by differences over `STEP` of the ranges."""
-        if not self.study.indenter.of_revolution:
-            return self._differences(points)
-        outcomes = sensitivities_batch(self._specifications(points), self.coordinates.names)
+        """See `Forward`."""
+        beside = [row for u in points for row in self._neighbours(u)]
+        outcomes = differentiated(self._specifications(points), beside)
         found: list[tuple[Curves, Curves] | str] = []
-        for u, own in zip(points, self._by_condition(outcomes), strict=True):
+        for own in self._by_condition(outcomes):
             failed = [f"{name}: {outcome.reason}" for name, (outcome, _) in own.items() if outcome.status != "ok"]
             failed += [f"{name}: a derivative is unknown" for name, (_, s) in own.items() if not np.isfinite(s).all()]
-            by = self.coordinates.slopes(u)
             curves = {name: outcome.response for name, (outcome, _) in own.items()}
-            found.append(failed[0] if failed else (curves, {name: slope * by for name, (_, slope) in own.items()}))
+            found.append(failed[0] if failed else (curves, {name: slope for name, (_, slope) in own.items()}))
         return found
 
-    def _differences(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
-        found: list[tuple[Curves, Curves] | str] = []
-        for u in points:
-            steps = np.where(u < 0.5, STEP, -STEP)
-            outcomes = self.curves([u, *(u + step for step in np.diag(steps))])
-            failed = [outcome for outcome in outcomes if isinstance(outcome, str)]
-            here, *moved = [outcome for outcome in outcomes if not isinstance(outcome, str)]
-            slopes = {
-                name: np.column_stack([(there[name] - here[name]) / d for there, d in zip(moved, steps, strict=False)])
-                for name in here
-            }
-            found.append(failed[0] if failed else (here, slopes))
-        return found
+    def _neighbours(self, u: np.ndarray) -> list[list[Variation]]:
+        """Return what differs a little from the place u (k,) in each coordinate, for each condition."""
+        largest = self.coordinates.walls[1]
+        steps = np.where(u + NEAR <= largest, NEAR, -NEAR)
+        moved = [self._specifications([place]) for place in u + np.diag(steps)]
+        return [
+            [Variation(row[number], step) for row, step in zip(moved, steps, strict=True)]
+            for number in range(len(self.conditions))
+        ]
 
     def _by_condition(self, outcomes: Sequence[typing.Any]) -> list[dict[str, typing.Any]]:
         """Return the outcomes of each point by the names of the conditions."""
@@ -119,13 +151,37 @@ class FiniteElements:
         rows = [outcomes[first : first + len(names)] for first in range(0, len(outcomes), len(names))]
         return [dict(zip(names, row, strict=True)) for row in rows]
 
+    def specification(self, u: np.ndarray, condition: Condition) -> Specification:
+        """See `Forward`; under the equivalent cone in place of a pyramid."""
+        return of_equivalent_cone(self.of_study(u, condition))
+
+    def of_study(self, u: np.ndarray, condition: Condition) -> Specification:
+        """Return what the study says of coordinates u (k,) under a condition."""
+        named = self.coordinates.named(u)
+        found = self.study.specification({name: named[name] for name in self.study.levels}, condition)
+        return replace(found, mechanisms=self.amplitudes(u)) if self.mechanisms else found
+
+    def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
+        """See `Forward`."""
+        named, found = self.coordinates.named(u), {}
+        if self.scale is None:
+            return {}
+        for mechanism in self.mechanisms:
+            searched = {name: named[f"{mechanism.key}.{name}"] for name in mechanism.searched(self.scale)}
+            found[mechanism.key] = dict(mechanism.from_search(searched, self.scale))
+        return found
+
     def _specifications(self, points: Sequence[np.ndarray]) -> list[Specification]:
-        cells = [self.coordinates.named(u) for u in points]
-        return [self.study.specification(cell, condition) for cell in cells for condition in self.conditions]
+        return [self.specification(u, condition) for u in points for condition in self.conditions]
 
 
 def kept(protocol: Protocol) -> np.ndarray:
-    """Return which samples (n_points,) are enough while a search is on its way: every third, corners, and the last."""
+    """Return which samples (n_points,) are enough for what changes slowly: a few, corners, and the last ones in full.
+
+    Late in unloading effects change fastest.
+    """
     keep = np.isclose(protocol.sample_time[:, None], protocol.knot_time, rtol=1e-9, atol=0.0).any(axis=1)
-    keep[::-THINNING] = True
+    every = min(THINNING, max(1, len(keep) // FEWEST))
+    keep[::-every] = True
+    keep[-every:] = True
     return keep

@@ -8,12 +8,13 @@ with the covariance C of the errors that are known: noise of the recordings and 
 not explain the recordings to these errors departs from them by more; that discrepancy is taken to be the same at all
 points, with the variance d^2 that makes chi^2 of the curves equal to its degrees of freedom (method of moments). It is
 zero for a model that explains them. Weighing what a model lacks by the noise alone would sacrifice the level of a curve
-to its smallest details.
+to its smallest details. What is measured of the parameters apart from the curves, such as the rate of drift in a hold
+at low load, joins with its departures in standard deviations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +24,7 @@ from scipy.optimize import brentq
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves
 
+STEP = 1e-4  # of a range, over which what is measured apart is differenced
 NO_MORE = 1e6  # times the mean square of the residual, above any discrepancy
 
 
@@ -40,12 +42,19 @@ class Misfit:
         For each condition the depth that a unit of what answers amounts to, see `palpate.quantity`.
     coordinates
         Of the parameters.
+    apart
+        Returns by how many standard deviations coordinates u (k,) depart from each amplitude that was measured apart
+        from the curves (m,).
+    lacking
+        Whether the model may lack something: else the discrepancy is zero.
     """
 
     measured: Mapping[str, np.ndarray]
     covariance: np.ndarray
     nm: Mapping[str, float]
     coordinates: Coordinates
+    apart: Callable[[np.ndarray], np.ndarray] = lambda u: np.empty(0)
+    lacking: bool = True
 
     @cached_property
     def scale(self) -> np.ndarray:
@@ -68,6 +77,8 @@ class Misfit:
 
     def discrepancy(self, residual: np.ndarray) -> float:
         """Return the variance [nm^2] of what the model lacks, see the module."""
+        if not self.lacking:
+            return 0.0
         variances, directions = self.principal
         squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - len(self.coordinates.free), 1)
         largest = NO_MORE * float(np.mean(residual**2))
@@ -88,4 +99,14 @@ class Misfit:
 
     def chi_square(self, curves: Curves, u: np.ndarray, weights: np.ndarray) -> float:
         """Return the misfit of curves at coordinates u (k,), prior included."""
-        return float(np.sum((weights @ self.residual(curves)) ** 2) + np.sum(self.coordinates.beyond(u) ** 2))
+        return float(np.sum((weights @ self.residual(curves)) ** 2) + np.sum(self.of_parameters(u) ** 2))
+
+    def of_parameters(self, u: np.ndarray) -> np.ndarray:
+        """Return the departures (k + m,) from the prior and from what is measured apart, standard deviations."""
+        return np.append(self.coordinates.beyond(u), self.apart(u))
+
+    def slopes_of_parameters(self, u: np.ndarray) -> np.ndarray:
+        """Return their derivatives (k + m, k) by the coordinates."""
+        steps = STEP * np.eye(len(u))
+        apart = [(self.apart(u + step) - self.apart(u - step)) / (2.0 * STEP) for step in steps]
+        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), np.stack(apart, axis=1)])

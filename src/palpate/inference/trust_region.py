@@ -1,19 +1,22 @@
-r"""Least squares on a forward model with exact derivatives: Levenberg and Marquardt's method, several steps at a time.
+r"""Least squares on a forward model with derivatives: Levenberg and Marquardt's method, several steps at a time.
 
 About the coordinates u with the residual r and its derivatives J, weighed, steps of several lengths are tried at once,
 
     (J^T J + m I) s = -J^T r,    each with the damping m that keeps max |s| to its length,
 
 and the best is taken (K. Levenberg, Quart. Appl. Math. 2 (1944) 164-168; D. Marquardt, J. SIAM 11 (1963) 431-441).
-Simulations that run in lanes cost hardly more for several steps than for one. A search has settled when no step
-promises to lower chi^2 by more than `SETTLED`, or none of those tried does. Several searches advance together; one that
-falls behind is given up.
+Simulations that run in lanes cost hardly more for several steps than for one. Of each length there is a step that
+also follows how the curves bent over the last one (geodesic acceleration; Transtrum & Sethna, arXiv:1207.4999), since
+valleys are bent. Exact derivatives cost more than several curves: after a step that kept at least the part `KEPT` of
+what it promised they are corrected by its secant (C.G. Broyden, Math. Comp. 19 (1965) 577-593), else computed anew. A
+search has settled when no step promises to lower chi^2 by more than a little, or none of those tried does. Several
+searches advance together; one that falls behind is given up.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,9 +25,10 @@ from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
 LARGEST_STEP, SHORTEST_STEP = 1.0, 1e-3  # of the range of a parameter
-GROWTH = 4.0  # of the length of the next steps over that of the last
-STEPS = 8  # tried at once, shared out among searches and conditions
-LEAST_STEPS = 3
+GROWTH = 2.0  # of the length of the next steps over that of the last
+LEAST_STEPS = 2  # tried at once by each search
+BENDINGS = 3  # times that a bent step is found from the last one
+KEPT = 0.6  # of what a step promised, from which the curves count as straight enough
 SETTLED = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 
@@ -39,10 +43,17 @@ class Descent:
         Where it is.
     curves, slopes
         Of each condition there, in the unit of what answers, by coordinates.
+    exact
+        Whether the slopes are those of the model there, and not corrected by secants.
+    last
+        The last step (k,) that was tried, and by how much the curves there departed from the straight lines of the
+        slopes; none before.
     length
         Of the longest step that it tries next.
     settled
         Whether it arrived.
+    path
+        Where it was before (k,).
     active
         Whether it goes on.
     """
@@ -50,42 +61,64 @@ class Descent:
     u: np.ndarray
     curves: Curves
     slopes: Curves
+    exact: bool = True
+    last: tuple[np.ndarray, Curves] | None = None
     length: float = LARGEST_STEP
     settled: bool = False
     active: bool = True
+    path: list[np.ndarray] = field(default_factory=list)
+
+    def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
+        """Return the step to coordinates u (k,), and the departure of the curves there from straight lines."""
+        step = u - self.u
+        return step, {name: curves[name] - self.curves[name] - slopes @ step for name, slopes in self.slopes.items()}
+
+    def move(self, u: np.ndarray, curves: Curves) -> None:
+        """Take a step to coordinates u (k,) with these curves, and correct the slopes by its secant."""
+        step, departure = self.departed(u, curves)
+        self.slopes = {n: slopes + np.outer(departure[n], step) / (step @ step) for n, slopes in self.slopes.items()}
+        self.path.append(self.u)
+        self.u, self.curves, self.exact = u, curves, False
 
 
 def descend(
     misfit: Misfit,
     model: Forward,
-    starts: Sequence[np.ndarray],
+    starts: Sequence[np.ndarray | Descent],
     iterations: int,
     report: Callable[[str], None] = lambda line: None,
+    settled: float = SETTLED,
+    exact: bool = True,
 ) -> Descent:
     """Return the search that ends at the least misfit.
 
     Parameters
     ----------
     starts
-        Coordinates (k,).
+        Coordinates (k,), or searches that have ended.
     iterations
         Largest number of iterations.
+    settled
+        Change of chi^2 below which a search has settled.
+    exact
+        Whether it settles only with exact derivatives.
 
     Raises
     ------
     PalpateError
         When the model fails at all starts.
     """
-    points = [_inside(misfit, start) for start in starts]
-    outcomes = model.tangents(points)
-    searches = [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
+    searches = [replace(s, length=LARGEST_STEP, settled=False, active=True) for s in starts if isinstance(s, Descent)]
+    points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
+    outcomes = model.tangents(points) if points else []
+    searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
     if not searches:
         raise PalpateError(str(outcomes[0]))
     for iteration in range(iterations):
         going = [search for search in searches if search.active]
         if not going:
             break
-        _advance(misfit, model, going)
+        _advance(misfit, model, going, settled, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least = min(rms.values())
         report(f"iteration {iteration + 1}: residual {least:.4g} nm")
@@ -95,46 +128,80 @@ def descend(
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
-def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent]) -> None:
+def resumed(
+    misfit: Misfit,
+    model: Forward,
+    way: Descent,
+    iterations: int,
+    report: Callable[[str], None] = lambda line: None,
+    settled: float = SETTLED,
+    exact: bool = True,
+) -> Descent:
+    """Return the search with another model that goes on where one ended, or where it last was without failing there.
+
+    Parameters and errors are those of `descend`.
+    """
+    for start in [way.u, *reversed(way.path)]:
+        try:
+            return descend(misfit, model, [start], iterations, report, settled, exact)
+        except PalpateError as error:
+            failed = error
+    raise failed
+
+
+def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], settled: float, exact: bool) -> None:
     """Move all searches by one iteration."""
-    count = max(LEAST_STEPS, STEPS // (len(searches) * len(misfit.measured)))
+    count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
     tried: list[tuple[Descent, np.ndarray, float]] = []
-    weighing: dict[Descent, np.ndarray] = {}
+    ways: dict[Descent, Steps] = {}
+    outdated: list[Descent] = []
     for search in searches:
-        weights = misfit.weights(misfit.discrepancy(misfit.residual(search.curves)))
-        steps = Steps.of(misfit, search, weights)
-        if steps.promise(LARGEST_STEP) < SETTLED:
-            search.settled, search.active = True, False
+        steps = Steps.of(misfit, search)
+        if steps.promise(steps.end(LARGEST_STEP)) < settled:
+            if exact and not search.exact:
+                outdated.append(search)
+            else:
+                search.settled, search.active = True, False
             continue
-        weighing[search] = weights
-        tried += [(search, steps.end(length), length) for length in search.length * 0.5 ** np.arange(count)]
-    if not tried:
-        return
-    outcomes = model.curves([u for _, u, _ in tried])
-    moved = []
-    for search, weights in weighing.items():
-        here = best = misfit.chi_square(search.curves, search.u, weights)
-        place, chosen = None, 0.0
+        ways[search] = steps
+        tried += [(search, *trial) for trial in steps.trials(search, count)]
+    outcomes = model.curves([u for _, u, _ in tried]) if tried else []
+    for search, steps in ways.items():
+        here = best = misfit.chi_square(search.curves, search.u, steps.weights)
+        chosen: tuple[np.ndarray, Curves, float] | None = None
         for (owner, u, length), curves in zip(tried, outcomes, strict=True):
             if owner is search and not isinstance(curves, str):
-                value = misfit.chi_square(curves, u, weights)
+                search.last = search.last if chosen else search.departed(u, curves)
+                value = misfit.chi_square(curves, u, steps.weights)
                 if value < best:
-                    best, place, chosen = value, u, length
-        if place is None:
+                    best, chosen = value, (u, curves, length)
+        if chosen is None:
             search.length *= 0.5**count
-            search.active = search.length >= SHORTEST_STEP
-        else:
-            moved.append((search, place, chosen, here - best))
-    tangents = model.tangents([u for _, u, _, _ in moved]) if moved else []
-    for (search, u, chosen, gain), found in zip(moved, tangents, strict=True):
+            search.active = search.length >= SHORTEST_STEP or not search.exact
+            if not search.exact:
+                outdated.append(search)
+            continue
+        u, curves, length = chosen
+        search.length = min(GROWTH * length, LARGEST_STEP)
+        straight = here - best >= KEPT * steps.promise(u)
+        search.move(u, curves)
+        search.settled = here - best < settled and (straight or not exact)
+        search.active = not search.settled
+        if not (straight or search.settled):
+            outdated.append(search)
+    _renew(model, outdated)
+
+
+def _renew(model: Forward, searches: Sequence[Descent]) -> None:
+    """Give searches the exact derivatives where they are; one whose are unknown there goes on with what it has."""
+    outcomes = model.tangents([search.u for search in searches]) if searches else []
+    for search, found in zip(searches, outcomes, strict=True):
+        search.exact = True
         if isinstance(found, str):
-            search.length = 0.5 * chosen  # the step itself would be found best again
+            search.length *= 0.5
             search.active = search.length >= SHORTEST_STEP
         else:
-            search.u, (search.curves, search.slopes) = u, found
-            search.length = min(GROWTH * chosen, LARGEST_STEP)
-            search.settled = gain < SETTLED
-            search.active = not search.settled
+            search.curves, search.slopes = found
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,30 +212,59 @@ class Steps:
     ----------
     misfit
     u : ndarray, shape (k,)
-    residual, slopes : ndarray, shape (n + k,) and (n + k, k)
-        Weighed, those of the prior among them.
+    weights : ndarray, shape (n, n)
+        That whiten curves.
+    residual, slopes : ndarray, shape (n + k + m,) and (n + k + m, k)
+        Weighed, those of the prior and of what is measured apart among them.
     """
 
     misfit: Misfit
     u: np.ndarray
+    weights: np.ndarray
     residual: np.ndarray
     slopes: np.ndarray
 
     @classmethod
-    def of(cls, misfit: Misfit, search: Descent, weights: np.ndarray) -> Steps:
+    def of(cls, misfit: Misfit, search: Descent) -> Steps:
         """Return the steps from where a search is."""
-        beyond = misfit.coordinates.beyond(search.u)
-        residual = np.append(weights @ misfit.residual(search.curves), beyond)
-        slopes = np.vstack([weights @ misfit.stacked(search.slopes), np.diag(1.0 * (beyond != 0.0))])
-        return cls(misfit, search.u, residual, slopes)
+        weights = misfit.weights(misfit.discrepancy(misfit.residual(search.curves)))
+        residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
+        slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
+        return cls(misfit, search.u, weights, residual, slopes)
 
-    def end(self, length: float) -> np.ndarray:
-        """Return the coordinates (k,) at the end of the step of this length, within the walls."""
+    def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
+        """Return so many places (k,) to try, and the lengths of the steps there.
+
+        Of each length a step along the slopes, and one that also follows how the curves bent over the last step.
+        """
+        lengths = search.length * 0.5 ** np.arange(count if search.last is None else -(-count // 2))
+        places = [(self.end(length), length) for length in lengths]
+        if search.last is None:
+            return places
+        step, departure = search.last
+        weighed = self.weights @ self.misfit.stacked(departure)
+        bent = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
+        return [p for end, length in places for p in ((end, length), (self._followed(bent, step, end, length), length))]
+
+    def _followed(self, bent: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
+        """Return where a step to an `end` leads once curves depart as the square of its part along the last `step`."""
+        for _ in range(BENDINGS):
+            end = self.end(length, (step @ (end - self.u)) ** 2 * bent)
+        return end
+
+    def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
+        """Return the coordinates (k,) at the end of the step of this length, within the walls.
+
+        Parameters
+        ----------
+        departure : ndarray, shape (n + k + m,)
+            Of the weighed curves there from straight lines.
+        """
         least, largest = self.misfit.coordinates.walls
         free = np.ones(len(self.u), dtype=bool)
         while True:
             step = np.zeros(len(self.u))
-            step[free] = _limited(self.slopes[:, free], self.residual, length)
+            step[free] = _limited(self.slopes[:, free], self.residual + departure, length)
             held = free & (((self.u <= least) & (step < 0.0)) | ((self.u >= largest) & (step > 0.0)))
             if not held.any():
                 return np.clip(self.u + step, least, largest)
@@ -176,9 +272,9 @@ class Steps:
             if not free.any():
                 return self.u
 
-    def promise(self, length: float) -> float:
-        """Return by how much the step of this length should lower chi^2."""
-        left = self.residual + self.slopes @ (self.end(length) - self.u)
+    def promise(self, end: np.ndarray) -> float:
+        """Return by how much the step to these coordinates (k,) should lower chi^2."""
+        left = self.residual + self.slopes @ (end - self.u)
         return float(self.residual @ self.residual - left @ left)
 
 

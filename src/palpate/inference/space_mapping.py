@@ -1,0 +1,204 @@
+"""A fast model in place of an accurate one: curves of the accurate one at one place, carried to others by the fast one.
+
+The accurate model's curve h at some parameters u_0 and all samples, and the fast one's f at few samples, give
+
+    h(u, t) = h(u_0, t) f(u, t) / f(u_0, t),
+
+where the ratio of the fast curves varies slowly in time, so that few samples are enough for it, and what both models
+differ by hardly changes with u (space mapping; Bakr, Bandler et al., Optim. Eng. 1 (2000) 241-276). What the instrument
+adds to the depth of the body is added last: neither model errs in it. A pyramid is such an accurate model, and the cone
+whose sections are as large the fast one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.config import Condition
+from palpate.inference.coordinates import Coordinates
+from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.model import Simulation, simulate_batch
+from palpate.protocol import LOAD
+from palpate.specification import Specification
+
+if TYPE_CHECKING:
+    from palpate.inference.forward import Curves, FiniteElements
+
+RECORD = "medium"  # accuracy of the model of record; the curves of `fine` differ from it by 0.1 % at most
+STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
+CLOSE = 0.1  # of a range, within which a reference serves as well as one at the place itself
+NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """Curves of the body under one condition, of both models.
+
+    Parameters
+    ----------
+    accurate : ndarray, shape (n_points,)
+        At all samples.
+    fast : ndarray, shape (n_kept,)
+        At those that are `kept` (bool, n_points).
+    kept : ndarray
+    """
+
+    accurate: np.ndarray
+    fast: np.ndarray
+    kept: np.ndarray
+
+    def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Return what the accurate model makes (n_points, ...) of the fast one's values (n_kept, ...), at all times."""
+        deep = np.abs(self.fast) > NO_DEPTH * np.abs(self.fast).max()
+        knots = time[self.kept][deep]
+        columns = (fast[deep].T / self.fast[deep]).reshape(-1, len(knots))
+        ratios = np.stack([np.interp(time, knots, column) for column in columns], axis=1)
+        return (self.accurate[:, None] * ratios).reshape(len(time), *fast.shape[1:])
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceMapped:
+    """The finite elements of record under some conditions, as a `palpate.inference.forward.Forward`.
+
+    Parameters
+    ----------
+    full
+        The fast model with all samples.
+    references
+        For each condition; where there is none, the fast model's curve counts.
+    place : ndarray, shape (k,)
+        Coordinates at which they were simulated.
+    """
+
+    full: FiniteElements
+    references: Mapping[str, Reference]
+    place: np.ndarray
+
+    @classmethod
+    def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
+        """Return the model of record, with references at coordinates u (k,) under every condition of the study.
+
+        That is a finer mesh, or the pyramid in place of the equivalent cone, of which few samples are simulated. A
+        condition under which a model fails there has none.
+        """
+        every = replace(full, conditions=full.study.conditions)
+        few, keep = every.thinned()
+        fast, usual = ([each.specification(u, c) for c in each.conditions] for each in (few, every))
+        if full.study.indenter.of_revolution:
+            outcomes = simulate_batch([*fast, *(replace(each, accuracy=RECORD) for each in usual)])
+            pyramids: Sequence[Simulation | None] = [None] * len(fast)
+        else:
+            outcomes = simulate_batch([*fast, *usual])
+            pyramids = simulate_batch([few.of_study(u, condition) for condition in few.conditions])
+        references = {}
+        for condition, thin, whole, pyramid in zip(
+            every.conditions, outcomes, outcomes[len(fast) :], pyramids, strict=False
+        ):
+            if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
+                continue
+            added, kept = _added(full, u, condition), keep[condition.name]
+            reference = Reference(whole.response - added, thin.response - added[kept], kept)
+            if pyramid:
+                accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
+                reference = replace(reference, accurate=accurate)
+            references[condition.name] = reference
+        return cls(full, references, u)
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """See `Forward`."""
+        return self.full.coordinates
+
+    def under(self, names: Sequence[str]) -> SpaceMapped:
+        """See `Forward`."""
+        return replace(self, full=self.full.under(names))
+
+    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> SpaceMapped:
+        """See `Forward`."""
+        return replace(self, full=self.full.joined(mechanisms, scale))
+
+    def specification(self, u: np.ndarray, condition: Condition) -> Specification:
+        """See `Forward`."""
+        return self.full.specification(u, condition)
+
+    def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
+        """See `Forward`."""
+        return self.full.amplitudes(u)
+
+    def of_record(self, u: np.ndarray) -> SpaceMapped:
+        """See `Forward`; the same where the references lie near."""
+        if len(u) == len(self.place) and np.abs(u - self.place).max() < CLOSE:
+            return self
+        return SpaceMapped.of(self.full, u)
+
+    def together(self, u: np.ndarray) -> int:
+        """See `Forward`."""
+        return self._fast.together(u)
+
+    def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
+        """See `Forward`."""
+        outcomes = self._fast.curves(points)
+        return [
+            found if isinstance(found, str) else {c.name: self._carried(u, c, found[c.name]) for c in self._conditions}
+            for u, found in zip(points, outcomes, strict=True)
+        ]
+
+    def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
+        """See `Forward`."""
+        found: list[tuple[Curves, Curves] | str] = []
+        for u, outcome in zip(points, self._fast.tangents(points), strict=True):
+            if isinstance(outcome, str):
+                found.append(outcome)
+                continue
+            curves, slopes = outcome
+            found.append(
+                (
+                    {c.name: self._carried(u, c, curves[c.name]) for c in self._conditions},
+                    {c.name: self._carried_slopes(u, c, slopes[c.name]) for c in self._conditions},
+                )
+            )
+        return found
+
+    def thinned(self) -> tuple[SpaceMapped, Mapping[str, np.ndarray]]:
+        """See `Forward`: there is none cheaper."""
+        return self, {c.name: np.ones(len(c.protocol.sample_time), dtype=bool) for c in self._conditions}
+
+    @property
+    def _conditions(self) -> Sequence[Condition]:
+        return self.full.conditions
+
+    @property
+    def _fast(self) -> FiniteElements:
+        """The fast model, with few samples of conditions that have a reference."""
+        few = dict(zip([c.name for c in self._conditions], self.full.thinned()[0].conditions, strict=True))
+        chosen = [few[c.name] if c.name in self.references else c for c in self._conditions]
+        return replace(self.full, conditions=chosen)
+
+    def _carried(self, u: np.ndarray, condition: Condition, curve: np.ndarray) -> np.ndarray:
+        if condition.name not in self.references:
+            return curve
+        reference, added = self.references[condition.name], _added(self.full, u, condition)
+        body = reference.carried(curve - added[reference.kept], condition.protocol.sample_time)
+        return body + added
+
+    def _carried_slopes(self, u: np.ndarray, condition: Condition, slopes: np.ndarray) -> np.ndarray:
+        if condition.name not in self.references:
+            return slopes
+        reference, here = self.references[condition.name], _added(self.full, u, condition)
+        moved = [_added(self.full, u + step, condition) for step in STEP * np.eye(len(u))]
+        added = np.stack([there - here for there in moved], axis=1) / STEP
+        return reference.carried(slopes - added[reference.kept], condition.protocol.sample_time) + added
+
+
+def _added(model: FiniteElements, u: np.ndarray, condition: Condition) -> np.ndarray:
+    """Return what the instrument adds to the depth of the body at all samples (n_points,) [nm]."""
+    protocol = condition.protocol
+    added = np.zeros(len(protocol.sample_time))
+    if protocol.control == LOAD:
+        for key, values in model.amplitudes(u).items():
+            added = MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, added, values)
+    return added
