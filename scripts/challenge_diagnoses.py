@@ -11,13 +11,12 @@ from palpate.steps import write_json
 
 def main(snakemake):
     study, names = load_study(snakemake.params.study, data=snakemake.params.data), snakemake.params.conditions
-    base = dict(zip(names, snakemake.input.surrogates, strict=True))
-    effects = dict(zip(names, snakemake.input.effects, strict=True))
+    surrogates = dict(zip(names, snakemake.input.surrogates, strict=True))
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
         for folder in map(Path, snakemake.input.recordings):
             begin = time.process_time()
             print(folder.name, file=log)
-            content, _ = diagnose_case(study, folder, base, effects, lambda line: print(line, file=log))
+            content, _ = diagnose_case(study, folder, surrogates, lambda line: print(line, file=log))
             content["cpu_seconds"] = time.process_time() - begin
             write_json(Path(snakemake.output[0]) / f"{folder.name}.json", content)
 

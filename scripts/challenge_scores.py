@@ -11,15 +11,13 @@ from palpate.steps import write_json
 
 
 def main(snakemake):
-    study, names = load_study(snakemake.params.study, data=snakemake.params.data), snakemake.params.conditions
-    base = dict(zip(names, snakemake.input.surrogates, strict=True))
-    effects = dict(zip(names, snakemake.input.effects, strict=True))
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
     truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
     rows = []
     for folder in map(Path, snakemake.input.recordings):
         case = Case(**next(truth for truth in truths if truth["name"] == folder.name))
         diagnosis = Path(snakemake.input.diagnoses) / f"{folder.name}.json"
-        rows.append(score_case(study, case, diagnosis, folder, base, effects))
+        rows.append(score_case(study, case, diagnosis, folder))
     write_json(snakemake.output[0], rows)
 
 

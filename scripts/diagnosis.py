@@ -9,22 +9,20 @@ from palpate.figures import diagnosis as figure
 
 def main(snakemake):
     study = load_study(snakemake.params.study, data=snakemake.params.data)
-    recordings, names = snakemake.wildcards.recordings, snakemake.params.conditions
-    base = dict(zip(names, snakemake.input.surrogates, strict=True))
-    effects = dict(zip(names, snakemake.input.effects, strict=True))
+    recordings = snakemake.wildcards.recordings
+    starts = [steps.estimate_of(snakemake.input.calibration)]
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        content, curves = run_diagnosis(
-            study, recordings, base, effects, lambda line: print(line, file=log, flush=True)
-        )
+        content, curves = run_diagnosis(study, recordings, starts, lambda line: print(line, file=log, flush=True))
     steps.write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
     figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=recordings in study.laboratory)
     page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, f"{study.title}: {recordings}")
-    with tracking.nested_run(
-        study.name, f"diagnosis {recordings}", "diagnosis", study.file, {"recordings": recordings}
-    ):
+    tags = {"recordings": recordings}
+    with tracking.nested_run(study.name, f"diagnosis {recordings}", "diagnosis", study.file, tags):
         tracking.log_diagnosis(content, {**study.diagnosis, "seed": study.seed})
         tracking.log_files(snakemake.output)
+    tracking.log_explanations(study.name, content, study.file, tags)
+    tracking.log_answer(study.name, recordings, content)
 
 
 if "snakemake" in globals():

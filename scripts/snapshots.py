@@ -1,14 +1,12 @@
-"""Compute one batch of snapshots, of the grid or of the mechanisms' effects, or fetch them from the store."""
+"""Compute one batch of snapshots, or fetch them from the store."""
 
 from palpate import job, snapshots
 from palpate.config import load_study
-from palpate.diagnosis import design
 
 
 def main(snakemake):
     study = load_study(snakemake.params.study, data=snakemake.params.data)
-    plan = design.plan if snakemake.params.effects else snapshots.plan
-    batch = next(batch for batch in plan(study) if batch.name == snakemake.params.batch)
+    batch = next(batch for batch in snapshots.plan(study) if batch.name == snakemake.params.batch)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         snapshots.compute(batch, report=lambda line: print(line, file=log, flush=True))
 

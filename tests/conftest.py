@@ -25,9 +25,9 @@ def simulated(monkeypatch):
     """Return how many cases each run of the solver was given."""
     counts, batch = [], similar.indent_batch
 
-    def counting(cases):
+    def counting(cases, beside=()):
         counts.append(len(cases))
-        return batch(cases)
+        return batch(cases, beside)
 
     monkeypatch.setattr(similar, "indent_batch", counting)
     return counts

@@ -4,17 +4,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, weighed
+from closed_forms import ClosedForms
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.calibration.space import Space
 from palpate.diagnosis.covariance import components, noise_of
-from palpate.diagnosis.detect import examine, loudest
-from palpate.diagnosis.fit import solve
+from palpate.diagnosis.detect import examine, filters, simulated_noise
 from palpate.diagnosis.noise import SINGLE_MEMORY
+from palpate.diagnosis.screen import Screen
+from palpate.inference.coordinates import Coordinate, Coordinates
 
 
 def p_of(fit):
-    return examine(fit, RECORD_ONLY, np.random.default_rng(1), 400, 0.01)
+    return examine(fit, Screen.of(fit, RECORD_ONLY), np.random.default_rng(1), 400, 0.01)
+
+
+def loudest_of_noise(fit, rng, draws):
+    """Return the logarithm of the p-value of the filter that sticks out most, of noise alone (draws,)."""
+    noise = simulated_noise(fit, draws, rng)
+    return np.min([each.log_p(noise) for each in filters(fit, Screen.of(fit, RECORD_ONLY))], axis=0)
+
+
+def moved(fit, z):
+    """Return a fit as it would be, had its search stopped elsewhere."""
+    ((curves, slopes),) = fit.model.tangents([z])
+    return replace(fit, z=z, curve=fit.problem.stacked(curves), tangent=fit.problem.stacked(slopes))
 
 
 @pytest.fixture(scope="module")
@@ -25,15 +38,15 @@ def null():
 def test_a_fit_short_of_its_optimum(null):
     best = fitted(null)
     assert p_of(best) > 0.01
-    beside = replace(best, z=np.clip(best.z + 0.3, 0, 1))
-    assert p_of(beside) < 0.01
+    assert p_of(moved(best, np.clip(best.z + 0.3, 0, 1))) < 0.01
 
 
 @pytest.mark.parametrize("bounds", [(1.15, 1.4), (0.6, 0.87)])
 def test_a_parameter_held_by_its_bound(null, bounds):
     """The modulus is 1: bounds that leave it out keep the model from the recordings, and that must show."""
-    narrow = replace(null, space=Space({"modulus": bounds, "fluidity": (0.0099, 0.0101)}))
-    assert p_of(fitted(narrow)) < 0.01
+    ends = {"modulus": bounds, "fluidity": (0.0099, 0.0101)}
+    walls = Coordinates([Coordinate(name, *pair, *pair) for name, pair in ends.items()], {})
+    assert p_of(fitted(replace(null, forward=ClosedForms(CONDITIONS, walls)))) < 0.01
 
 
 def test_what_a_named_drift_leaves():
@@ -47,8 +60,7 @@ def test_what_a_named_drift_leaves():
 
     fit = fitted(problem(recordings(rng, both)), ("thermal_drift",))
     assert p_of(fit) < 0.01
-    _, under_noise = loudest(fit, RECORD_ONLY, rng, 400)
-    assert np.quantile(under_noise, 0.01) > -20.0
+    assert np.quantile(loudest_of_noise(fit, rng, 400), 0.01) > -20.0
 
 
 def test_noise_of_single_recordings_never_grows_slow():
@@ -70,10 +82,8 @@ def test_noise_of_single_recordings_never_drowns_everything():
     """A short curve tells strength and memory badly, their product well: drawn apart, noise would be tens of sigma."""
     rng, loud = np.random.default_rng(300), []
     for _ in range(12):
-        task = problem(recordings(rng, replicates=1))
-        rough = fitted(task)
-        fit = solve(task, (), weighed(task, (), rough.residual), [rough.z])
-        loud.append(float(np.quantile(loudest(fit, RECORD_ONLY, rng, 300)[1], 0.01)))
+        fit = fitted(problem(recordings(rng, replicates=1)))
+        loud.append(float(np.quantile(loudest_of_noise(fit, rng, 300), 0.01)))
     assert min(loud) > -40.0
 
 

@@ -103,14 +103,6 @@ def rules(file):
     return re.split(r"^ *rule\b", text, flags=re.MULTILINE)[1:]
 
 
-def test_what_leads_to_a_fit_comes_before_what_the_diagnosis_learns():
-    first = [rules("snapshots.smk")[0]]
-    first += [rule for name in ("recordings", "surrogates", "calibration") for rule in rules(f"{name}.smk")]
-    assert len(first) == 7
-    assert all("priority: FIT_FIRST" in rule for rule in first)
-    assert not any("priority" in rule for rule in rules("diagnosis.smk"))
-
-
 def test_studies_of_the_thesis_know_the_laboratory_that_they_use():
     users = [f for f in (SOURCE / "thesis").glob("*.py") if "palpate.laboratory" in set(imports(f))]
     assert users

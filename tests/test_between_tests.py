@@ -7,6 +7,7 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
 from palpate.diagnosis.between_tests import p_between_tests, p_of_means
 from palpate.diagnosis.detect import examine
+from palpate.diagnosis.screen import Screen
 
 DRIFT = ("thermal_drift",)
 
@@ -52,7 +53,8 @@ def test_drifts_of_single_recordings_pass():
 def test_a_drift_that_follows_the_test_is_no_drift():
     follows = drifting(lambda k, r: (1.0, -0.4, 0.2, 1.5)[k] + 0.01 * r)
     assert p_of_drift(follows) < 0.001
-    assert examine(fitted(follows, DRIFT), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) < 0.01
+    fit = fitted(follows, DRIFT)
+    assert examine(fit, Screen.of(fit, RECORD_ONLY), np.random.default_rng(1), 400, 0.01) < 0.01
 
 
 def test_without_replicates_there_is_nothing_to_compare():

@@ -2,9 +2,10 @@
 
 import hashlib
 import json
+import math
 import sys
 from collections import Counter
-from pathlib import Path
+from dataclasses import replace
 
 import joblib
 import numpy as np
@@ -16,11 +17,9 @@ from palpate import snapshots
 from palpate.challenge import score
 from palpate.challenge.cases import AMPLITUDES, draw, seal
 from palpate.challenge.laboratory import background, first_order, write
-from palpate.challenge.trial import diagnose_case
+from palpate.challenge.trial import diagnose_case, score_case, strength
 from palpate.challenge.unknown import UNKNOWN, Curve
 from palpate.config import load_study
-from palpate.diagnosis import design
-from palpate.diagnosis.effects import fit_effects
 from palpate.mechanisms import MECHANISMS
 from palpate.protocol import trapezoid
 from palpate.recording import read_recording
@@ -120,31 +119,52 @@ def trial(tmp_path):
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small))
     study = load_study(tmp_path / "small.yaml")
     (condition,) = study.conditions
-    learnt, acting = snapshots.plan(study, tmp_path), design.plan(study, tmp_path)
-    for batch in [*learnt, *acting]:
+    batches = snapshots.plan(study, tmp_path)
+    for batch in batches:
         snapshots.compute(batch, tmp_path / "store")
-    surrogate, *_ = fit_surrogate(study, [file for batch in learnt for file in batch.files])
-    effects = fit_effects(study, condition, Path(acting[0].files[0]).parent)
-    files = {condition.name: tmp_path / "surrogate"}, {condition.name: tmp_path / "effects.joblib"}
+    surrogate, *_ = fit_surrogate(study, [file for batch in batches for file in batch.files])
     joblib.dump(surrogate, tmp_path / "surrogate")
-    joblib.dump(effects, tmp_path / "effects.joblib")
     cases = draw(study)
     seal(cases, tmp_path / "sealed.json")
-    return study, next(case for case in cases if "thermal_drift" in case.mechanisms), files, tmp_path
+    case = next(case for case in cases if "thermal_drift" in case.mechanisms)
+    write(study, [case], tmp_path / "recordings")
+    return study, case, {condition.name: tmp_path / "surrogate"}, tmp_path
 
 
 def test_the_diagnosis_never_opens_the_seal(trial):
     """Every file that Python opens is noted; nor does the diagnosis miss the truth once it is gone."""
-    study, case, files, folder = trial
-    write(study, [case], folder / "recordings")
+    study, case, surrogates, folder = trial
     sys.addaudithook(lambda event, details: OPENED.append(str(details[0])) if event == "open" else None)
-    told, _ = diagnose_case(study, folder / "recordings" / case.name, *files, lambda line: None)
+    told, _ = diagnose_case(study, folder / "recordings" / case.name, surrogates, lambda line: None)
     opened = list(OPENED)
     assert any(file.endswith("_1.csv") for file in opened), "the hook works"
     assert not [file for file in opened if "sealed" in file]
     (folder / "sealed.json").unlink()
-    blind, _ = diagnose_case(study, folder / "recordings" / case.name, *files, lambda line: None)
+    blind, _ = diagnose_case(study, folder / "recordings" / case.name, surrogates, lambda line: None)
     assert blind == told
+
+
+def test_an_effect_is_as_strong_as_it_is_large(trial):
+    """A drift adds in proportion to its rate; where nothing is concealed, nothing has a strength."""
+    study, case, _, folder = trial
+    recordings = folder / "recordings" / case.name
+    slow, fast = (
+        strength(study, replace(case, mechanisms={"thermal_drift": {"rate": rate}}), recordings) for rate in (0.1, 0.3)
+    )
+    assert slow > 0.0
+    assert fast == pytest.approx(3.0 * slow)
+    assert math.isnan(strength(study, replace(case, mechanisms={}), recordings))
+
+
+def test_a_case_is_scored_by_its_diagnosis_and_its_strength(trial):
+    study, case, surrogates, folder = trial
+    recordings = folder / "recordings" / case.name
+    told, _ = diagnose_case(study, recordings, surrogates, lambda line: None)
+    (folder / "diagnosis.json").write_text(json.dumps(told))
+    scored = score_case(study, case, folder / "diagnosis.json", recordings)
+    assert scored["truth"] == "+".join(sorted(case.mechanisms))
+    assert scored["verdict"] == told["verdict"]
+    assert scored["strength"] == pytest.approx(strength(study, case, recordings))
 
 
 def answer(verdict, candidates=(), truth=("friction",), kind="one"):

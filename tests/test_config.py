@@ -86,7 +86,7 @@ def test_defaults_and_order(tmp_path):
         ({"surrogate": {"shape": "auto"}}, "surrogate.shape", "loo"),
         ({"parameters": STUDY["parameters"] | {"youngs_modulus": [float("nan")]}}, "parameters.youngs_modulus", "nan"),
         ({"recordings": {"snapshots": "x"}}, "recordings", "another name"),
-        ({"recordings": {"effects": "x"}}, "recordings", "another name"),
+        ({"recordings": {"figures": "x"}}, "recordings", "another name"),
         ({"recordings": {"report.html": "x"}}, "recordings", "another name"),
         ({"study": "mlflow.db"}, "study", "another name"),
         ({"study": "store"}, "study", "another name"),

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, RECORD_ONLY, SCALE, fitted, learnt, problem, recordings
+from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
 from palpate.diagnosis.hidden import open_amplitudes
 from palpate.diagnosis.law import Law
+from palpate.diagnosis.screen import Screen
+from palpate.mechanisms import MECHANISMS
 
 FRAME = "frame_compliance.compliance"
 
@@ -21,24 +23,29 @@ def half(row):
     return 0.5 * (row["upper"] - row["lower"])
 
 
+def all_acting(fit, keys=RECORD_ONLY):
+    return open_amplitudes(fit, Screen.of(fit, keys))
+
+
 def test_a_range_that_ends_at_zero_is_as_large_as_it_is_long(task):
     below, above = (
         replace(task, scale=replace(SCALE, stated={"thermal_drift": {"rate": rates}}))
         for rates in ([-0.5, 0], [0, 0.5])
     )
-    found = [open_amplitudes(fitted(each), RECORD_ONLY)["thermal_drift.rate"] for each in (below, above)]
+    found = [all_acting(fitted(each))["thermal_drift.rate"] for each in (below, above)]
     assert half(found[0]) == pytest.approx(half(found[1]))
 
 
 def test_a_tip_of_another_angle_joins_though_the_middle_of_its_range_is_the_base_model(task):
     """Here its effect is that of a frame, and its sign changes in the middle of the range."""
+    angles = MECHANISMS["tip_angle"].searched(SCALE)["half_angle"]
 
-    def like_a_frame(condition):
-        return learnt(lambda points: 50.0 * (points[:, -1:] - 0.5) * condition.protocol.sample_load)
+    def like_a_frame(protocol, values):
+        place = (values["half_angle"] - angles.lower) / (angles.upper - angles.lower)
+        return 50.0 * (place - 0.5) * protocol.sample_load
 
-    angle = {c.name: {"tip_angle": like_a_frame(c)} for c in CONDITIONS}
-    fit = fitted(replace(task, effects=angle))
-    alone, joined = (open_amplitudes(fit, keys)[FRAME] for keys in (RECORD_ONLY, [*RECORD_ONLY, "tip_angle"]))
+    fit = fitted(problem(task.observed, tip_angle=like_a_frame))
+    alone, joined = (all_acting(fit, keys)[FRAME] for keys in (RECORD_ONLY, [*RECORD_ONLY, "tip_angle"]))
     assert half(joined) > 2.0 * half(alone)
 
 
@@ -46,5 +53,5 @@ def test_a_law_that_is_void_when_all_act_is_silent_whether_its_effect_is_named_o
     law = Law("frame_compliance", "compliance", 0.0, -0.1, 0.1, "tops", ("zero_offset",))
     for named in ((), ("frame_compliance",)):
         fit = replace(fitted(task, named), laws=(law,))
-        without = open_amplitudes(replace(fit, laws=()), RECORD_ONLY)[FRAME]
-        assert half(open_amplitudes(fit, RECORD_ONLY)[FRAME]) == pytest.approx(half(without), rel=1e-6)
+        without = all_acting(replace(fit, laws=()))[FRAME]
+        assert half(all_acting(fit)[FRAME]) == pytest.approx(half(without), rel=1e-6)

@@ -4,14 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import problem, recordings, weighed
+from closed_forms import TRUTH
+from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
 from palpate.diagnosis import hidden
-from palpate.diagnosis.fit import solve
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.posterior import posterior_draws
+from palpate.diagnosis.screen import Screen
+from palpate.diagnosis.search import Search
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0
@@ -30,10 +32,9 @@ def yielding():
 
 
 def fitted(task, explanation=FRAME, laws=()):
-    start = np.full(task.dimensions(explanation), 0.5)
-    rough = solve(task, explanation, weighed(task, explanation, np.zeros(len(task.mean))), [start])
-    found = weighed(task, explanation, rough.residual)
-    return solve(task, explanation, found, [rough.z], laws=laws)
+    search = Search(STUDY, task, [], np.random.default_rng(0), [TRUTH], lambda base: laws)
+    start = np.full(len(task.coordinates(explanation).free), 0.5)
+    return search.fitted(explanation, [start], task.mean)
 
 
 def value(fit):
@@ -92,7 +93,7 @@ def test_a_law_fixes_what_may_hide(yielding):
 
 def test_amplitudes_are_less_certain_when_more_may_act(yielding):
     fit = fitted(yielding)
-    found = open_amplitudes(fit, ["frame_compliance", "zero_offset", "thermal_drift"])
+    found = open_amplitudes(fit, Screen.of(fit, RECORD_ONLY))
     frame = found["frame_compliance.compliance"]
     assert frame["lower"] < COMPLIANCE < frame["upper"]
     assert frame["upper"] - frame["lower"] > 2 * 1.96 * deviation(fit)
@@ -101,14 +102,14 @@ def test_amplitudes_are_less_certain_when_more_may_act(yielding):
 
 
 def test_what_is_open_is_said_with_the_test_that_would_fix_it(yielding, monkeypatch):
-    keys = ["frame_compliance", "zero_offset", "thermal_drift"]
     free, held = fitted(yielding), fitted(yielding, laws=[law(COMPLIANCE, 0.001)])
-    frame = open_amplitudes(free, keys)["frame_compliance.compliance"]
+    screen = Screen.of(free, RECORD_ONLY)
+    frame = open_amplitudes(free, screen)["frame_compliance.compliance"]
     largest = max(condition.protocol.max_load for condition in yielding.conditions)
     share = 0.5 * (frame["upper"] - frame["lower"]) * largest / np.abs(yielding.mean).max()
     monkeypatch.setattr(hidden, "COARSE", 0.5 * share)
-    assert any("unloadings from loads that span" in line for line in not_fixed(free, open_amplitudes(free, keys)))
-    assert not any("unloadings from loads that span" in line for line in not_fixed(held, open_amplitudes(held, keys)))
+    assert any("unloadings from loads that span" in line for line in not_fixed(free, open_amplitudes(free, screen)))
+    assert not any("unloadings from loads that span" in line for line in not_fixed(held, open_amplitudes(held, screen)))
 
 
 def test_without_laws_nothing_changes(yielding):

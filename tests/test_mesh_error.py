@@ -1,17 +1,23 @@
-"""Error of the mesh in a diagnosis: one factor of the base model, against simulations on the fine mesh."""
+"""Error of the mesh and of few samples in a diagnosis: a fast model in place of that of record, near a place."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from closed_forms import ClosedForms
+from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.config import load_study
-from palpate.diagnosis.design import amplitudes, middle, refinement, scale_of
-from palpate.diagnosis.effects import depth_ratio
+from palpate.diagnosis.considered import middle, scale_of
+from palpate.inference import space_mapping
+from palpate.inference.forward import FiniteElements
+from palpate.inference.space_mapping import RECORD, Reference
 from palpate.mechanisms import MECHANISMS
 from palpate.model import simulate
 
+CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 STUDY = {
     "study": "refined",
     "points": 16,
@@ -27,25 +33,184 @@ STUDY = {
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "conditions": [{"name": "T010", "max_load": 1.0, "loading_time": 10, "unloading_time": 10}],
 }
+HELD_OUT = {
+    "name": "V010",
+    "max_load": 2.0,
+    "loading_time": 10,
+    "hold_time": 5,
+    "unloading_time": 10,
+    "role": "validate",
+}
+
+
+def loaded(folder, **changes):
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY | changes))
+    return load_study(folder / "study.yaml")
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    conditions = [*STUDY["conditions"], HELD_OUT]
+    return loaded(tmp_path_factory.mktemp("refined"), conditions=conditions)
+
+
+@pytest.fixture(scope="module")
+def plain(study):
+    """Return the finite elements under the test that takes part."""
+    return FiniteElements.of(study, ["T010"])
+
+
+@pytest.fixture(scope="module")
+def record(study, plain):
+    """Return the model of record, which is known at the middle material."""
+    return plain.of_record(plain.coordinates.scaled(middle(study)))
+
+
+def on_fine_mesh(model, u, condition):
+    return simulate(replace(model.specification(u, condition), accuracy=RECORD)).depth
+
+
+def off_where_loaded(depth, true, condition):
+    """Return the root mean square of the relative error where the body is loaded."""
+    loaded = condition.protocol.sample_load > 0.05 * condition.protocol.max_load
+    return np.sqrt(np.mean((depth / true - 1.0)[loaded] ** 2))
+
+
+def test_at_the_place_curves_are_those_of_the_model_of_record(study, plain, record):
+    """Under the test that takes part, and under the one that was held out."""
+    u = plain.coordinates.scaled(middle(study))
+    for condition in study.conditions:
+        usual, found = (model.under([condition.name]).curves([u])[0][condition.name] for model in (plain, record))
+        true = on_fine_mesh(plain, u, condition)
+        assert found == pytest.approx(true, rel=1e-9, abs=1e-4)
+        assert off_where_loaded(usual, true, condition) > 5e-4, "the usual mesh errs"
+
+
+@pytest.mark.parametrize("modulus", [3.0, 3.7])
+def test_it_serves_another_material_nearby(tmp_path, modulus):
+    """To a quarter of what the usual mesh errs by itself, though it has fewer samples and hence longer steps."""
+    study = loaded(tmp_path, points=100)
+    plain = FiniteElements.of(study, ["T010"])
+    record = plain.of_record(plain.coordinates.scaled(middle(study)))
+    (condition,) = plain.conditions
+    u = plain.coordinates.scaled(middle(study) | {"youngs_modulus": modulus})
+    usual, found = (model.curves([u])[0]["T010"] for model in (plain, record))
+    true = on_fine_mesh(plain, u, condition)
+    assert off_where_loaded(found, true, condition) < 0.25 * off_where_loaded(usual, true, condition)
 
 
 @pytest.mark.parametrize("share", [0.35, 0.8])
-def test_the_base_models_factor_serves_a_body_that_yields(tmp_path, share):
+def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, share):
     """Of another modulus, too: within the error of grid convergence, which the study states."""
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
-    study = load_study(tmp_path / "study.yaml")
-    (condition,) = study.conditions
-    usual, fine = (simulate(snapshot.specification).depth for snapshot in refinement(study, condition))
-    acting = {"plastic_yield": amplitudes(MECHANISMS["plastic_yield"], scale_of(study), np.array([share, 0.6]))}
-    cell = middle(study) | {"youngs_modulus": 3.7}
-    found, true = (
-        simulate(replace(study.specification(cell, condition, accuracy), mechanisms=acting)).depth
-        for accuracy in ("standard", "fine")
-    )
-    loaded = condition.protocol.sample_load > 0.05 * condition.protocol.max_load
-    off = depth_ratio(fine, usual) * found / true - 1.0
-    assert np.sqrt(np.mean(off[loaded] ** 2)) < study.calibration["solver_error"]
+    (condition,) = plain.conditions
+    yielding = record.joined([MECHANISMS["plastic_yield"]], scale_of(study))
+    u = np.append(plain.coordinates.scaled(middle(study) | {"youngs_modulus": 3.7}), [share, 0.6])
+    (found,) = yielding.curves([u])
+    true = on_fine_mesh(yielding, u, condition)
+    assert off_where_loaded(found["T010"], true, condition) < study.calibration["solver_error"]
 
 
 def test_where_a_body_is_unloaded_no_mesh_errs():
-    assert depth_ratio(np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15])) == pytest.approx([1.01, 1.01, 1.0])
+    """Nor does the rounding of a depth that is none count as a ratio."""
+    reference = Reference(np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15]), np.ones(3, dtype=bool))
+    found = reference.carried(np.array([3.0, 1.4, 8e-15]), np.array([1.0, 2.0, 3.0]))
+    assert found == pytest.approx([3.03, 1.414, 0.0], abs=1e-12)
+
+
+def test_what_a_change_makes_of_a_curve_is_told_by_few_samples():
+    """It varies slowly in time, the curve itself does not; so it is with several columns at once."""
+    time = np.arange(1.0, 13.0)
+    kept = np.isin(time, [1.0, 5.0, 9.0, 12.0])
+    accurate = np.sqrt(time) * (1.0 + 0.01 * np.sin(time))
+    reference = Reference(accurate, np.sqrt(time)[kept], kept)
+    columns = np.stack([np.sqrt(time) * (1.1 + 0.02 * time), 3.0 * np.sqrt(time)], axis=1)
+    expected = accurate[:, None] * np.stack([1.1 + 0.02 * time, np.full(12, 3.0)], axis=1)
+    assert reference.carried(columns[kept], time) == pytest.approx(expected)
+    assert reference.carried(columns[kept, 0], time) == pytest.approx(expected[:, 0])
+
+
+def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds(study, plain, record):
+    """In curves and slopes, wherever the model of record is known: with the instrument's effects, or without."""
+    scale, load = scale_of(study), plain.conditions[0].protocol.sample_load
+    base = plain.coordinates.scaled(middle(study) | {"youngs_modulus": 3.5})
+    ((body, slopes),) = record.tangents([base])
+    instrument = [MECHANISMS[key] for key in ("zero_offset", "frame_compliance")]
+    u = np.append(base, [0.9, 0.4])
+    model = record.joined(instrument, scale)
+    values = model.amplitudes(u)
+    added = values["zero_offset"]["offset"] + values["frame_compliance"]["compliance"] * load
+    ((curves, found),) = model.tangents([u])
+    assert curves["T010"] - added == pytest.approx(body["T010"], rel=1e-6)
+    assert found["T010"][:, :1] == pytest.approx(slopes["T010"], rel=1e-6, abs=1e-4)
+    by_amplitudes = [model.coordinates.free[number].slope(u[number]) for number in (1, 2)]
+    assert found["T010"][:, 1] == pytest.approx(np.full_like(load, by_amplitudes[0]))
+    assert found["T010"][:, 2] == pytest.approx(by_amplitudes[1] * load, abs=1e-6)
+    (alone,) = model.curves([u])
+    assert alone["T010"] == pytest.approx(curves["T010"], rel=1e-6)
+    (there,) = plain.joined(instrument, scale).of_record(u).curves([u])
+    true = on_fine_mesh(plain.joined(instrument, scale), u, plain.conditions[0])
+    assert there["T010"] == pytest.approx(true, rel=1e-9, abs=1e-4)
+
+
+def test_slopes_are_those_of_the_curves(study, record):
+    """With what the instrument adds, over a step that is a hundred times that of the neighbours."""
+    model = record.joined([MECHANISMS["frame_compliance"]], scale_of(study))
+    u, step = np.append(record.coordinates.scaled(middle(study)), 0.4), 3e-3
+    ends = model.curves([u + side * row for row in step * np.eye(2) for side in (1.0, -1.0)])
+    differences = [(a["T010"] - b["T010"]) / (2.0 * step) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    ((_, slopes),) = model.tangents([u])
+    for slope, difference in zip(slopes["T010"].T, differences, strict=True):
+        assert slope == pytest.approx(difference, abs=0.01 * np.abs(difference).max())
+
+
+def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_mesh(study, plain, monkeypatch):
+    def failing(specifications):
+        return [
+            replace(outcome, status="failed") if each.accuracy == RECORD and outcome.load.max() > 1.5 else outcome
+            for each, outcome in zip(specifications, simulate_batch(specifications), strict=True)
+        ]
+
+    u, simulate_batch = plain.coordinates.scaled(middle(study)), space_mapping.simulate_batch
+    monkeypatch.setattr(space_mapping, "simulate_batch", failing)
+    found = plain.of_record(u)
+    usual, same = (model.under(["V010"]).curves([u])[0]["V010"] for model in (plain, found))
+    assert same == pytest.approx(usual)
+    better = found.under(["T010"]).curves([u])[0]["T010"]
+    assert better == pytest.approx(on_fine_mesh(plain, u, plain.conditions[0]), rel=1e-9, abs=1e-4)
+
+
+@pytest.mark.parametrize(("key", "own", "within"), [("second_voigt", 3, 0.01), ("plastic_yield", 2, 0.05)])
+def test_changes_by_some_of_the_points_are_those_of_all(key, own, within):
+    """Of the model of record: the errors of mesh and steps cancel in them."""
+    study = load_study(CHALLENGE)
+    condition = study.conditions[0]
+    usual = FiniteElements.of(study, [condition.name]).joined([MECHANISMS[key]], scale_of(study))
+    at = np.full(len(usual.coordinates.free), 0.4)
+    place = at + np.append([0.1, -0.1, 0.05, 0.1], np.full(own, 0.1))
+    there, here = (on_fine_mesh(usual, u, condition) for u in (place, at))
+    moved, before = (curves[condition.name] for curves in usual.of_record(at).curves([place, at]))
+    assert moved - before == pytest.approx(there - here, abs=within * np.abs(there - here).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Counting(ClosedForms):
+    """Notes of which parameters the model of record was asked for."""
+
+    asked: list = field(default_factory=list)
+
+    def of_record(self, u):
+        self.asked.append(self.coordinates.names)
+        return self
+
+
+def test_only_what_may_pass_is_brought_to_the_model_of_record():
+    """And the base model, on which effects are screened."""
+    planted = recordings(np.random.default_rng(1), lambda c, r: 10.0 * np.sin(c.protocol.sample_time))
+    hopeless, quiet = Counting(CONDITIONS), Counting(CONDITIONS)
+    search = search_of(replace(problem(planted), forward=hopeless))
+    for key in RECORD_ONLY:
+        search.joined(search.base.fit, key)
+    fitted(replace(problem(recordings(np.random.default_rng(1))), forward=quiet), ("thermal_drift",))
+    base = ["modulus", "fluidity"]
+    assert hopeless.asked and all(names == base for names in hopeless.asked)
+    assert quiet.asked[0] == base and quiet.asked[-1] == [*base, "thermal_drift.rate"]

@@ -1,14 +1,17 @@
 """The tests that are proposed next: their load histories, and what stays behind when the tip is exchanged."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
-from test_diagnosis import CHALLENGE, fitted, problem, recordings
+from test_diagnosis import fitted, problem, recordings
 
 from palpate.config import load_study
 from palpate.diagnosis.next_test import _of_test, error_of_means, feasible
 from palpate.indenters import Indenter
 from palpate.model import simulate, specification_from
 
+CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
     "indenter": {"shape": "cone", "half_angle": 70.3, "friction": 0.1},

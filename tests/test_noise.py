@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
+from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
 from palpate.diagnosis.covariance import noise_between_replicates, noise_of
-from palpate.diagnosis.detect import examine
 
 SETS = [(), ("zero_offset",), ("thermal_drift",), ("thermal_drift", "zero_offset")]
 
@@ -61,15 +60,14 @@ def test_a_condition_tested_once_takes_its_noise_from_the_others():
     assert noise.sigma[[0, 2, 3]] == pytest.approx(others.sigma[[0, 2, 3]], rel=0.2)
     assert noise.sigma[1] == pytest.approx(np.median(noise.sigma[[0, 2, 3]]))
     assert np.linalg.eigvalsh(noise.covariance).min() > -1e-9
-    assert examine(fitted(lonely), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) > 0.01
+    assert search_of(lonely).base.p_value > 0.01
     compliant = {
         c.name: replace(
             lonely.observed[c.name], response=lonely.observed[c.name].response + 30.0 * c.protocol.sample_load
         )
         for c in CONDITIONS
     }
-    bent = replace(lonely, observed=compliant)
-    assert examine(fitted(bent), RECORD_ONLY, np.random.default_rng(1), 400, 0.01) < 0.01
+    assert search_of(replace(lonely, observed=compliant)).base.p_value < 0.01
 
 
 def test_two_conditions_of_four_tested_once_leave_the_noise_assumed():

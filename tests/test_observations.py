@@ -168,17 +168,6 @@ def test_check_tells_which_conditions_share_their_simulations(tmp_path, capsys, 
     assert "serves" not in told(tmp_path, capsys, conditions=[CONDITION, slow])
 
 
-def test_check_counts_what_the_diagnosis_simulates(tmp_path, capsys, monkeypatch):
-    """A drift needs no simulation of its own: what is left is one material on two meshes, under each condition."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "own").mkdir()
-    write(tmp_path / "own/P1_T30_1.csv", *curve())
-    lab = {"recordings": {"lab": "own"}}
-    assert "from 2 further simulations" in told(tmp_path, capsys, **lab, diagnosis={"mechanisms": ["thermal_drift"]})
-    assert "further simulations" not in told(tmp_path, capsys, **lab, diagnosis={"enabled": False})
-    assert "further simulations" not in told(tmp_path, capsys)
-
-
 def test_missing_recordings_and_strange_files(tmp_path):
     folder = tmp_path / "recordings"
     study = load(tmp_path, recordings={"lab": str(folder)})

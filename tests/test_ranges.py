@@ -2,15 +2,20 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from test_diagnosis import CHALLENGE
+from closed_forms import TRUTH, ClosedForms
+from test_diagnosis import CONDITIONS, fitted, problem, recordings
 
 from palpate.config import load_study
-from palpate.diagnosis.design import amplitudes, candidates, scale_of
+from palpate.diagnosis.considered import candidates, scale_of
 from palpate.errors import InputError
+from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.mechanisms import MECHANISMS
+
+CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 
 
 def ranged(ranges):
@@ -18,15 +23,22 @@ def ranged(ranges):
     return replace(study, diagnosis=study.diagnosis | {"ranges": ranges})
 
 
+def amplitudes(mechanism, scale, share):
+    """Return a mechanism's parameters at so much of all its ranges."""
+    ranges = mechanism.searched(scale).items()
+    searched = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(share)) for name, r in ranges}
+    return mechanism.from_search(searched, scale)
+
+
 def test_a_study_states_where_an_effect_is_searched():
     """A frame that was never corrected, with the load cell's deflection in the depth, may be most of it."""
     frame = {"compliance": [0.0, 40.0]}
     usual, stated = scale_of(ranged({})), scale_of(ranged({"frame_compliance": frame}))
     mechanism = MECHANISMS["frame_compliance"]
-    assert amplitudes(mechanism, usual, np.ones(1))["compliance"] < 0.4 * usual.depth / usual.load
-    assert [amplitudes(mechanism, stated, np.full(1, x))["compliance"] for x in (0.0, 1.0)] == [0.0, 40.0]
+    assert amplitudes(mechanism, usual, 1.0)["compliance"] < 0.4 * usual.depth / usual.load
+    assert [amplitudes(mechanism, stated, x)["compliance"] for x in (0.0, 1.0)] == [0.0, 40.0]
     yielding = MECHANISMS["plastic_yield"]
-    assert amplitudes(yielding, usual, np.ones(2)) == amplitudes(yielding, stated, np.ones(2))
+    assert amplitudes(yielding, usual, 1.0) == amplitudes(yielding, stated, 1.0)
     candidates(ranged({"frame_compliance": frame}))
 
 
@@ -77,3 +89,23 @@ def test_draws_that_cannot_show_a_misfit_are_refused(level, draws, least):
     with pytest.raises(InputError, match=f"draw {least} or more"):
         candidates(few)
     candidates(enough)
+
+
+def test_an_optimum_beyond_the_limit_of_one_parameter_ends_the_search_there():
+    task = problem(recordings(np.random.default_rng(11)))
+    walled = Coordinates([Coordinate("modulus", 1.05, 1.4, 1.05, np.inf)], {"fluidity": TRUTH["fluidity"]})
+    fit = fitted(replace(task, forward=ClosedForms(CONDITIONS, walled)))
+    assert fit.z == pytest.approx([0.0], abs=1e-3)
+    assert fit.coordinates.at_wall(fit.z).all()
+
+
+def test_what_cannot_be_negative_counts_by_its_logarithm_and_none_of_it_is_a_number_too():
+    fluidity = Coordinate("fluidity", 0.0, 0.03, 0.0, np.inf, logarithmic=True)
+    values = np.array([0.0, 1e-4, 0.01, 0.03, 0.1, 0.2, 0.4])
+    u = fluidity.scaled(values)
+    assert fluidity.physical(u) == pytest.approx(values)
+    assert u[[0, 3]] == pytest.approx([0.0, 1.0])
+    assert np.diff(u[-3:]) == pytest.approx(np.log(2.0) / np.log(101.0), rel=0.01), "a factor far from none"
+    step = 1e-6
+    differences = (fluidity.physical(u[1:] + step) - fluidity.physical(u[1:] - step)) / (2.0 * step)
+    assert [fluidity.slope(x) for x in u[1:]] == pytest.approx(differences, rel=1e-6)

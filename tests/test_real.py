@@ -39,7 +39,7 @@ def study(tmp_path, monkeypatch):
         "indenter": INDENTER,
         "conditions": [{"name": "A", "load_history": "recorded"}],
         "recordings": {"vendor": "results/small/recordings/vendor"},
-        "diagnosis": {"mechanisms": ["frame_compliance"], "snapshots": 8, "bootstrap": 300},
+        "diagnosis": {"mechanisms": ["frame_compliance"], "bootstrap": 300},
     }
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(settings))
     return load_study("study.yaml")
@@ -47,7 +47,10 @@ def study(tmp_path, monkeypatch):
 
 def test_a_file_becomes_a_diagnosis(study):
     content, curves = diagnose_source(study, report=lambda line: None)
-    assert content["verdict"] in ("adequate", "ambiguous", "unexplained"), "one recording alone names nothing"
+    assert (content["verdict"], content["mechanisms"]) == ("suspected", []), "one recording alone names nothing"
+    (candidate,) = content["candidates"]
+    compliance = candidate["parameters"]["frame_compliance.compliance"]
+    assert compliance["lower"] < COMPLIANCE < compliance["upper"]
     assert 0.0 < content["p_value"] <= 1.0
     assert content["sentence"]
     assert set(curves["condition"]) == {"A"}

@@ -1,76 +1,66 @@
-"""The search among explanations, with fits that are given."""
+"""The search among explanations, with fits that are given and on closed forms."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnosis import fitted, problem, recordings
+from closed_forms import TRUTH, cone
+from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
-from palpate.diagnosis.diagnose import _refine_best, _sharpened
-from palpate.diagnosis.search import Candidate
-from palpate.diagnosis.standing import likeliest_of_each, not_told_from_none
+from palpate.diagnosis.diagnose import _fitted, _prospects, diagnose
+from palpate.diagnosis.law import Law
+from palpate.diagnosis.policy import SearchPolicy
+from palpate.diagnosis.search import Candidate, Search
+from palpate.diagnosis.standing import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
+from palpate.errors import PalpateError
 
 LEVEL = 0.01
+POLICY = SearchPolicy()
+LAW = Law("thermal_drift", "rate", 1.0, 0.9, 1.1, "a test")
 
 
-def candidate(key, evidence, p_value=0.5, lacks=0.0, occam=0.0):
-    fit = SimpleNamespace(explanation=(key,), log_evidence=evidence, log_likelihood=evidence + occam, lacks=lacks)
-    return Candidate(fit, p_value, confirmed=True)
-
-
-def stand(found, *turned_out):
-    """Return which keys stand of `found`, best first, where those that `turned_out` otherwise did so by sharpening."""
-    asked, better = [], {candidate.fit.explanation: candidate for candidate in turned_out}
-
-    def sharpened(candidate):
-        asked.append(candidate)
-        return better.get(candidate.fit.explanation, candidate)
-
-    tried, standing = _sharpened(
-        SimpleNamespace(sharpened=sharpened, lacking=lambda fit: fit.lacks), found, found, LEVEL
+def candidate(keys, evidence, p_value=0.5, occam=0.0, contradicts=()):
+    fit = SimpleNamespace(
+        explanation=tuple(filter(None, keys.split("+"))),
+        log_evidence=evidence,
+        log_likelihood=evidence + occam,
+        laws=(),
+        z=None,
     )
-    evidence = [each.fit.log_evidence for each in tried]
-    assert len(tried) == len(found)
-    assert evidence == sorted(evidence, reverse=True)
-    assert len(asked) == len(set(asked)), "once is enough"
-    stand.asked = {key for each in asked for key in each.fit.explanation}
-    return [key for each in standing for key in each.fit.explanation]
+    fit.from_laws = lambda z: np.empty(0)
+    return Candidate(fit, p_value, contradicts)
+
+
+def named(candidates):
+    return ["+".join(each.fit.explanation) for each in candidates]
+
+
+def stand(found, tried=()):
+    return named(standing_of(found, [*found, *tried], LEVEL))
 
 
 def test_what_stands_is_listed_best_first():
     """Answer and curves rest on the first of the list."""
-    found = [candidate("friction", 10.0), candidate("tip_angle", 9.0)]
-    assert stand(found, candidate("friction", 8.0)) == ["tip_angle", "friction"]
+    found = [candidate("friction", 8.0), candidate("tip_angle", 9.0), candidate("adhesion", 4.0)]
+    assert stand(found) == ["tip_angle", "friction"]
 
 
-def test_one_that_turns_out_less_likely_does_not_stand_alone():
-    """The second was beyond the likelihood ratio of a hundred of what the first had seemed; so was the third."""
-    found = [candidate("friction", 15.0), candidate("tip_angle", 9.0), candidate("adhesion", 4.0)]
-    better = candidate("friction", 5.0), candidate("tip_angle", 6.0)
-    assert stand(found, *better) == ["tip_angle", "friction", "adhesion"]
+def test_one_that_leaves_more_than_noise_does_not_stand():
+    assert stand([candidate("friction", 6.0, p_value=0.001), candidate("tip_angle", 4.0)]) == ["tip_angle"]
 
 
-def test_another_may_stand_in_place_of_one_that_turns_out_to_leave_more_than_noise():
-    found = [candidate("friction", 10.0), candidate("tip_angle", 4.0)]
-    assert stand(found, candidate("friction", 6.0, p_value=0.001)) == ["tip_angle"]
-    assert stand(found, candidate("friction", 9.0, p_value=0.001)) == []
+def test_nothing_stands_where_something_far_likelier_leaves_more_than_noise():
+    """Then the truth is not among those that pass; nor would it be if that had been tried before."""
+    better = candidate("friction", 9.0, p_value=0.001)
+    assert stand([better, candidate("tip_angle", 4.0)]) == []
+    assert stand([candidate("tip_angle", 4.0)], [better]) == []
 
 
-def test_one_that_fails_by_little_is_judged_by_its_own_slopes():
-    found = [candidate("tip_rounding", 83.0, 0.008, lacks=2.0), candidate("zero_offset", 80.5)]
-    better = candidate("tip_rounding", 88.4, 0.9)
-    assert stand(found, better, candidate("zero_offset", 83.5)) == ["tip_rounding"]
-    assert stand(found[:1], better) == ["tip_rounding"]
-    assert stand([candidate("tip_rounding", 83.0, 0.001, lacks=100.0)], better) == []
-    assert stand.asked == set(), "no slopes make up for that much"
-
-
-def test_the_instruments_effects_are_compared_with_the_bodys_by_the_same_slopes():
-    found = [candidate("tip_rounding", 80.5), candidate("zero_offset", 76.3)]
-    better = candidate("tip_rounding", 81.0), candidate("zero_offset", 77.5)
-    assert stand(found, *better) == ["tip_rounding", "zero_offset"]
-    assert stand([candidate("thermal_drift", 80.5), candidate("zero_offset", 76.3)]) == ["thermal_drift", "zero_offset"]
-    assert stand.asked == set(), "among themselves, the base model's slopes do"
+def test_one_that_contradicts_a_law_neither_stands_nor_keeps_others_from_it():
+    against = candidate("thermal_drift", 90.0, contradicts=(LAW,))
+    assert stand([against, candidate("tip_angle", 4.0)]) == ["tip_angle"]
+    assert stand([against]) == []
 
 
 def test_what_fits_as_well_stands_though_it_could_have_explained_much_else():
@@ -81,36 +71,156 @@ def test_what_fits_as_well_stands_though_it_could_have_explained_much_else():
     assert stand([frame, candidate("film_on_substrate", 72.0, p_value=0.002, occam=11.0)]) == ["frame_compliance"]
 
 
-def refined(promises, proves):
-    """Return which keys go to the forward model, by what the surrogates promise and what it proves, if anything."""
-    fits = [
-        SimpleNamespace(explanation=(key,), promise=promise, log_evidence=promise, misfit=1.0, residual=np.zeros(10))
-        for key, promise in promises.items()
-    ]
-    asked = []
+def test_the_verdict_follows_from_how_many_stand():
+    assert judged([]) == ("unexplained", [])
+    assert judged([candidate("friction", 5.0)]) == ("identified", [1.0])
+    verdict, probabilities = judged([candidate("friction", -4000.0), candidate("adhesion", -4000.0 - np.log(3.0))])
+    assert verdict == "ambiguous"
+    assert probabilities == pytest.approx([0.75, 0.25])
 
-    def refined(fit, least):
-        asked.append(fit.explanation[0])
-        return candidate(*fit.explanation, *proves.get(fit.explanation[0], (fit.promise, 0.0)))
 
-    found = _refine_best(SimpleNamespace(refined=refined), fits, 8, LEVEL, lambda said: None)
-    assert len(found) == len(fits)
-    return asked
+def test_a_set_around_a_smaller_one_that_stands_holds_what_does_nothing():
+    wide, other = candidate("friction+adhesion", 9.0), candidate("adhesion+tip_angle", 8.0)
+    narrow, apart = candidate("friction", 7.0), candidate("tip_rounding", 6.0)
+    assert without_idle([wide, other, narrow, apart]) == [other, narrow, apart]
+    assert without_idle([wide, other]) == [wide, other]
+
+
+def test_a_set_that_was_tried_again_is_listed_once():
+    stopped, found = candidate("friction+adhesion", 5.0), candidate("adhesion+friction", 9.0)
+    other = candidate("adhesion", 7.0)
+    assert likeliest_of_each([stopped, other, found]) == [found, other]
+
+
+def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: []):
+    """Return which mechanisms were fitted, in order, what came back, and what failed.
+
+    Parameters
+    ----------
+    promises
+        Of each mechanism, the greatest first.
+    proves
+        Evidence and p-value of what turns out otherwise, or the words in which its fit fails.
+    neighbours
+        Returns smaller fits where a fit lies.
+    """
+    asked, failed, proves = [], {}, proves or {}
+
+    def joined(fit, key):
+        asked.append(key)
+        if isinstance(proves.get(key), str):
+            raise PalpateError(proves[key])
+        return key
+
+    def examined(key):
+        return candidate(key, *proves.get(key, (promises[key], 0.0)))
+
+    search = searching(promises, joined=joined, examined=examined, neighbours=neighbours)
+    found = _fitted(search, [candidate("", 0.0)], most, LEVEL, policy, failed, lambda said: None)
+    return asked, named(found), failed
+
+
+def searching(promises, **methods):
+    """Return a search that sees what is promised beside the base model, and nothing more beside other fits."""
+
+    def gain(fit, key):
+        return 2.0 * promises[key] if not fit.log_evidence else 0.0
+
+    return SimpleNamespace(screen=SimpleNamespace(keys=list(promises), gain=gain), **methods)
+
+
+FAR = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
+
+
+def test_what_promises_most_is_fitted_first_and_comes_back_best_first():
+    asked, found, failed = tried({"tip_angle": 100.0, "friction": 99.0}, {"tip_angle": (20.0, 0.0)})
+    assert asked == ["tip_angle", "friction"]
+    assert found == ["friction", "tip_angle"]
+    assert failed == {}
 
 
 def test_a_rival_is_not_left_out_because_another_promised_too_much():
-    """A frame beside a film that is hard to learn: it promised far less than the film, yet more than that proved."""
+    """A frame beside a film that is hard to foresee: it promised far less than the film, yet more than that proved."""
     promises = {"film_on_substrate": 300.0, "frame_compliance": 105.0, "friction": 80.0}
-    assert refined(promises, {"film_on_substrate": (100.0, 0.5), "frame_compliance": (104.0, 0.4)}) == [
-        "film_on_substrate",
-        "frame_compliance",
+    proves = {"film_on_substrate": (100.0, 0.5), "frame_compliance": (104.0, 0.4)}
+    asked, found, _ = tried(promises, proves)
+    assert asked == ["film_on_substrate", "frame_compliance"]
+    assert found == ["frame_compliance", "film_on_substrate"]
+
+
+def test_what_falls_far_behind_is_left_out_once_some_are_fitted():
+    assert tried(FAR, policy=replace(POLICY, least=4))[0] == ["tip_angle", "tip_rounding", "friction", "adhesion"]
+    assert tried(FAR, policy=replace(POLICY, least=2, screened=15.0))[0] == ["tip_angle", "tip_rounding"]
+    assert tried(FAR, policy=replace(POLICY, least=5))[0] == list(FAR)
+
+
+def test_a_rival_is_looked_at_again_from_where_one_that_explains_lies():
+    """Beside the base model's optimum a film promised little; beside the frame's material it promises as much."""
+    promises = {"frame_compliance": 100.0, "film_on_substrate": 30.0, "friction": 20.0}
+    proves = {"frame_compliance": (100.0, 0.5), "film_on_substrate": (99.0, 0.5)}
+    assert tried(promises, proves)[0] == ["frame_compliance"]
+    there = candidate("", 97.0).fit
+    asked, found, _ = tried(promises, proves, neighbours=lambda fit: [there])
+    assert asked == ["frame_compliance", "film_on_substrate", "friction"]
+    assert found[:2] == ["frame_compliance", "film_on_substrate"]
+
+
+def test_what_would_not_stand_beside_one_that_leaves_only_noise_is_left_out():
+    assert tried(FAR, {"tip_angle": (100.0, 0.5)})[0] == ["tip_angle", "tip_rounding"]
+    assert tried(FAR, {"tip_angle": (101.0, 0.5)})[0] == ["tip_angle"]
+    assert tried(FAR, {"tip_rounding": (95.0, 0.5)})[0] == ["tip_angle", "tip_rounding"]
+
+
+def test_no_more_are_fitted_than_the_policy_allows():
+    assert tried(FAR, most=3)[0] == ["tip_angle", "tip_rounding", "friction"]
+
+
+def test_an_explanation_that_cannot_be_fitted_is_recorded_and_others_go_on():
+    asked, found, failed = tried(FAR, {"tip_angle": "the mesh folds", "tip_rounding": (90.0, 0.5)})
+    assert asked == ["tip_angle", "tip_rounding", "friction"]
+    assert found == ["tip_rounding", "friction"]
+    assert failed == {"tip_angle": "the mesh folds"}
+
+
+def test_what_failed_among_sets_is_recorded_by_all_its_mechanisms():
+    def joined(fit, key):
+        raise PalpateError("no convergence")
+
+    search, failed = searching({"adhesion": 5.0}, joined=joined, examined=None), {}
+    assert _fitted(search, [candidate("friction", 3.0)], 5, LEVEL, POLICY, failed, lambda said: None) == []
+    assert failed == {"friction+adhesion": "no convergence"}
+
+
+def prospects(found, gains, keys):
+    screen = SimpleNamespace(keys=keys, gain=lambda fit, key: gains.get((*fit.explanation, key), 0.0))
+    ways = _prospects(SimpleNamespace(screen=screen), [each.fit for each in found])
+    assert all(members == way.members for members, way in ways.items())
+    return sorted(ways.values(), key=lambda way: -way.promise)
+
+
+def test_a_prospect_promises_half_of_what_chi_square_may_fall():
+    ways = prospects([candidate("friction", 10.0)], {("friction", "tip_angle"): 8.0}, ["adhesion", "tip_angle"])
+    assert [(way.key, way.promise) for way in ways] == [("tip_angle", 14.0), ("adhesion", 10.0)]
+
+
+def test_a_set_is_a_prospect_once_by_its_likeliest_way():
+    found, keys = [candidate("friction", 10.0), candidate("adhesion", 12.0)], ["friction", "adhesion", "tip_angle"]
+    gains = {("friction", "adhesion"): 30.0, ("adhesion", "friction"): 10.0, ("adhesion", "tip_angle"): 40.0}
+    ways = prospects(found, gains, keys)
+    assert [(*way.fit.explanation, way.key) for way in ways] == [
+        ("adhesion", "tip_angle"),
+        ("friction", "adhesion"),
+        ("friction", "tip_angle"),
     ]
+    assert ways[1].members == {"adhesion", "friction"}
 
 
-def test_what_falls_far_behind_is_left_to_the_surrogates():
-    promises = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
-    assert refined(promises, {}) == ["tip_angle", "tip_rounding", "friction", "adhesion"]
-    assert refined(promises, {"tip_angle": (100.0, 0.5)}) == ["tip_angle"], "it would not stand beside it"
+def test_what_a_law_asks_for_is_promised_too():
+    """A fit without the drift departs from a law of the drift by six standard deviations."""
+    base = candidate("friction", 10.0)
+    base.fit.laws, base.fit.from_laws = (LAW,), lambda z: np.array([-6.0])
+    ways = prospects([base], {}, ["adhesion", "thermal_drift"])
+    assert [(way.key, way.promise) for way in ways] == [("thermal_drift", 28.0), ("adhesion", 10.0)]
 
 
 @pytest.mark.parametrize(("mean", "found"), [(0.0, ["thermal_drift"]), (0.6, [])])
@@ -120,6 +230,84 @@ def test_an_effect_that_differs_from_test_to_test_about_none_is_not_told_from_no
     assert not_told_from_none(fitted(problem(observed), ("thermal_drift",))) == found
 
 
-def test_a_set_that_was_tried_again_is_listed_once():
-    stopped, found, other = candidate("friction", 5.0), candidate("friction", 9.0), candidate("adhesion", 7.0)
-    assert likeliest_of_each([stopped, other, found]) == [found, other]
+def frame(condition, replicate):
+    return 8.0 * condition.protocol.sample_load
+
+
+def diagnosed(task, keys=RECORD_ONLY):
+    return diagnose(STUDY, task, search_of(task, keys), lambda said: None)
+
+
+def test_recordings_without_an_effect_are_adequate():
+    found = diagnosed(problem(recordings(np.random.default_rng(11))))
+    assert (found.verdict, found.standing, found.tried) == ("adequate", [], [found.base])
+
+
+def test_what_one_mechanism_explains_and_no_other_is_identified():
+    found = diagnosed(problem(recordings(np.random.default_rng(5), frame)))
+    assert (found.verdict, named(found.standing)) == ("identified", ["frame_compliance"])
+    assert found.probabilities == [1.0]
+    evidence = [each.fit.log_evidence for each in found.tried]
+    assert evidence == sorted(evidence, reverse=True)
+    assert found.base.fit.explanation in [each.fit.explanation for each in found.tried]
+
+
+def test_a_single_explanation_is_suspected_where_the_noise_is_assumed():
+    found = diagnosed(problem(recordings(np.random.default_rng(5), lambda c, r: 6.0 * frame(c, r), replicates=1)))
+    assert (found.verdict, named(found.standing)) == ("suspected", ["frame_compliance"])
+
+
+def test_a_single_explanation_of_one_kind_of_test_is_suspected_where_it_acts_on_the_body():
+    """What a blunted tip does to one curve, a law that is in no library may do, too."""
+
+    def rounded(protocol, values):
+        depth = cone(protocol, **TRUTH)
+        return -values["radius"] * depth / (depth + 300.0)
+
+    def planted(condition, replicate):
+        return rounded(condition.protocol, {"radius": 100.0})
+
+    observed = recordings(np.random.default_rng(4), planted, site=0.002)
+    alone = diagnosed(problem(observed, CONDITIONS[2:3], tip_rounding=rounded), ["tip_rounding"])
+    every = diagnosed(problem(observed, tip_rounding=rounded), ["tip_rounding"])
+    assert (alone.verdict, named(alone.standing)) == ("suspected", ["tip_rounding"])
+    assert (every.verdict, named(every.standing)) == ("identified", ["tip_rounding"])
+
+
+def test_a_single_explanation_whose_mean_may_be_none_is_suspected():
+    """Drifts that differ from recording to recording, about none: chance may do that, too."""
+    own = np.random.default_rng(2).normal(0.0, 0.3, (4, 3))
+    own -= own.mean(axis=1, keepdims=True)
+    rates = dict(zip("abcd", own, strict=True))
+    observed = recordings(np.random.default_rng(5), lambda c, r: rates[c.name][r] * c.protocol.sample_time)
+    found = diagnosed(problem(observed))
+    assert (found.verdict, named(found.standing)) == ("suspected", ["thermal_drift"])
+
+
+def test_an_effect_in_no_library_stays_unexplained():
+    wave = lambda c, r: 12.0 * np.sin(2 * np.pi * c.protocol.sample_time / 9.0)  # noqa: E731
+    found = diagnosed(problem(recordings(np.random.default_rng(7), wave)))
+    assert (found.verdict, found.standing, found.probabilities) == ("unexplained", [], [])
+    assert {len(each.fit.explanation) for each in found.tried} == {0, 1, 2}
+
+
+def test_two_effects_are_found_together():
+    both = lambda c, r: frame(c, r) + (0.3 + 0.05 * r) * c.protocol.sample_time  # noqa: E731
+    found = diagnosed(problem(recordings(np.random.default_rng(5), both)))
+    assert found.verdict == "identified"
+    assert set(found.standing[0].fit.explanation) == {"frame_compliance", "thermal_drift"}
+
+
+def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():
+    class Failing(Search):
+        def joined(self, fit, key):
+            if key == "zero_offset":
+                raise PalpateError("lost contact")
+            return super().joined(fit, key)
+
+    task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
+    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH])
+    eager = SearchPolicy(screened=np.inf, outdone=np.inf)
+    found = diagnose(STUDY, task, search, lambda said: None, eager)
+    assert found.failed == {"zero_offset": "lost contact"}
+    assert (found.verdict, named(found.standing)) == ("identified", ["thermal_drift"])

@@ -84,7 +84,7 @@ def test_what_all_explanations_share_is_said():
 
 
 def test_a_single_suspicion_is_no_name():
-    said = sentence(content("ambiguous", DRIFT, held_out=(None, None)))
+    said = sentence(content("suspected", DRIFT, held_out=(None, None)))
     assert "From these recordings alone it stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
 
 
@@ -113,5 +113,5 @@ def test_an_error_that_rises_is_told():
 def test_a_suspicion_names_the_effect_that_may_be_none():
     spread = {"estimate": 0.3, "lower": -0.6, "upper": 1.1}
     shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
-    said = sentence(content("ambiguous", shifted))
+    said = sentence(content("suspected", shifted))
     assert "it stays a suspicion, as the zero offset may be none on average" in said

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.area_function import AreaFunction
 from palpate.config import Study, load_study
-from palpate.diagnosis.design import PAIRS_FOR_EACH, candidates, pairs
+from palpate.diagnosis.considered import candidates
 from palpate.errors import InputError
 from palpate.observations import check_given, written_by_workflow
 from palpate.steps import settings_of
@@ -42,7 +42,7 @@ def checked_study(path: str | Path, data: str | None = None) -> Study:
         place = f"calibration.{error.place}"
         raise InputError(error.problem, remedy=error.remedy, file=study.file, place=place) from None
     if study.diagnosis["enabled"]:
-        _check_pairs(study)
+        candidates(study)
     return study
 
 
@@ -95,23 +95,4 @@ def _check_reference(study: Study) -> None:
                 remedy="give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm",
                 file=study.file,
                 place="diagnosis.reference.area",
-            )
-
-
-def _check_pairs(study: Study) -> None:
-    """Refuse a diagnosis with fewer pairs of simulations than an effect can be learnt from; raises `InputError`."""
-    condition = next(condition for condition in study.conditions if condition.role == "calibrate")
-    for key in candidates(study):
-        found = pairs(study, condition, key)
-        if not found:
-            continue
-        quantities = len(found[0].coordinates)
-        least = PAIRS_FOR_EACH * (len(study.free_parameters) + quantities)
-        if len(found) < least:
-            raise InputError(
-                f"{study.diagnosis['snapshots']} is too few to learn {key} beside {len(study.free_parameters)} free "
-                "parameters",
-                remedy=f"give {-(-2 * least // (1 + quantities))} or more",
-                file=study.file,
-                place="diagnosis.snapshots",
             )

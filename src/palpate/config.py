@@ -26,7 +26,7 @@ from palpate.specification import Specification, axisymmetric_only
 from palpate.yaml_file import read_yaml
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
-RESERVED = ("effects", "figures", "logs", "recordings", "report.html", "snapshots", "snapshots.csv", "surrogates")
+RESERVED = ("figures", "logs", "recordings", "report.html", "snapshots", "snapshots.csv", "surrogates")
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,9 @@ import pandas as pd
 
 from palpate import snapshots
 from palpate.config import Study
-from palpate.diagnosis import design
-from palpate.diagnosis.effects import fit_effects
-from palpate.diagnosis.steps import run_diagnosis
+from palpate.diagnosis.steps import optimum_on_surrogates, run_diagnosis
 from palpate.errors import InputError
-from palpate.observations import convert_source
+from palpate.observations import convert_source, observations
 from palpate.steps import fit_surrogate
 
 
@@ -38,18 +36,15 @@ def diagnose_source(
         raise InputError("names no vendor's file", remedy="add a section source", file=study.file, place="source")
     recordings, folder = study.source["recordings"], results / study.name
     convert_source(study, study.recordings[recordings])
-    plans = snapshots.plan(study, results), design.plan(study, results)
-    for batch in (*plans[0], *plans[1]):
+    plan, surrogates = snapshots.plan(study, results), {}
+    for batch in plan:
         snapshots.compute(batch, results, report)
-    base, effects = {}, {}
     for condition in study.conditions:
         if condition.role == "calibrate":
-            files = [file for batch in plans[0] for file in batch.under(condition.name)]
+            files = [file for batch in plan for file in batch.under(condition.name)]
             model, _, _, summary = fit_surrogate(study, files)
-            fitted = fit_effects(study, condition, folder / "effects" / condition.name)
             report(f"{condition.name}: leave-one-out error of the surrogate {summary['loo_rmse_nm']:.2g} nm")
-            base[condition.name] = folder / f"{condition.name}.surrogate.joblib"
-            effects[condition.name] = folder / f"{condition.name}.effects.joblib"
-            joblib.dump(model, base[condition.name])
-            joblib.dump(fitted, effects[condition.name])
-    return run_diagnosis(study, recordings, base, effects, report)
+            surrogates[condition.name] = folder / f"{condition.name}.surrogate.joblib"
+            joblib.dump(model, surrogates[condition.name])
+    start = optimum_on_surrogates(study, observations(study, recordings), surrogates)
+    return run_diagnosis(study, recordings, [start], report)

@@ -76,6 +76,12 @@ def settings_of(study: Study) -> CalibrationSettings:
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
+def estimate_of(file: str | Path) -> dict[str, float]:
+    """Return the estimate that the file of a calibration holds, by parameter."""
+    content = json.loads(Path(file).read_text(encoding="utf-8"))
+    return {name: row["estimate"] for name, row in content["parameters"].items()}
+
+
 def calibrate_study(
     study: Study,
     models: Mapping[str, PODRBF],

@@ -164,6 +164,30 @@ def log_diagnosis(content: Mapping[str, Any], settings: Mapping[str, Any]) -> No
     mlflow.log_metrics(metrics)
 
 
+def log_explanations(study: str, content: Mapping[str, Any], configuration: Path, tags: Mapping[str, str]) -> None:
+    """Log every explanation that a diagnosis fitted as a run of its own: evidence, errors, amplitudes and material."""
+    before = next(row["rmse_nm"] for row in content["tried"] if not row["mechanisms"])
+    for row in content["tried"]:
+        name = "+".join(row["mechanisms"]) or "base model"
+        with nested_run(study, f"explanation {name}", "explanation", configuration, {**tags, "mechanisms": name}):
+            errors = {"before_rmse_nm": before, "after_rmse_nm": row["rmse_nm"]}
+            evidence = {"log_evidence": row["log_evidence"], "p_value": row["p_value"]}
+            mlflow.log_metrics(errors | evidence | row["parameters"] | row["material"])
+
+
+def log_answer(study: str, recordings: str, content: Mapping[str, Any]) -> None:
+    """Log the answer of a diagnosis to the execution's own run: verdict, names, errors, noise, and when it ended."""
+    client, run = mlflow.MlflowClient(), parent_run(study)
+    names = "+".join(content["mechanisms"]) or "none"
+    tags = {"verdict": content["verdict"], "mechanisms": names, "answer": content["sentence"]}
+    errors = {f"validate.{k}": v for k, v in content["fit"]["validate"].items() if v is not None}
+    for key, value in tags.items():
+        client.set_tag(run, f"{recordings}.{key}", value)
+    for key, value in (errors | {"noise_nm": content["fit"]["noise_nm"]}).items():
+        client.log_metric(run, f"{recordings}.{key}", value)
+    client.set_terminated(run)
+
+
 def log_files(files: Iterable[str | Path]) -> None:
     """Log files as artifacts of the open run."""
     for file in files:

@@ -13,7 +13,6 @@ rule calibration:
         figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
     log:
         f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
-    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     resources:
@@ -37,7 +36,6 @@ rule main_calibration:
         f"{FOLDER}/{{recordings}}/calibration.json",
     log:
         f"{FOLDER}/logs/main_calibration_{{recordings}}.log",
-    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     shell:

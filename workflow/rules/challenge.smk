@@ -61,7 +61,6 @@ rule trial_diagnoses:
         checksum=f"{TRIAL}/checksum.txt",
         recordings=lambda wildcards: GROUPS[wildcards.group],
         surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
-        effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
         directory(f"{TRIAL}/diagnoses/{{group}}"),
     log:
@@ -83,8 +82,6 @@ rule trial_scores:
         truth=f"{TRIAL}/sealed.json",
         diagnoses=f"{TRIAL}/diagnoses/{{group}}",
         recordings=lambda wildcards: GROUPS[wildcards.group],
-        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
-        effects=expand(f"{FOLDER}/effects/{{name}}.joblib", name=CALIBRATED),
     output:
         f"{TRIAL}/scores/{{group}}.json",
     log:
@@ -94,7 +91,6 @@ rule trial_scores:
     params:
         study=STUDY_FILE,
         data=DATA,
-        conditions=CALIBRATED,
         code=TRIAL_CODE + DIAGNOSIS_CODE,
     script:
         "../../scripts/challenge_scores.py"

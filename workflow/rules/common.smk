@@ -36,7 +36,6 @@ except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
 from palpate.checking import checked_study
-from palpate.diagnosis import design
 from palpate.fingerprint import PHYSICS, fingerprint
 from palpate.observations import files_of
 from palpate.yaml_file import read_yaml
@@ -98,7 +97,6 @@ BATCHES = snapshots.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
-FIT_FIRST = 1  # priority of what leads to a fit, so that it comes before the simulations of what the diagnosis learns
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 PHYSICS_CODE = fingerprint(*PHYSICS)
 SURROGATE_CODE = fingerprint("surrogate", "steps.py")

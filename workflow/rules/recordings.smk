@@ -8,7 +8,6 @@ for laboratory, settings in STUDY.laboratory.items():
             directory(STUDY.recordings[laboratory]),
         log:
             f"{FOLDER}/logs/laboratory_{laboratory}.log",
-        priority: FIT_FIRST
         conda:
             "../../envs/palpate.yaml"
         params:
@@ -31,7 +30,6 @@ if STUDY.source:
             directory(STUDY.recordings[STUDY.source["recordings"]]),
         log:
             f"{FOLDER}/logs/vendor_recordings.log",
-        priority: FIT_FIRST
         conda:
             "../../envs/palpate.yaml"
         params:

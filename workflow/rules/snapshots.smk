@@ -8,14 +8,12 @@ for number, batch in enumerate(BATCHES):
             batch.files,
         log:
             f"{FOLDER}/logs/snapshots/{batch.name}.log",
-        priority: FIT_FIRST
         conda:
             "../../envs/palpate.yaml"
         params:
             study=STUDY_FILE,
             data=DATA,
             batch=batch.name,
-            effects=False,
         message:
             f"snapshots {batch.name}: {len(batch.files)} snapshots, batch {number + 1} of {len(BATCHES)}"
         script:

@@ -10,7 +10,6 @@ rule tracking_store:
         touch(f"{FOLDER}/.tracking"),
     log:
         f"{FOLDER}/logs/tracking_store.log",
-    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -28,7 +27,6 @@ rule surrogate:
         summary=f"{FOLDER}/surrogates/{{condition}}.json",
     log:
         f"{FOLDER}/logs/surrogate_{{condition}}.log",
-    priority: FIT_FIRST
     conda:
         "../../envs/palpate.yaml"
     resources:

@@ -46,7 +46,7 @@ def row(case: Mapping[str, Any], diagnosis: Mapping[str, Any], strength: float) 
         "verdict": verdict,
         "answer": " | ".join("+".join(names) for names in listed),
         "strength": strength,
-        "claims": verdict in ("identified", "ambiguous"),
+        "claims": verdict in ("identified", "suspected", "ambiguous"),
         "exact": verdict == "identified" and diagnosis["mechanisms"] == truth,
         "covered": bool(truth) and any(names == truth for names in listed),
         "wrong_name": verdict == "identified" and diagnosis["mechanisms"] != truth,

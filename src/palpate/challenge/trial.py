@@ -16,48 +16,51 @@ from palpate.challenge.cases import Case
 from palpate.challenge.laboratory import body_depths
 from palpate.challenge.score import row
 from palpate.config import Study
-from palpate.diagnosis.design import candidates
-from palpate.diagnosis.detect import filters
+from palpate.diagnosis.considered import candidates, scale_of
+from palpate.diagnosis.covariance import errors, noise_of
+from palpate.diagnosis.detect import count_of_filters
+from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.search import Search
-from palpate.diagnosis.steps import load_problem, run_diagnosis
+from palpate.diagnosis.steps import optimum_on_surrogates, run_diagnosis
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
 
 
 def diagnose_case(
-    study: Study,
-    folder: Path,
-    base_files: Mapping[str, str | Path],
-    effect_files: Mapping[str, str | Path],
-    report: Callable[[str], None] = print,
+    study: Study, folder: Path, surrogates: Mapping[str, str | Path], report: Callable[[str], None] = print
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose the recordings in `folder`; nothing of the truth is read."""
-    return run_diagnosis(replace(study, recordings={"case": folder}), "case", base_files, effect_files, report)
+    own = replace(study, recordings={"case": folder})
+    start = optimum_on_surrogates(own, observations(own, "case"), surrogates)
+    return run_diagnosis(own, "case", [start], report)
 
 
-def strength(
-    study: Study, case: Case, folder: Path, base_files: Mapping[str, str | Path], effect_files: Mapping[str, str | Path]
-) -> float:
+def strength(study: Study, case: Case, folder: Path) -> float:
     """Return the projected signature of the weakest library effect over the detection limit; NaN where there is none.
 
     A signature is the true effect at the true material, with whatever else acts, whitened and projected off the base
-    model's tangent space and off the other effect. The limit is the size that the most sensitive filter notices at a
-    family-wise one per cent (Bonferroni).
+    model's tangent space there and off the other effect. The limit is the size that the most sensitive filter notices
+    at a family-wise one per cent (Bonferroni).
     """
     if not case.mechanisms:
         return float("nan")
-    observed = observations(replace(study, recordings={"case": folder}), "case")
-    problem = load_problem(study, observed, base_files, effect_files)
-    keys = list(candidates(study))
-    fit = Search(study, problem, keys, np.random.default_rng(0)).base()
+    problem = Problem.of(study, observations(replace(study, recordings={"case": folder}), "case"), scale_of(study))
+    z = problem.forward.coordinates.scaled(case.parameters)
+    base = problem.forward.of_record(z)
+    (found,) = base.tangents([z])
+    if isinstance(found, str):
+        raise PalpateError(found)
+    curve, tangent = (problem.stacked(parts) for parts in found)
+    scatter, solver_error = (study.calibration[key] for key in ("site_scatter", "solver_error"))
+    noise = noise_of(problem, (), problem.mean - curve, scatter)
+    fit = Fit(problem, (), base, z, errors(problem, (), curve, noise, solver_error), curve, tangent)
     signatures = fit.whiten(_effects(study, problem, case))
     sizes = []
     for k, white in enumerate(signatures.T):
         others = np.linalg.qr(np.column_stack([fit.tangent_space, np.delete(signatures, k, axis=1)]))[0]
         sizes.append(float(np.linalg.norm(white - others @ (others.T @ white))))
-    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / len(filters(fit, keys)), 1))
+    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / count_of_filters(problem, list(candidates(study))), 1))
     return min(sizes) / float(limit)
 
 
@@ -76,18 +79,11 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def score_case(
-    study: Study,
-    case: Case,
-    diagnosis: Path,
-    folder: Path,
-    base_files: Mapping[str, str | Path],
-    effect_files: Mapping[str, str | Path],
-) -> dict[str, Any]:
+def score_case(study: Study, case: Case, diagnosis: Path, folder: Path) -> dict[str, Any]:
     """Return the row of one case; a strength that cannot be simulated is NaN, and counts as weak."""
     content = json.loads(diagnosis.read_text(encoding="utf-8"))
     try:
-        size = strength(study, case, folder, base_files, effect_files)
+        size = strength(study, case, folder)
     except PalpateError as error:
         print(f"strength not known: {error}")
         size = float("nan")

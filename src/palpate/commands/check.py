@@ -31,7 +31,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def described(study: Study) -> Iterator[str]:
     """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
-    from palpate.diagnosis import design
     from palpate.doubts import doubts
     from palpate.snapshots import conditions_by_shape
 
@@ -41,9 +40,6 @@ def described(study: Study) -> Iterator[str]:
     for conditions in conditions_by_shape(study):
         if len(conditions) > 1:
             yield f"one simulation serves {', '.join(c.name for c in conditions)}, which differ in size alone"
-    if study.recordings and study.diagnosis["enabled"]:
-        effects = sum(len(batch.files) for batch in design.plan(study))
-        yield f"the diagnosis learns what the mechanisms do from {effects} further simulations"
     yield f"calibrated on {', '.join(roles['calibrate'])}; judged by {', '.join(roles['validate']) or 'nothing else'}"
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"

@@ -1,4 +1,4 @@
-"""The covariance of the mean curves: noise of the recordings, error of the solver and of the surrogates, in one matrix.
+"""The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
 Every instrument drifts a little. A steady rate that differs between recordings with a standard deviation of up to
 0.01 nm/s counts as background, not as an effect (Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, began their tests
@@ -7,8 +7,8 @@ once the rate was below 0.05 nm/s).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -38,9 +38,7 @@ class Errors:
     components
         The components' matrices for each condition.
     model : ndarray, shape (n_all, n_all)
-        Covariance of the errors of the simulation, those of the surrogates included [nm^2].
-    surrogate : ndarray, shape (n_all, n_all)
-        The surrogates' part of it.
+        Covariance of the errors of the simulation [nm^2].
     counts
         Number of recordings of each condition.
     between
@@ -50,7 +48,6 @@ class Errors:
     noise: NoiseModel
     components: list[dict[str, np.ndarray]]
     model: np.ndarray
-    surrogate: np.ndarray
     counts: list[int]
     between: Mapping[str, float] = field(default_factory=dict)
 
@@ -64,11 +61,6 @@ class Errors:
         """Covariance of what all recordings of a condition have in common (n_all, n_all) [nm^2]."""
         values = (v * block_diag(*(parts[key] for parts in self.components)) for key, v in self.between.items())
         return self.model + sum(values)
-
-    @property
-    def exact(self) -> Errors:
-        """The errors, were the surrogates exact."""
-        return replace(self, model=self.model - self.surrogate, surrogate=0.0 * self.surrogate)
 
     def slopes(self, weights: np.ndarray) -> np.ndarray:
         """Return the derivative of ``covariance @ weights`` by each estimate of the noise (n_all, p)."""
@@ -162,62 +154,24 @@ def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatt
 def errors(
     problem: Problem,
     explanation: Explanation,
-    residual: np.ndarray,
+    depth: np.ndarray,
     noise: NoiseModel,
     solver_error: float,
-    z: np.ndarray | None = None,
+    effects: Mapping[str, np.ndarray] | None = None,
 ) -> Errors:
-    """Put the errors of the mean curves together, for the surrogates of `explanation` at z (k,), once that is known.
+    """Put the errors of the mean curves about simulated curves `depth` (n_all,) [nm] together.
 
-    What is proportional to depth is so to the simulated curves, the mean less the `residual` (n_all,): in proportion to
-    recorded ones, whose noise would count as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl.
-    Instrum. Methods A 346 (1994) 306-311).
+    What is proportional to depth is so to the simulated curves: in proportion to recorded ones, whose noise would count
+    as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl. Instrum. Methods A 346 (1994) 306-311). As
+    the depth, each effect is off by the same part of it everywhere, which is the mechanism's `solver_scatter`.
+
+    Parameters
+    ----------
+    effects
+        What mechanisms add to the curves (n_all,) [nm], as far as that is known.
     """
-    depth = problem.mean - residual
-    surrogate = surrogate_error(problem, explanation)
-    model = model_covariance(problem.split(depth), solver_error, problem.shares) + surrogate
-    if z is not None:
-        model = model + solver_scatter(problem, explanation, z)
+    model = model_covariance(problem.split(depth), solver_error, problem.shares)
+    for key, effect in (effects or {}).items():
+        model = model + np.outer(effect, effect) * MECHANISMS[key].solver_scatter ** 2
     counts = [len(problem.observed[c.name].response) for c in problem.conditions]
-    return Errors(noise, components(problem, varying(explanation), depth), model, surrogate, counts)
-
-
-def solver_scatter(problem: Problem, explanation: Explanation, z: np.ndarray) -> np.ndarray:
-    """Return the covariance (n_all, n_all) of what mesh and time steps make of the effects at z (k,) [nm^2].
-
-    As the depth, each effect is off by the same part of it everywhere, which is the mechanism's `solver_scatter`.
-    """
-    u, own = problem.parts(explanation, z)
-    scatter = np.zeros((len(problem.mean), len(problem.mean)))
-    for key, x in own.items():
-        if relative := MECHANISMS[key].solver_scatter:
-            effect = relative * problem.effect(key, u, x)[0]
-            scatter += np.outer(effect, effect)
-    return scatter
-
-
-def surrogate_error(problem: Problem, explanation: Explanation) -> np.ndarray:
-    """Return the covariance of the surrogates' errors (n_all, n_all): leave-one-out, in time, and mid-grid.
-
-    The same materials were simulated under all conditions, and what is missed of one is missed together: where nothing
-    has a length, tests that differ in the load alone miss the same.
-    """
-    names = [condition.name for condition in problem.conditions]
-    found = [[problem.base[name].loo_error_ for name in names]]
-    for key in explanation:
-        learnt = [problem.effects[name].get(key) for name in names]
-        if any(learnt):
-            nothing = [np.zeros((1, len(problem.observed[name].time))) for name in names]
-            found.append([e.error if e else none for e, none in zip(learnt, nothing, strict=True)])
-            found.append([e.unresolved if e else none for e, none in zip(learnt, nothing, strict=True)])
-    if problem.interior:
-        found.append([problem.interior[name][None] for name in names])
-    return np.sum([_covariance(errors) for errors in found], axis=0)
-
-
-def _covariance(errors: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the covariance of `errors` (m, n) of all conditions, where each has one of every material."""
-    if len({len(rows) for rows in errors}) > 1:
-        return block_diag(*(rows.T @ rows / len(rows) for rows in errors))
-    rows = np.hstack(list(errors))
-    return rows.T @ rows / len(rows)
+    return Errors(noise, components(problem, varying(explanation), depth), model, counts)

@@ -3,7 +3,7 @@ r"""Detection: whether an explanation leaves anything but noise.
 The whitened residual is projected off the tangent space of the fitted parameters. Then three kinds of filters look at
 it:
 
-    signatures   each mechanism's effect at several amplitudes, one degree of freedom each
+    signatures   each mechanism's effect at several amplitudes (`screen`), one degree of freedom each
     own values   a mechanism that varies, with a value for each condition, as many degrees of freedom
     polynomials  1, x, x^2 over each segment of each condition, three degrees of freedom
 
@@ -23,17 +23,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky
-from scipy.stats import chi2, qmc
+from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import noise_of, varying
-from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.screen import Screen, count_of_trials
 from palpate.diagnosis.segments import segments
 from palpate.mechanisms import MECHANISMS
 
-AMPLITUDES = (0.05, 0.3, 0.6, 1.0)
-TRIALS = 16
 DEGREE = 2
 LEAST_LOG_P = -700.0  # where a probability underflows
 
@@ -67,19 +66,15 @@ def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     return u[:, s > 1e-3]
 
 
-def filters(fit: Fit, keys: Iterable[str]) -> list[Filter]:
-    """Return all filters: those of the mechanisms `keys`, and polynomials."""
+def filters(fit: Fit, screen: Screen) -> list[Filter]:
+    """Return all filters: those of the mechanisms that were screened, and polynomials."""
     problem = fit.problem
     tangent = fit.tangent_space
-    u = problem.parts(fit.explanation, fit.z)[0]
     found = []
-    for key in keys:
+    for key, effects in screen.effects.items():
         if key in fit.explanation:
             continue
-        dimensions = mechanism_dimensions(MECHANISMS[key], problem.scale)
-        trials = np.array(AMPLITUDES)[:, None] if dimensions == 1 else qmc.Sobol(dimensions, seed=0).random(TRIALS)
-        effects = fit.whiten(problem.effect(key, u, trials).T)
-        found += [Filter(key, orthonormal(column[:, None], tangent)) for column in effects.T]
+        found += [Filter(key, orthonormal(column[:, None], tangent)) for column in fit.whiten(effects.T).T]
         if MECHANISMS[key].varies:
             columns = block_diag(*(problem.unit_effect(key, c)[:, None] for c in problem.conditions))
             found.append(Filter(key, orthonormal(fit.whiten(columns), tangent)))
@@ -95,6 +90,12 @@ def filters(fit: Fit, keys: Iterable[str]) -> list[Filter]:
     return [f for f in found if f.basis.shape[1]]
 
 
+def count_of_filters(problem: Problem, keys: Sequence[str]) -> int:
+    """Return the number of filters that look at the base model's residual."""
+    parts = sum(len(segments(condition.protocol)) for condition in problem.conditions)
+    return parts + sum(count_of_trials(problem, key) + MECHANISMS[key].varies for key in keys)
+
+
 def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarray:
     """Return whitened noise of the mean curves (n_all, count), the noise model drawn anew for each column."""
     model = cholesky(fit.errors.shared + 1e-9 * np.eye(len(fit.white)), lower=True)
@@ -104,41 +105,16 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
     return fit.whiten(columns + np.concatenate(means))
 
 
-def examine(fit: Fit, keys: Iterable[str], rng: np.random.Generator, draws: int, site_scatter: float) -> float:
+def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site_scatter: float) -> float:
     """Return the p-value, for the whole family of filters, of what `fit` leaves being noise."""
-    keys = list(keys)
-    found, under_noise = loudest(fit, keys, rng, draws)
+    family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
+    found = max(min(float(f.log_p(fit.white[:, None])[0]) for f in family), LEAST_LOG_P)
+    under_noise = np.min([f.log_p(noise) for f in family], axis=0)
     p_means = float((1.0 + np.sum(under_noise <= found)) / (1.0 + draws))
     unconverged = fit.tangent_space.T @ fit.white
     p_means = min(p_means, float(chi2.sf(unconverged @ unconverged, len(unconverged))))
     of_tests = list(p_between_tests(fit, rng).values())
-    return combined([[p_means], between_replicates(fit, keys, site_scatter), of_tests])
-
-
-def loudest(fit: Fit, keys: list[str], rng: np.random.Generator, draws: int) -> tuple[float, np.ndarray]:
-    """Return the logarithm of the p-value of the filter that sticks out most, and the same of noise alone (draws,)."""
-    family, noise = filters(fit, keys), simulated_noise(fit, draws, rng)
-    found = min(float(f.log_p(fit.white[:, None])[0]) for f in family)
-    return max(found, LEAST_LOG_P), np.min([f.log_p(noise) for f in family], axis=0)
-
-
-def excess(fit: Fit, keys: list[str], rng: np.random.Generator, draws: int, level: float) -> float:
-    """Return by how much chi-square must fall for the filter that sticks out most to pass for noise at a `level`.
-
-    As the tail of chi-square falls with exp(-x / 2), a logarithm of p counts twice; zero where it passes already.
-    """
-    found, under_noise = loudest(fit, keys, rng, draws)
-    return max(0.0, 2.0 * (float(np.quantile(under_noise, level, method="lower")) - found))
-
-
-def gains(fit: Fit, keys: Iterable[str]) -> dict[str, float]:
-    """Return for each mechanism the largest reduction of chi-square that any of its filters promises."""
-    found = {key: 0.0 for key in keys}
-    for f in filters(fit, found):
-        if f.name in found:
-            gain = float(np.sum((f.basis.T @ fit.white) ** 2)) - f.basis.shape[1] + 1
-            found[f.name] = max(found[f.name], gain)
-    return found
+    return combined([[p_means], between_replicates(fit, screen.keys, site_scatter), of_tests])
 
 
 def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:

@@ -16,7 +16,6 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.laws import law_of_reference, laws_of
-from palpate.diagnosis.refine import specification_at
 from palpate.model import simulate_batch
 from palpate.recording import Recording
 
@@ -45,7 +44,7 @@ class ExactLaws:
         every = [recording for name in names for recording in self._recorded[name]]
         found = laws_of(every)
         if self._creeps and any(np.isfinite(law.lower) for law in found):
-            self._solid = undisturbed(self._study, base, self._recorded)
+            self._solid = undisturbed(base, self._recorded)
             alone = [self._alone(name) * len(self._recorded[name]) for name in names]
             found = laws_of(every, chain.from_iterable(alone))
         return [*found, *law_of_reference(every, self._study)]
@@ -61,7 +60,7 @@ class ExactLaws:
         return [self._solid[name]] if name in self._solid else []
 
 
-def undisturbed(study: Study, base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
+def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
     """Return what would be recorded without any effect, by condition; none under which the forward model fails.
 
     Parameters
@@ -72,7 +71,7 @@ def undisturbed(study: Study, base: Fit, recorded: Mapping[str, Sequence[Recordi
         Recordings of each condition; the first says when points are taken, of which there are at most 400.
     """
     conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
-    outcomes = simulate_batch(specification_at(study, condition, base, base.z) for condition in conditions)
+    outcomes = simulate_batch(base.problem.forward.specification(base.z, condition) for condition in conditions)
     return {
         condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)
         for condition, outcome in zip(conditions, outcomes, strict=True)

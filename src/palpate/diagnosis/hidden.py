@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from palpate.diagnosis.design import mechanism_dimensions
 from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.fit import PRIOR_VARIANCE, Fit
+from palpate.diagnosis.screen import Screen
 from palpate.mechanisms import MECHANISMS
 
 EVEN = 1.0 / 3.0
-SHOWN, SHOWN_BEFOREHAND = 0.75, 4.0 / 3.0  # of a range; variance of even values in units of it from the middle
+SHOWN_BEFOREHAND = 4.0 / 3.0  # variance of even values in units of three quarters of a range, from the middle
 COARSE = 0.01
 REMEDIES = {
     "thermal_drift": "a hold of a minute or more at a few per cent of the load after unloading",
@@ -78,19 +78,18 @@ def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     return found
 
 
-def open_amplitudes(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all of `keys` may act.
+def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
+    """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all screened may act.
 
     Each has beforehand the variance of an even distribution over its range. ``trades_with`` is the coordinate with the
     largest posterior ``correlation``.
     """
-    keys = list(keys)
-    extras = [_extra(fit, key) for key in keys if key not in fit.explanation]
+    extras = [_extra(fit, screen, key) for key in screen.keys if key not in fit.explanation]
     joined = _joined(fit, extras)
     names = _coordinates(fit) + [extra.key for extra in extras]
     deviation = np.sqrt(np.diag(joined.covariance))
     found: dict[str, dict[str, Any]] = {}
-    for key in filter(_only_adds, keys):
+    for key in filter(_only_adds, screen.keys):
         place = names.index(key)
         value, slope = fit.problem.amplitude(fit.explanation, fit.z, key) if key in fit.explanation else (0.0, 1.0)
         correlation = joined.covariance[place] / (deviation * deviation[place])
@@ -145,16 +144,14 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     return Joined(design, covariance @ pull, covariance)
 
 
-def _extra(fit: Fit, key: str) -> Extra:
+def _extra(fit: Fit, screen: Screen, key: str) -> Extra:
     """Return a mechanism as an effect that joins; one that acts on the body is taken at three quarters of its range.
 
     In the middle a tip of another angle, or a substrate of another modulus, may be what the base model has.
     """
     if _only_adds(key):
         return Extra(key, _unit_column(fit, key), EVEN * fit.problem.largest(key) ** 2)
-    u = fit.problem.parts(fit.explanation, fit.z)[0]
-    there = np.full(mechanism_dimensions(MECHANISMS[key], fit.problem.scale), SHOWN)
-    return Extra(key, fit.problem.effect(key, u, there)[0], SHOWN_BEFOREHAND)
+    return Extra(key, screen.shown(key), SHOWN_BEFOREHAND)
 
 
 def _unit_column(fit: Fit, key: str) -> np.ndarray:
@@ -163,15 +160,11 @@ def _unit_column(fit: Fit, key: str) -> np.ndarray:
 
 def _coordinates(fit: Fit) -> list[str]:
     """Return the name of each coordinate: a material parameter, or a mechanism."""
-    space = fit.problem.space
-    names = [name for name, free in zip(space.bounds, space.free, strict=True) if free]
-    return names + [
-        key for key in fit.explanation for _ in range(mechanism_dimensions(MECHANISMS[key], fit.problem.scale))
-    ]
+    return [name.split(".")[0] for name in fit.coordinates.names]
 
 
 def _only_adds(key: str) -> bool:
-    return not MECHANISMS[key].needs_learning
+    return not MECHANISMS[key].acts_on_body
 
 
 def _named(key: str) -> str:

@@ -166,7 +166,7 @@ def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
     white = fit.whiten(fit.tangent)
     covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
     if fit.laws:
-        z = np.clip(z + covariance @ white.T @ fit.white, 0.0, 1.0)
+        z = z + covariance @ white.T @ fit.white
     value, slope = problem.amplitude(fit.explanation, z, law.key)
-    (place,) = problem.parts(fit.explanation, np.arange(len(z)))[1][law.key]
+    (place,) = problem.places(fit.explanation)[law.key]
     return value, slope * float(np.sqrt(covariance[place, place]))

@@ -13,7 +13,6 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.own_values import about
-from palpate.diagnosis.refine import on_fine_mesh, specification_at
 from palpate.errors import InputError
 from palpate.indenters import Indenter
 from palpate.model import Simulation, simulate_batch
@@ -110,7 +109,7 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     scale = first.problem.scale
     best: dict[str, Any] | None = None
     tests = list(feasible(scale.load, scale.loading_time, study.indenter))
-    predicted = (_predicted(study, fit, tests, sample) for fit, sample in zip((first, second), samples, strict=True))
+    predicted = (_predicted(fit, tests, sample) for fit, sample in zip((first, second), samples, strict=True))
     for test, *both in zip(tests, *predicted, strict=True):
         if None in both:
             continue
@@ -138,25 +137,22 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
     return about(study, fit, condition, curve, REPLICATES) + sum(own)
 
 
-def _predicted(
-    study: Study, fit: Fit, tests: list[FeasibleTest], draws: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray] | None]:
+def _predicted(fit: Fit, tests: list[FeasibleTest], draws: np.ndarray) -> list[tuple[np.ndarray, np.ndarray] | None]:
     """Return the predicted curve of each test and the covariance that the uncertain parameters give it.
 
     None where the forward model fails.
     """
-    rows = [
-        [_of_test(specification_at(study, test.condition, fit, z), test) for z in (fit.z, *draws)] for test in tests
-    ]
+    model = fit.model
+    rows = [[_of_test(model.specification(z, test.condition), test) for z in (fit.z, *draws)] for test in tests]
     predicted: list[tuple[np.ndarray, np.ndarray] | None] = []
-    for test, outcomes in zip(tests, _simulated(rows), strict=True):
+    for outcomes in _simulated(rows):
         if not outcomes or any(outcome.status != "ok" for outcome in outcomes):
             predicted.append(None)
             continue
         best, *others = outcomes
         departures = np.array([outcome.depth - best.depth for outcome in others])
         spread = departures.T @ departures / len(draws)
-        predicted.append((on_fine_mesh(best, test.condition, fit, fit.z), spread))
+        predicted.append((best.depth, spread))
     return predicted
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,6 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import NORMAL_95, Law
-from palpate.diagnosis.posterior import away
-from palpate.diagnosis.refine import curve_under
-from palpate.errors import PalpateError
 
 ROUNDS = 20  # of the weights of Student's distribution, which settle by then
 
@@ -45,13 +41,12 @@ def recording_values(
         return {}
     best = fit.problem.amplitudes(fit.explanation, fit.z)
     found: dict[str, list[dict[str, Any]]] = {}
-    body = slice(fit.problem.space.dimensions)
-    slopes, left_open = fit.problem.split(fit.tangent[:, body]), replace(fit, errors=away(fit)).posterior[body, body]
+    body = slice(fit.problem.material)
+    slopes, left_open = fit.problem.split(fit.tangent[:, body]), fit.posterior[body, body]
     for condition in study.conditions:
         item = observed[condition.name]
-        try:
-            curve = curve_under(study, condition, fit)
-        except PalpateError:
+        curve = fit.everywhere[condition.name]
+        if isinstance(curve, str):
             continue
         covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])

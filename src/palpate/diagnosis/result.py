@@ -13,23 +13,20 @@ from palpate.config import Condition, Study
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.diagnose import Diagnosis
-from palpate.diagnosis.edges import at_edges
 from palpate.diagnosis.fit import Fit
 from palpate.diagnosis.law import Law
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
+from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.posterior import posterior_draws
+from palpate.diagnosis.posterior import draws_to_first_order, posterior_draws
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.refine import curve_under
 from palpate.diagnosis.similarity import similarity
 from palpate.diagnosis.standing import not_told_from_none
-from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 from palpate.protocol import LOAD
 
 COARSE = 0.01
-ROUGH = 3.0  # ratio of the surrogates' error to the noise from which a search may be misled
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 
@@ -41,11 +38,13 @@ def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, flo
 
 def material_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
     """Return median and 95 % interval of every free material parameter."""
-    space = fit.problem.space
-    values = space.physical(draws[:, : space.dimensions])
-    return {
-        name: summary(column) for name, column, free in zip(space.bounds, values.T, space.free, strict=True) if free
-    }
+    free = fit.coordinates.free[: fit.problem.material]
+    return {each.name: summary(each.physical(column)) for each, column in zip(free, draws.T, strict=False)}
+
+
+def material_at(fit: Fit) -> dict[str, float]:
+    """Return every material parameter at the best point."""
+    return {name: value for name, value in fit.coordinates.named(fit.z).items() if "." not in name}
 
 
 def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
@@ -70,10 +69,10 @@ def curves(
     """
     tables, failed = [], {}
     for condition in study.conditions:
-        try:
-            simulated = [curve_under(study, condition, fit) for fit in (before, after)]
-        except PalpateError as error:
-            failed[condition.name] = str(error)
+        found = [fit.everywhere[condition.name] for fit in (before, after)]
+        simulated = [curve for curve in found if not isinstance(curve, str)]
+        if reasons := [curve for curve in found if isinstance(curve, str)]:
+            failed[condition.name] = reasons[0]
             continue
         item = observed[condition.name]
         columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
@@ -148,31 +147,15 @@ def limits(study: Study, problem: Problem) -> list[str]:
     return said
 
 
-def too_narrow(diagnosis: Diagnosis) -> list[str]:
-    """Say where the search ended at an edge, when nothing that was tried explains the recordings."""
-    if diagnosis.verdict != "unexplained":
-        return []
-    edges = at_edges(max((candidate.fit for candidate in diagnosis.tried), key=lambda fit: fit.log_evidence))
-    if not edges:
-        return []
-    return [
-        f"The likeliest that was tried lies at the edge of what was searched: {', '.join(edges)}. Widen that "
-        "(`parameters`, `diagnosis: ranges`) before other physics is sought."
-    ]
-
-
-def learnt_roughly(diagnosis: Diagnosis) -> list[str]:
-    """Say that surrogates may have misled the search, when nothing tried explains the recordings."""
-    if diagnosis.verdict != "unexplained":
-        return []
-    problem, errors = diagnosis.base.fit.problem, diagnosis.base.fit.errors
-    missed = float(np.sqrt(np.mean([np.mean(problem.base[c.name].loo_error_ ** 2) for c in problem.conditions])))
-    left = float(np.sqrt(np.mean(np.concatenate([np.diag(block) for block in errors.blocks(errors.noise)]))))
-    if missed < ROUGH * left:
+def far_out(diagnosis: Diagnosis) -> list[str]:
+    """Say what of the likeliest that was tried lies outside its range."""
+    fits = [candidate.fit for candidate in diagnosis.standing or diagnosis.tried[:1]]
+    found = outside(fits[0])
+    if not found:
         return []
     return [
-        f"The surrogates err by {missed:.2g} nm (leave-one-out), the mean recordings by {left:.2g} nm: the search may "
-        "have ended beside what explains them. Simulate more snapshots (`design`) before other physics is sought."
+        f"Outside the ranges of the study (`parameters`, `diagnosis: ranges`), which count as plausible, lie: "
+        f"{', '.join(found)}."
     ]
 
 
@@ -180,8 +163,7 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     """Say which effect of single recordings fits only with a value for each test, when nothing tried explains them."""
     if diagnosis.verdict != "unexplained":
         return []
-    tested = [candidate.fit for candidate in diagnosis.tried if candidate.p_value is not None]
-    found = p_between_tests(max(tested, key=lambda fit: fit.log_evidence), rng)
+    found = p_between_tests(diagnosis.tried[0].fit, rng)
     titles = [MECHANISMS[key].title for key, p in found.items() if p < level]
     if not titles:
         return []
@@ -211,14 +193,15 @@ def to_mapping(
     table, failed = curves(study, observed, base.fit, best)
     verdict = diagnosis.verdict
     draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.standing]
-    before = material_parameters(base.fit, posterior_draws(base.fit, rng))
+    before = material_parameters(
+        base.fit, draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
+    )
     after = material_parameters(best, draws[0]) if draws else before
     candidates = [
         {
             "mechanisms": sorted(candidate.fit.explanation),
             "probability": probability,
             "log_evidence": candidate.fit.log_evidence,
-            "confirmed": candidate.confirmed,
             "parameters": mechanism_parameters(candidate.fit, drawn),
             "p_value": candidate.p_value,
             "recordings": recording_values(study, observed, candidate.fit, own_laws),
@@ -242,19 +225,16 @@ def to_mapping(
                 "mechanisms": sorted(candidate.fit.explanation),
                 "log_evidence": candidate.fit.log_evidence,
                 "p_value": candidate.p_value,
+                "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
                 "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
-                "material": candidate.fit.problem.space.named(candidate.fit.z[: base.fit.problem.space.dimensions]),
+                "material": material_at(candidate.fit),
             }
             for candidate in diagnosis.tried
         ],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
         | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
         "limits": limits(study, base.fit.problem)
-        + [
-            f"The forward model failed with {'+'.join(candidate.fit.explanation)}: this rests on surrogates."
-            for candidate in diagnosis.standing
-            if not candidate.confirmed
-        ]
+        + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
         + [
             f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
@@ -262,8 +242,7 @@ def to_mapping(
             for candidate in diagnosis.standing[:1]
             for key in not_told_from_none(candidate.fit)
         ]
-        + too_narrow(diagnosis)
-        + learnt_roughly(diagnosis)
+        + far_out(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),
     }
     return content, table

@@ -1,90 +1,259 @@
-"""Explanations that are tried: fits of mechanisms with the material, on surrogates and on the forward model."""
+"""Fits of mechanisms with the material, on the finite elements.
+
+A fit begins where the effects that were screened promise most, and is weighed as by calibration. Where it comes near to
+what noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from palpate.config import Study
-from palpate.diagnosis.correction import Correction
 from palpate.diagnosis.covariance import Errors, errors, noise_of, varying
-from palpate.diagnosis.detect import examine, excess
-from palpate.diagnosis.fit import Fit, solve, starting_points
-from palpate.diagnosis.law import Law
+from palpate.diagnosis.detect import examine
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.law import Law, departures
 from palpate.diagnosis.laws import contradicted
 from palpate.diagnosis.noise import NoiseModel
+from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.problem import Explanation, Problem
-from palpate.diagnosis.refine import hopeless, refine
-from palpate.diagnosis.sharpen import sharpen
-from palpate.errors import PalpateError
+from palpate.diagnosis.screen import Screen
+from palpate.inference.forward import Forward
+from palpate.inference.least_squares import Misfit
+from palpate.inference.trust_region import Descent, descend, resumed
+from palpate.mechanisms import MECHANISMS
 
 LawsBeside = Callable[[Fit], Sequence[Law]]
-
-QUIETER = 2.0  # logarithm of the likelihood of what is left, by which one more mechanism must raise it
+OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
+LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One explanation that was tried.
+    """One explanation that was fitted.
 
     Attributes
     ----------
     fit
-        Its best parameters, on the forward model where it was among the best.
+        Its best parameters.
     p_value
-        Of what it leaves being noise; ``None`` where it was not among the best.
-    confirmed
-        Whether the forward model ran with it; else it rests on surrogates.
+        Of what it leaves being noise.
     contradicts
         The exact laws that its amplitudes contradict.
     """
 
     fit: Fit
-    p_value: float | None = None
-    confirmed: bool = False
+    p_value: float
     contradicts: tuple[Law, ...] = ()
-
-    @property
-    def seen(self) -> str:
-        """What the forward model has shown of it, in words."""
-        return f"on the forward model {self.fit.log_evidence:.1f}, p = {self.p_value:.3g}"
 
     def adequate(self, significance: float) -> bool:
         """Return whether nothing but noise is left and no exact law is contradicted."""
-        return self.p_value is not None and self.p_value >= significance and not self.contradicts
+        return self.p_value >= significance and not self.contradicts
 
 
 class Search:
-    """The search for explanations; keeps what has been fitted."""
+    """Fits explanations of one set of recordings.
+
+    Parameters
+    ----------
+    starts
+        Where the base model may lie: materials by the names of their parameters.
+    laws
+        Returns what exact laws say about amplitudes beside a fit of the base model.
+
+    Attributes
+    ----------
+    problem
+        The recordings, with the forward model of record.
+    base
+        The base model.
+    screen
+        What mechanisms would add to it.
+    """
 
     def __init__(
-        self, study: Study, problem: Problem, keys: list[str], rng: np.random.Generator, laws: LawsBeside | None = None
+        self,
+        study: Study,
+        problem: Problem,
+        keys: Sequence[str],
+        rng: np.random.Generator,
+        starts: Sequence[Mapping[str, float]],
+        laws: LawsBeside | None = None,
+        policy: SearchPolicy | None = None,
     ):
-        self._study, self._problem, self._keys, self._rng = study, problem, keys, rng
-        self._settings, self._calibration = study.diagnosis, study.calibration
-        self._laws: Sequence[Law] = ()
+        self._study, self.problem, self._rng = study, problem, rng
+        self._policy = policy or SearchPolicy()
+        self._laws: tuple[Law, ...] = ()
         self._hear(np.zeros(len(problem.mean)))
-        if laws:
-            self._laws = laws(self.base())
+        begin = [problem.forward.coordinates.scaled(start) for start in starts]
+        first = self._first(begin)
+        self.problem = problem = replace(problem, forward=problem.forward.of_record(first))
+        base = self.fitted((), [first], problem.mean)
+        self.screen = Screen.of(base, keys)
         if not problem.replicated:
-            self._listen()
+            self._listen(base)
+            base = self.fitted((), [base.z], base.curve)
+        self._laws = tuple(laws(base)) if laws else ()
+        self.base = self.examined(replace(base, laws=self._laws))
 
-    def _listen(self) -> None:
-        """Take for noise, without replicates, what that fit leaves which leaves least beside slow trends.
+    def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
+        """Fit an explanation.
 
-        One that fits worse would allow itself more noise, but what is compared has to be measured by the same. Sets
-        grow from the base model, as long as one more mechanism makes what is left much likelier.
+        Parameters
+        ----------
+        starts
+            Coordinates (k,) from which searches begin.
+        depth : ndarray, shape (n_all,)
+            Curves that lie near [nm].
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails at all starts.
         """
-        self._hear(self.base().residual)
-        quietest = self.base()
-        for _ in range(self._settings["largest_set"]):
+        problem, policy = self.problem, self._policy
+        model, misfit = problem.model(explanation), self._misfit(explanation, self._errors(explanation, depth))
+        limit, settled = policy.iterations, policy.settled
+        end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
+        weighed = self._errors(explanation, problem.stacked(end.curves), self._effects(explanation, end))
+        fit = self._with_own_values(self._fit(explanation, model, end, weighed))
+        if any(fit.errors.between.values()):
+            end = descend(self._certain(fit), model, [end], limit, settled=settled, exact=False)
+            fit = self._fit(explanation, model, end, fit.errors)
+        if not self._near(fit):
+            return fit
+        model = model.of_record(end.u)
+        end = resumed(self._certain(fit), model, end, limit, settled=settled, exact=False)
+        return self._fit(explanation, model, end, fit.errors)
+
+    def _first(self, starts: Sequence[np.ndarray]) -> np.ndarray:
+        """Return where a search for the base model with few samples ends, from coordinates (k,)."""
+        problem, policy = self.problem, self._policy
+        cheaper, keep = problem.forward.thinned()
+        misfit = self._misfit((), self._errors((), problem.mean), keep)
+        found = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
+        return found.u
+
+    def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
+        """Return the fit at which a search ended."""
+        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
+        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self._laws)
+
+    def _certain(self, fit: Fit) -> Misfit:
+        """Return the misfit of a model that lacks nothing, by the errors of a fit."""
+        return replace(self._misfit(fit.explanation, fit.errors), lacking=False)
+
+    def joined(self, fit: Fit, key: str) -> Fit:
+        """Fit an explanation and one more mechanism; raises as `fitted`."""
+        several = self.screen.trials[key].shape[1] > 1
+        starts = self.screen.starts(fit, key, self._policy.starts if several else 1)
+        return self.fitted((*fit.explanation, key), starts, fit.curve)
+
+    def neighbours(self, fit: Fit) -> list[Fit]:
+        """Return a fit that is near to what noise leaves without each of its mechanisms in turn, where it lies."""
+        problem, found = self.problem, []
+        for key in fit.explanation if self._near(fit) else ():
+            smaller, rest = problem.without(fit.explanation, fit.z, key)
+            model, tangent = (
+                problem.model(smaller),
+                np.delete(fit.tangent, problem.places(fit.explanation)[key], axis=1),
+            )
+            (curves,) = model.curves([rest])
+            if not isinstance(curves, str):
+                curve = problem.stacked(curves)
+                weighed = self._errors(smaller, curve)
+                found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, self._laws))
+        return found
+
+    def _near(self, fit: Fit) -> bool:
+        """Return whether a fit is near to what noise leaves."""
+        return float(fit.white @ fit.white) < self._policy.hopeless * len(fit.white)
+
+    def examined(self, fit: Fit) -> Candidate:
+        """Test what a fit leaves."""
+        draws, scatter = self._study.diagnosis["bootstrap"], self._study.calibration["site_scatter"]
+        left = examine(fit, self.screen, self._rng, draws, scatter)
+        return Candidate(fit, left, tuple(contradicted(fit, self._laws)))
+
+    def _misfit(
+        self, explanation: Explanation, weighed: Errors, keep: Mapping[str, np.ndarray] | None = None
+    ) -> Misfit:
+        """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
+        problem = self.problem
+        nm = {name: problem.nm.get(name, 1.0) for name in problem.names}
+        keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
+        measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
+        kept = np.concatenate([keep[name] for name in problem.names])
+        scale = np.concatenate([np.full(len(curve), nm[name]) for name, curve in measured.items()])
+        covariance = weighed.covariance[np.ix_(kept, kept)] / np.outer(scale, scale)
+
+        def from_laws(z: np.ndarray) -> np.ndarray:
+            return departures(self._laws, problem.amplitudes(explanation, z))
+
+        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
+
+    def _effects(self, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
+        """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
+
+        The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once
+        the surface sticks, that is another curve than the effect itself.
+        """
+        problem, found = self.problem, {}
+        for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
+            places = problem.places(explanation)[key]
+            if len(places) == 1:
+                value, slope = problem.amplitude(explanation, end.u, key)
+                (neutral,) = MECHANISMS[key].neutral.values()
+                found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - neutral) / slope
+                continue
+            smaller, rest = problem.without(explanation, end.u, key)
+            (without,) = problem.model(smaller).curves([rest])
+            if not isinstance(without, str):
+                found[key] = problem.stacked(end.curves) - problem.stacked(without)
+        return found
+
+    def _with_own_values(self, fit: Fit) -> Fit:
+        """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
+        for key in varying(fit.explanation):
+            best, chosen = -np.inf, fit
+            for share in OWN_VALUES:
+                between = {**fit.errors.between, key: (share * fit.problem.largest(key)) ** 2}
+                trial = replace(fit, errors=replace(fit.errors, between=between))
+                tangent = trial.whiten(fit.tangent)
+                left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
+                likelihood = -0.5 * float(left @ left) - trial.log_volume
+                if likelihood > best + LEAST_GAIN * (share > 0 and best > -np.inf):
+                    best, chosen = likelihood, trial
+            fit = chosen
+        return fit
+
+    def _errors(
+        self, explanation: Explanation, depth: np.ndarray, effects: Mapping[str, np.ndarray] | None = None
+    ) -> Errors:
+        calibration, keys = self._study.calibration, varying(explanation)
+        if keys not in self._noise:
+            self._noise[keys] = noise_of(self.problem, keys, self._heard, calibration["site_scatter"])
+        return errors(self.problem, explanation, depth, self._noise[keys], calibration["solver_error"], effects)
+
+    def _listen(self, base: Fit) -> None:
+        """Take for noise, without replicates, what the fit leaves that leaves least beside slow trends.
+
+        One that fits worse would allow itself more noise, but what is compared has to be measured by the same. To first
+        order, sets grow from the base model as long as one more mechanism makes what is left much likelier.
+        """
+        quietest, best = base, self._quietness(base.residual)
+        for _ in range(self._study.diagnosis["largest_set"]):
             self._hear(quietest.residual)
-            wider = [self.extended(quietest, key) for key in self._keys if key not in quietest.explanation]
-            heard, quietest = quietest, max([quietest, *wider], key=self._quietness)
-            if quietest is heard:
-                return
+            quietest = replace(quietest, errors=self._errors((), quietest.curve))
+            wider = [self.screen.taken_off(quietest, key) for key in self.screen.keys]
+            likely = [self._quietness(fit.residual) - self._policy.quieter for fit in wider]
+            if max(likely, default=-np.inf) <= best:
+                break
+            quietest = wider[int(np.argmax(likely))]
+            best = self._quietness(quietest.residual)
         self._hear(quietest.residual)
 
     def _hear(self, residual: np.ndarray) -> None:
@@ -92,78 +261,6 @@ class Search:
         self._heard = residual
         self._noise: dict[tuple[str, ...], NoiseModel] = {}
 
-    def _quietness(self, fit: Fit) -> float:
-        """Return the logarithm of the likelihood of what a fit leaves beside slow trends, less what mechanisms cost."""
-        left = noise_of(self._problem, (), fit.residual, self._calibration["site_scatter"])
-        return left.log_likelihood - QUIETER * len(fit.explanation)
-
-    def base(self) -> Fit:
-        """Fit the base model."""
-        problem = self._problem
-        middle = [np.full(problem.space.dimensions, 0.5)]
-        first = self._errors((), np.zeros(len(problem.mean)))
-        rough = solve(problem, (), first, middle)
-        return solve(problem, (), self._errors((), rough.residual), [rough.z, *middle], laws=self._laws)
-
-    def extended(self, fit: Fit, key: str) -> Fit:
-        """Fit an explanation and one more mechanism; what the forward model corrected in the first stays corrected.
-
-        Where the first was hopeless the second lies elsewhere, and what was corrected there says nothing.
-        """
-        wider: Explanation = (*fit.explanation, key)
-        correction = None if hopeless(fit) else fit.correction.widened(self._problem.dimensions(wider))
-        found = self._errors(wider, fit.residual)
-        best = solve(self._problem, wider, found, starting_points(fit, key), correction, laws=self._laws)
-        weighed = self._errors(wider, best.residual, best.z)
-        return solve(self._problem, wider, weighed, [best.z], correction, laws=self._laws)
-
-    def without(self, fit: Fit, key: str) -> Fit:
-        """Return the explanation with one mechanism less, where a fit ended, on its curves less the effect there."""
-        u, own = self._problem.parts(fit.explanation, fit.z)
-        smaller: Explanation = tuple(other for other in fit.explanation if other != key)
-        z = np.concatenate([u, *(own[other] for other in smaller)])
-        curve = fit.curve - self._problem.effect(key, u, own[key])[0]
-        correction = Correction.constant(z, curve - self._problem.curves(smaller, z[None])[0])
-        errors_there = self._errors(smaller, self._problem.mean - curve, z).exact
-        return Fit(self._problem, smaller, z, errors_there, correction, tuple(self._laws))
-
-    def settled(self, fit: Fit) -> Fit:
-        """Return a fit at its optimum, by the surrogates' slopes: what it can make up for is made up for."""
-        return solve(self._problem, fit.explanation, fit.errors, [fit.z], fit.correction, laws=self._laws)
-
-    def refined(self, fit: Fit, least: float = -np.inf) -> Candidate:
-        """Put a fit on the forward model, where that runs, and examine what it leaves; see `refine` for `least`."""
-        try:
-            return replace(self.examined(refine(self._study, fit, self.lacking, least)), confirmed=True)
-        except PalpateError:
-            return self.examined(fit)
-
-    def sharpened(self, candidate: Candidate) -> Candidate:
-        """Put the forward model's own slopes in place of the surrogates' around an explanation.
-
-        Its intervals rest on them, and what was learnt of an effect on the body, among few materials, is rough.
-        """
-        fit = candidate.fit
-        weighed = self._errors(fit.explanation, fit.residual, fit.z).exact
-        fit = replace(fit, errors=replace(weighed, between=fit.errors.between))
-        try:
-            return replace(self.examined(sharpen(self._study, fit)), confirmed=True)
-        except PalpateError:
-            return candidate
-
-    def examined(self, fit: Fit) -> Candidate:
-        """Test what a fit leaves."""
-        left = examine(fit, self._keys, self._rng, self._settings["bootstrap"], self._calibration["site_scatter"])
-        return Candidate(fit, left, contradicts=tuple(contradicted(fit, self._laws)))
-
-    def lacking(self, fit: Fit) -> float:
-        """Return by how much the chi-square of a fit must fall before what it leaves passes for noise."""
-        draws, level = self._settings["bootstrap"], self._settings["significance"]
-        return excess(fit, self._keys, self._rng, draws, level)
-
-    def _errors(self, explanation: Explanation, residual: np.ndarray, z: np.ndarray | None = None) -> Errors:
-        site_scatter, solver_error = (self._calibration[key] for key in ("site_scatter", "solver_error"))
-        keys = varying(explanation)
-        if keys not in self._noise:
-            self._noise[keys] = noise_of(self._problem, keys, self._heard, site_scatter)
-        return errors(self._problem, explanation, residual, self._noise[keys], solver_error, z)
+    def _quietness(self, residual: np.ndarray) -> float:
+        """Return the logarithm of the likelihood of what is left (n_all,) beside slow trends."""
+        return noise_of(self.problem, (), residual, self._study.calibration["site_scatter"]).log_likelihood

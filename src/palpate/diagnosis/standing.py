@@ -52,8 +52,8 @@ def not_told_from_none(fit: Fit) -> list[str]:
 
     What they explain is then that single recordings differ, which chance, or another law, may do, too.
     """
-    open_ones, own = [], fit.problem.parts(fit.explanation, np.arange(len(fit.z)))[1]
-    for key in [key for key in fit.explanation if not MECHANISMS[key].needs_learning]:
+    open_ones, own = [], fit.problem.places(fit.explanation)
+    for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
         (place,), (value, slope) = own[key], fit.problem.amplitude(fit.explanation, fit.z, key)
         if abs(value) <= NORMAL_95 * abs(slope) * np.sqrt(fit.posterior[place, place]):
             open_ones.append(key)
@@ -62,23 +62,12 @@ def not_told_from_none(fit: Fit) -> list[str]:
 
 def of_instrument(explanation: Explanation) -> bool:
     """Return whether no mechanism of an explanation acts on the body."""
-    return not any(MECHANISMS[key].needs_learning for key in explanation)
-
-
-def without_idle(standing: list[Candidate], smaller: list[Candidate]) -> list[Candidate]:
-    """Return the sets that stand, but for those around a smaller one that stands, too: they hold what does nothing."""
-    within = [set(candidate.fit.explanation) for candidate in smaller]
-    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in within)]
-
-
-def tested(candidates: list[Candidate]) -> list[Candidate]:
-    """Return those whose residual was examined and whose amplitudes contradict no law."""
-    return [candidate for candidate in candidates if candidate.p_value is not None and not candidate.contradicts]
+    return not any(MECHANISMS[key].acts_on_body for key in explanation)
 
 
 def best_evidence(tried: list[Candidate]) -> float:
-    """Return the greatest logarithm of the evidence of those that were tested."""
-    return max((each.fit.log_evidence for each in tested(tried)), default=-np.inf)
+    """Return the greatest logarithm of the evidence of those that contradict no law."""
+    return max((each.fit.log_evidence for each in tried if not each.contradicts), default=-np.inf)
 
 
 def best_first(candidates: list[Candidate]) -> list[Candidate]:
@@ -87,8 +76,14 @@ def best_first(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
-    """Return one candidate for each set of mechanisms, best first: a set that was tried again is listed once."""
+    """Return one candidate for each set of mechanisms, best first: a set that was fitted again is listed once."""
     likeliest: dict[frozenset[str], Candidate] = {}
     for candidate in best_first(candidates):
         likeliest.setdefault(frozenset(candidate.fit.explanation), candidate)
     return list(likeliest.values())
+
+
+def without_idle(standing: list[Candidate]) -> list[Candidate]:
+    """Return the sets that stand, but for those around a smaller one that does, too: they hold what does nothing."""
+    sets = [set(candidate.fit.explanation) for candidate in standing]
+    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in sets)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,40 +11,46 @@ import numpy as np
 import pandas as pd
 
 from palpate.calibration import Observation
+from palpate.calibration.polish import WeightedFit
+from palpate.calibration.space import Space
 from palpate.config import Study
+from palpate.diagnosis.considered import candidates, scale_of
 from palpate.diagnosis.covariance import varying
-from palpate.diagnosis.design import candidates, scale_of
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.exact_laws import ExactLaws
 from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
 from palpate.diagnosis.laws import zero_points
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.result import to_mapping
+from palpate.diagnosis.search import Search
 from palpate.diagnosis.words import sentence
 from palpate.observations import check, resampled
 from palpate.protocol import LOAD
 
 
-def load_problem(
-    study: Study,
-    observed: Mapping[str, Observation],
-    base_files: Mapping[str, str | Path],
-    effect_files: Mapping[str, str | Path],
-) -> Problem:
-    """Bring the recordings of one set together with the surrogates and effects of the study's calibrate conditions."""
-    base = {name: joblib.load(file) for name, file in base_files.items()}
-    effects = {name: joblib.load(file) for name, file in effect_files.items()}
-    return Problem.of(study, observed, base, effects, scale_of(study))
+def optimum_on_surrogates(
+    study: Study, observed: Mapping[str, Observation], surrogates: Mapping[str, str | Path]
+) -> dict[str, float]:
+    """Return the material by name at which files of surrogates, by condition, come nearest to the mean curves."""
+    models = {name: joblib.load(file) for name, file in surrogates.items()}
+    bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
+    space, measured = Space(bounds), {name: observed[name].mean for name in models}
+    fit = WeightedFit(space, models, measured, np.eye(sum(map(len, measured.values()))))
+    return space.named(fit.solve([np.full(space.dimensions, 0.5)]))
 
 
 def run_diagnosis(
     study: Study,
     recordings: str,
-    base_files: Mapping[str, str | Path],
-    effect_files: Mapping[str, str | Path],
+    starts: Sequence[Mapping[str, float]],
     report: Callable[[str], None] = print,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose one set of recordings.
+
+    Parameters
+    ----------
+    starts
+        Where the base model may lie, such as its calibration: materials by the names of their parameters.
 
     Returns
     -------
@@ -53,18 +59,18 @@ def run_diagnosis(
     """
     rng = np.random.default_rng([study.seed, 1])
     recorded = check(study, recordings)
-    problem = load_problem(study, resampled(study, recorded), base_files, effect_files)
+    problem = Problem.of(study, resampled(study, recorded), scale_of(study))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
-    keys = list(candidates(study))
-    found = diagnose(study, problem, keys, rng, report, exact.beside)
+    search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)
+    found = diagnose(study, problem, search, report)
     vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
     own_laws = exact.of_each() if vary else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
     stands = found.standing[0] if found.standing else found.base
     explained = found.verdict != "unexplained"
-    content["may_hide"] = may_hide(stands.fit, keys) if explained else {}
-    content["open_amplitudes"] = open_amplitudes(stands.fit, keys) if explained else {}
+    content["may_hide"] = may_hide(stands.fit, search.screen.keys) if explained else {}
+    content["open_amplitudes"] = open_amplitudes(stands.fit, search.screen) if explained else {}
     content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
     content |= {"study": study.name, "recordings": recordings}
     laws = found.base.fit.laws

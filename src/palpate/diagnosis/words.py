@@ -28,12 +28,12 @@ def sentence(content: Mapping[str, Any]) -> str:
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
-    names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
-    if len(content["candidates"]) == 1:
-        best = f"What explains it best: {names}"
+    if verdict == "suspected":
+        best = f"What explains it best: {_claim(content['candidates'][0])}"
         doubtful = _may_be_none(content["candidates"][0])
         why = f", as the {doubtful} may be none on average" if doubtful else ""
         return f"{start} {best}. From these recordings alone it stays a suspicion{why}; {_gain(content)}."
+    names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     test = content["discriminating_test"]
     further = (
         f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
@@ -49,7 +49,7 @@ def _may_be_none(candidate: Mapping[str, Any]) -> str:
     found = []
     for key in candidate["mechanisms"]:
         spans = [candidate["parameters"][f"{key}.{parameter.name}"] for parameter in MECHANISMS[key].parameters]
-        if not MECHANISMS[key].needs_learning and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
+        if not MECHANISMS[key].acts_on_body and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
             found.append(MECHANISMS[key].title)
     return " and the ".join(found)
 

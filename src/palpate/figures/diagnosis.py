@@ -38,7 +38,9 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     for blank in axes[len(names) :]:
         blank.set_axis_off()
     for k, (name, axis) in enumerate(zip(names, axes, strict=False)):
-        _misfit(curves[curves["condition"] == name], axis, content["verdict"] in ("identified", "ambiguous"))
+        _misfit(
+            curves[curves["condition"] == name], axis, content["verdict"] in ("identified", "suspected", "ambiguous")
+        )
         if k % columns == 0:
             axis.set_ylabel("rec. - sim. [nm]")
         if k >= len(names) - columns:

@@ -63,7 +63,7 @@ def _condition(curve, upper, lower) -> None:
     error = recorded - simulated
     rmse = np.sqrt(np.mean(error**2))
     shown = f"{rmse:.1f} nm" if unit == "nm" else f"{rmse:.2g} mN"
-    upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}, RMSE {shown}")
+    upper.set_title(f"{curve['condition'].iloc[0]}\n{curve['role'].iloc[0]}\nRMSE {shown}")
     upper.set_xlabel("depth [nm]" if unit == "nm" else "time [s]")
     upper.set_xlim(left=0)
     upper.set_ylim(bottom=0)

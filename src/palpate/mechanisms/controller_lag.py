@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.interpolation import depth_at
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.parameters import Parameter
 from palpate.specification import Specification
@@ -31,11 +30,6 @@ def simulate(specification: Specification, values: Values) -> Specification:
     return replace(specification, protocol=replace(protocol, knot_time=knots, knot_drive=drive))
 
 
-def shortcut(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Delay the curve itself: a body that does not age answers a delayed history with a delayed curve."""
-    return depth_at(time - values["lag"], time, depth)
-
-
 MECHANISM = Mechanism(
     "controller_lag",
     "controller lag",
@@ -44,5 +38,4 @@ MECHANISM = Mechanism(
     "Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
     lambda s: {"lag": Range(0.0, min(2.0, 0.1 * s.loading_time))},
     simulate=simulate,
-    shortcut=shortcut,
 )

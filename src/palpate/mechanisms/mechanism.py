@@ -48,20 +48,15 @@ class Range:
     ----------
     lower, upper
         In the unit of the parameter.
-    factor
-        Whether the effect is in proportion to it, so that other amplitudes of the mechanism can make up for a factor.
+    least, largest
+        Limits, where they are narrower than those of the parameter, or the quantity is none.
     """
 
     lower: float
     upper: float
     log: bool = False
-    factor: bool = False
-
-    def physical(self, coordinate: np.ndarray) -> np.ndarray:
-        """Return the values at coordinates in [0, 1]."""
-        if self.log:
-            return self.lower * (self.upper / self.lower) ** coordinate
-        return self.lower + coordinate * (self.upper - self.lower)
+    least: float = -np.inf
+    largest: float = np.inf
 
 
 def unchanged_specification(specification: Specification, values: Values) -> Specification:
@@ -107,8 +102,6 @@ class Mechanism:
     solver_scatter
         Error of its simulated effect, relative to the effect and the same part of it everywhere: root mean square of
         what `standard` differs from `fine`, for some materials and amplitudes.
-    shortcut
-        What it makes of a known depth curve, nearly, with the arguments of `record`; only the rest must be learnt.
     """
 
     key: str
@@ -122,23 +115,18 @@ class Mechanism:
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
-    shortcut: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] | None = None
 
     @property
-    def needs_learning(self) -> bool:
-        """Whether it acts on the body: its effect, or the rest that cannot be derived, is learnt from simulations."""
+    def acts_on_body(self) -> bool:
+        """Whether it changes what is simulated, and not only what is recorded of it."""
         return self.simulate is not unchanged_specification
 
-    def learnt_under(self, control: str) -> bool:
-        """Return whether its effect on what answers to a load or a displacement must be learnt from simulations.
+    def felt_under(self, control: str) -> bool:
+        """Return whether the body feels it, so that its effect must be simulated.
 
-        What it adds to the depth is missing from a prescribed displacement, so that the body feels it.
+        What it adds to the depth is missing from a prescribed displacement.
         """
-        return self.needs_learning or (control != LOAD and self.record is not unchanged_depth)
-
-    def derived_under(self, control: str) -> bool:
-        """Return whether its effect, or most of it, follows from the base model's curve."""
-        return self.shortcut is not None or (control == LOAD and self.record is not unchanged_depth)
+        return self.acts_on_body or (control != LOAD and self.record is not unchanged_depth)
 
     def searched(self, scale: Scale) -> dict[str, Range]:
         """Return the ranges within which a diagnosis looks: what the study states, and what is plausible else."""
@@ -147,9 +135,12 @@ class Mechanism:
             ranges[name] = replace(ranges[name], lower=lower, upper=upper)
         return ranges
 
-    def on_curve(self, time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-        """Return what it makes of the base model's curve (n,) [nm], as far as that can be derived."""
-        return self.shortcut(time, load, depth, values) if self.shortcut else self.record(time, load, depth, values)
+    def limits(self, name: str, searched: Range) -> tuple[float, float]:
+        """Return the limits of a quantity that is searched: those of the range, and of the parameter if it is one."""
+        own = next((p for p in self.parameters if p.name == name), None)
+        if own is None:
+            return searched.least, searched.largest
+        return max(own.lower, searched.least), min(own.upper, searched.largest)
 
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""

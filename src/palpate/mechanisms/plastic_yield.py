@@ -10,6 +10,8 @@ from palpate.materials.bilinear_plasticity import LAW, PLASTIC
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.specification import Specification
 
+LARGEST_SHARE = 0.99  # of the flow stress that hardening gives; without a yield stress nothing would be elastic
+
 
 def from_search(values: Values, scale: Scale) -> Values:
     """Divide the flow stress at Tabor's strain, 0.2 cot(alpha), between yield stress and hardening."""
@@ -37,8 +39,8 @@ MECHANISM = Mechanism(
     {"yield_stress": 1e3, "hardening": 0.0},
     "Simo & Hughes, Computational Inelasticity (1998), section 3.3",
     lambda s: {
-        "flow_stress": Range(0.25 * s.pressure, 2.0 * s.pressure, log=True),
-        "hardened_share": Range(0.0, 0.8),
+        "flow_stress": Range(0.25 * s.pressure, 2.0 * s.pressure, log=True, least=0.0),
+        "hardened_share": Range(0.0, 0.8, least=0.0, largest=LARGEST_SHARE),
     },
     simulate=simulate,
     from_search=from_search,

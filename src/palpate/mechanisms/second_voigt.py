@@ -45,7 +45,7 @@ MECHANISM = Mechanism(
     {"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
     "Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
     lambda s: {
-        "compliance": Range(0.0, 0.5 / s.modulus, factor=True),
+        "compliance": Range(0.0, 0.5 / s.modulus, least=0.0),
         "exponent": Range(0.0, 0.6),
         "retardation_time": Range(0.1 * s.loading_time, s.duration, log=True),
     },

@@ -32,7 +32,7 @@ MECHANISM = Mechanism(
     (RADIUS,),
     {"radius": 1e-3},
     "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
-    lambda s: {"radius": Range(1.0, 600.0)},
+    lambda s: {"radius": Range(1.0, 600.0, least=1.0)},
     simulate=simulate,
     solver_scatter=0.06,
 )

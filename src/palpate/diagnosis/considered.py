@@ -1,57 +1,27 @@
-"""Which simulations show what each mechanism does: paired runs with and without it, over material and amplitude.
-
-The points are a Sobol sequence over the grid's parameters and the mechanism's search ranges together. Every mechanism
-uses the same materials, so each material is simulated once without any. Since only the difference of the two curves is
-kept, a third of the points in time is enough.
-"""
+"""Which mechanisms a diagnosis of a study considers and within which ranges, and the size of the study."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
-from scipy.stats import qmc
 
-from palpate.config import Condition, Study
+from palpate.config import Study
 from palpate.design import factorial
 from palpate.errors import InputError
 from palpate.fem.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.fem.discretisation import RESOLUTIONS
 from palpate.fem.profile import Profile
-from palpate.inference.forward import kept
+from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
-from palpate.protocol import DISPLACEMENT, LOAD, Protocol
-from palpate.snapshots import Batch, Snapshot, conditions_by_shape, divided
+from palpate.protocol import Protocol
 from palpate.variation import acting
 
-SMALL = {LOAD: 0.2, DISPLACEMENT: 0.45}  # of the largest drive: a sharp tip carries a fifth of the load there
-PAIRS_FOR_EACH = 3  # of the parameters of an effect, from which it can be learnt
-MOST_COORDINATES = 3
+SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
 KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """One material, simulated with and without a mechanism.
-
-    Parameters
-    ----------
-    cell
-        Material parameters.
-    coordinates : ndarray, shape (k,)
-        Position in the mechanism's search ranges, each in [0, 1].
-    plain, acting
-        The two snapshots.
-    """
-
-    cell: Mapping[str, float]
-    coordinates: np.ndarray
-    plain: Snapshot
-    acting: Snapshot
 
 
 def middle(study: Study) -> dict[str, float]:
@@ -121,7 +91,9 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
                 place="diagnosis.mechanisms",
             )
         mechanism = MECHANISMS[key]
-        values = amplitudes(mechanism, scale, np.full(mechanism_dimensions(mechanism, scale), 0.6))
+        ranges = mechanism.searched(scale).items()
+        some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
+        values = dict(mechanism.from_search(some, scale))
         try:
             for specification in specifications:
                 acting(replace(specification, mechanisms={key: values}))
@@ -178,7 +150,7 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
         values = dict(mechanism.from_search(dict(zip(ranges, searched, strict=True)), scale))
         try:
             mechanism.check(values)
-            for specification in specifications if mechanism.needs_learning else ():
+            for specification in specifications if mechanism.acts_on_body else ():
                 solid = mechanism.simulate(specification, values)
                 largest = contact_range(solid.specimen, solid.indenter, solid.protocol)[1]
                 check_size(solid.specimen, solid.indenter, RESOLUTIONS[solid.accuracy], largest)
@@ -196,86 +168,3 @@ def extremes(study: Study) -> list[dict[str, float]]:
         return mean_pressure(study.specification(cell, study.conditions[0]).coefficients, SLOPE, longest)
 
     return [min(corners, key=pressure), max(corners, key=pressure)]
-
-
-def mechanism_dimensions(mechanism: Mechanism, scale: Scale) -> int:
-    """Return the number of coordinates in which a mechanism is searched."""
-    return len(mechanism.searched(scale))
-
-
-def amplitudes(mechanism: Mechanism, scale: Scale, coordinates: np.ndarray) -> dict[str, float]:
-    """Return a mechanism's parameters at coordinates (k,) of its search ranges."""
-    ranges = mechanism.searched(scale)
-    searched = {name: float(r.physical(x)) for (name, r), x in zip(ranges.items(), coordinates, strict=True)}
-    return dict(mechanism.from_search(searched, scale))
-
-
-def thinned(protocol: Protocol) -> Protocol:
-    """Return the protocol with every third sample; those at corners of the history and at small loads are kept.
-
-    At small loads, where depth goes with the root of the load, most effects change fastest.
-    """
-    keep = kept(protocol) | (protocol.sample_drive < SMALL[protocol.control] * protocol.largest_drive)
-    return replace(protocol, sample_time=protocol.sample_time[keep])
-
-
-def pairs(study: Study, condition: Condition, key: str) -> list[Pair]:
-    """Return the paired simulations of one mechanism under one condition; none where it only adds to a depth."""
-    mechanism, scale = MECHANISMS[key], scale_of(study)
-    if not mechanism.learnt_under(condition.protocol.control):
-        return []
-    free = study.free_parameters
-    dimensions = mechanism_dimensions(mechanism, scale)
-    count = study.diagnosis["snapshots"] * (1 + dimensions) // 2
-    sequence = qmc.Sobol(len(free) + MOST_COORDINATES, seed=study.seed)
-    points = sequence.random_base2(int(np.ceil(np.log2(count))))[:count]
-    short = replace(condition, protocol=thinned(condition.protocol))
-    cells = []
-    for point in points:
-        cell = {name: levels[0] for name, levels in study.levels.items()}
-        for name, x in zip(free, point, strict=False):
-            low, high = min(study.levels[name]), max(study.levels[name])
-            cell[name] = float(low + x * (high - low))
-        cells.append(cell)
-    made = []
-    for cell, point in zip(cells, points, strict=True):
-        coordinates = point[len(free) : len(free) + dimensions]
-        plain = study.specification(cell, short)
-        disturbed = replace(plain, mechanisms={key: amplitudes(mechanism, scale, coordinates)})
-        made.append(
-            Pair(cell, coordinates, Snapshot(cell, condition.name, plain), Snapshot(cell, condition.name, disturbed))
-        )
-    return made
-
-
-def refinement(study: Study, condition: Condition) -> tuple[Snapshot, Snapshot]:
-    """Return the study's middle material under one condition, as the snapshots are simulated and at `accuracy: fine`.
-
-    Their ratio is the error of the mesh, which hardly depends on the material.
-    """
-    cell = middle(study)
-    usual, fine = (study.specification(cell, condition, accuracy) for accuracy in ("standard", "fine"))
-    return Snapshot(cell, condition.name, usual), Snapshot(cell, condition.name, fine)
-
-
-def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
-    """Divide the simulations that a diagnosis needs into jobs; conditions that differ in size alone share theirs."""
-    batches, keys = [], list(candidates(study))
-    for conditions in conditions_by_shape(study):
-        found = [
-            snapshot for same in zip(*(needed(study, c, keys) for c in conditions), strict=True) for snapshot in same
-        ]
-        members = list({snapshot.address: snapshot for snapshot in found}.values())
-        folder = results / study.name / "effects"
-        per_job = study.cells_per_job * len(conditions)
-        batches += divided(f"effects_{conditions[0].name}", members, folder, per_job)
-    return batches
-
-
-def needed(study: Study, condition: Condition, keys: Sequence[str]) -> list[Snapshot]:
-    """Return what is simulated under one condition to learn what mechanisms do; some more than once."""
-    snapshots = list(refinement(study, condition))
-    for key in keys:
-        for pair in pairs(study, condition, key):
-            snapshots += [pair.plain, pair.acting]
-    return snapshots

@@ -1,0 +1,45 @@
+"""The settings of a search among explanations, each with its origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SearchPolicy:
+    """How far a search goes; chosen for time, where nothing else is said.
+
+    Parameters
+    ----------
+    starts
+        Amplitudes from which the fit of an explanation begins. A second one costs a third more, since searches run in
+        lanes beside each other and the one that falls behind is given up.
+    iterations
+        Largest number of iterations of a search; those that settle take 4 to 8, and 1 to 3 where one ended before.
+    settled_at_first, settled
+        Changes of chi-square below which a search has settled: 0.7 and 0.14 standard deviations of the estimate in all.
+    hopeless
+        Chi-square per sample from which a fit leaves far more than noise, whatever the meshes differ by where it lies:
+        no more is spent on it.
+    screened
+        Logarithm of the evidence by which a promise may lie behind the best fit, once `least` are fitted.
+    outdone
+        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both stand.
+    least, most, most_sets
+        Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
+    quieter
+        Logarithm of the likelihood of what is left, by which one more mechanism must raise it to tell the noise of
+        recordings without replicates: the cost of a parameter by Akaike's criterion is one, by Schwarz's about three.
+    """
+
+    starts: int = 2
+    iterations: int = 12
+    settled_at_first: float = 0.5
+    settled: float = 0.02
+    hopeless: float = 50.0
+    screened: float = 40.0
+    outdone: float = 10.0
+    least: int = 5
+    most: int = 8
+    most_sets: int = 5
+    quieter: float = 2.0

@@ -1,0 +1,151 @@
+"""What each mechanism does to the curves, simulated at a few amplitudes beside the base model's optimum.
+
+The derivative of the curves at no amplitude says little of a yield stress, a film or a further Voigt element, whose
+effects vanish there with all their derivatives, or leave a parameter without meaning. So each mechanism that the body
+feels is simulated at some amplitudes; what only adds to the depth costs nothing. To first
+order in the material's parameters, these effects say by how much each mechanism may lower the misfit, where its search
+begins, and in which directions a test of what is left should look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.stats import qmc
+
+from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.problem import Problem
+from palpate.errors import PalpateError
+from palpate.inference.coordinates import Coordinate
+from palpate.mechanisms import MECHANISMS
+
+SHOWN = 0.75  # of the ranges, where an effect that may join is taken
+SIMULATED = (0.25, SHOWN, 1.0)  # of the range of a single amplitude
+ADDED = np.linspace(0.0, 1.0, 9)
+SCATTERED = 8  # places for several amplitudes
+FURTHEST = 1.5  # times an effect, to which it may grow in proportion
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """Effects of mechanisms on all curves, at the base model's optimum.
+
+    Parameters
+    ----------
+    trials
+        Coordinates (m, d) of each mechanism's amplitudes; at the first one that has several, all lie at `SHOWN`.
+    effects
+        What it adds to the curves there (m, n_all) [nm].
+    """
+
+    trials: Mapping[str, np.ndarray]
+    effects: Mapping[str, np.ndarray]
+
+    @classmethod
+    def of(cls, fit: Fit, keys: Sequence[str]) -> Screen:
+        """Return the effects of mechanisms at the optimum of the base model.
+
+        Raises
+        ------
+        PalpateError
+            When the base model fails there, or a mechanism does so at all amplitudes.
+        """
+        trials, effects = {}, {}
+        for key in keys:
+            coordinates = fit.problem.coordinates((key,)).free[fit.problem.material :]
+            if fit.problem.felt(key):
+                trials[key], effects[key] = _simulated(fit, key, _places(len(coordinates)))
+            else:
+                trials[key] = ADDED[:, None]
+                effects[key] = np.array([_added(fit.problem, key, coordinates[0], x) for x in ADDED])
+        return cls(trials, effects)
+
+    @property
+    def keys(self) -> list[str]:
+        """The mechanisms."""
+        return list(self.trials)
+
+    def shown(self, key: str) -> np.ndarray:
+        """Return the effect (n_all,) [nm] at three quarters of the ranges, or where that is nearest."""
+        return self.effects[key][np.abs(self.trials[key] - SHOWN).max(axis=1).argmin()]
+
+    def gain(self, fit: Fit, key: str) -> float:
+        """Return by how much chi-square may fall, to first order, once a mechanism joins a fit.
+
+        Each effect counts in proportion, up to `FURTHEST` times what was simulated, of a mechanism that varies also
+        with a value for each condition, less one for each.
+        """
+        left = _beside(fit, fit.white[:, None])[:, 0]
+        found = float(np.max(self._shares(fit, key)[1], initial=0.0))
+        if MECHANISMS[key].varies:
+            problem = fit.problem
+            columns = block_diag(*(problem.unit_effect(key, c)[:, None] for c in problem.conditions))
+            basis = np.linalg.qr(_beside(fit, fit.whiten(columns)))[0]
+            found = max(found, float(np.sum((basis.T @ left) ** 2)) - basis.shape[1] + 1.0)
+        return found
+
+    def taken_off(self, fit: Fit, key: str) -> Fit:
+        """Return a fit to whose curves the effect that gains most is added, to first order in all else."""
+        shares, gains = self._shares(fit, key)
+        effect = shares[gains.argmax()] * self.effects[key][gains.argmax()]
+        left = fit.whiten(fit.residual - effect)
+        change = np.linalg.lstsq(fit.whiten(fit.tangent), left, rcond=1e-8)[0]
+        return replace(fit, curve=fit.curve + effect + fit.tangent @ change)
+
+    def starts(self, fit: Fit, key: str, count: int) -> list[np.ndarray]:
+        """Return where searches begin for a fit and one more mechanism, the amplitudes of least misfit first.
+
+        The material's parameters, and the other amplitudes, follow half-way to where they lead to first order.
+        """
+        tangent = fit.whiten(fit.tangent)
+        left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
+        change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
+        order = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:count]
+        change = np.clip(0.5 * change, -0.5, 0.5)
+        return [np.concatenate([fit.z + change[:, i], self.trials[key][i]]) for i in order]
+
+    def _shares(self, fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return in what proportion each effect (m,) lowers chi-square most, and by how much."""
+        left, effects = _beside(fit, fit.white[:, None])[:, 0], _beside(fit, fit.whiten(self.effects[key].T))
+        size, along = np.sum(effects**2, axis=0), left @ effects
+        shares = np.clip(np.divide(along, size, out=np.zeros_like(size), where=size > 0.0), 0.0, FURTHEST)
+        return shares, shares * (2.0 * along - shares * size)
+
+
+def _beside(fit: Fit, white: np.ndarray) -> np.ndarray:
+    """Return what whitened columns (n_all, m) have off the tangent space of a fit."""
+    return white - fit.tangent_space @ (fit.tangent_space.T @ white)
+
+
+def count_of_trials(problem: Problem, key: str) -> int:
+    """Return the number of amplitudes at which a mechanism is looked at."""
+    dimensions = len(problem.coordinates((key,)).free) - problem.material
+    return len(_places(dimensions)) if problem.felt(key) else len(ADDED)
+
+
+def _places(dimensions: int) -> np.ndarray:
+    """Return the coordinates (m, d) at which a mechanism is simulated."""
+    if dimensions == 1:
+        return np.array(SIMULATED)[:, None]
+    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED)
+    return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
+
+
+def _added(problem: Problem, key: str, coordinate: Coordinate, x: float) -> np.ndarray:
+    """Return what a mechanism at its coordinate adds to the depths of all conditions (n_all,) [nm]."""
+    values = {coordinate.name.split(".")[1]: float(coordinate.physical(x))}
+    return np.concatenate([problem.recorded_effect(key, condition, values) for condition in problem.conditions])
+
+
+def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return those of some coordinates (m, d) at which the forward model does not fail, and the effects there."""
+    problem = fit.problem
+    outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
+    good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
+    if not good:
+        raise PalpateError(f"{key}: {outcomes[0]}")
+    curves = [curve for curve in outcomes if not isinstance(curve, str)]
+    return places[good], np.array([problem.stacked(curve) - fit.curve for curve in curves])
