@@ -138,7 +138,8 @@ class Forward:
             x = np.array([self.coordinates.named(u)[name] for name in BOUNDS])
             failing = [name for name in self.names if name in self.fails or x[0] > self.edge]
             curves = {name: self.families[name].predict(x[None])[0] for name in self.names if name not in self.fails}
-            slopes = {n: self.families[n].jacobian(x)[:, :3] * self.coordinates.slopes(u) for n in curves}
+            by = np.array([each.slope(place) for each, place in zip(self.coordinates.free, u, strict=True)])
+            slopes = {n: self.families[n].jacobian(x)[:, :3] * by for n in curves}
             found.append(f"{failing[0]}: no equilibrium" if failing else (curves, slopes))
         return found
 

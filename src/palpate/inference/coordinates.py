@@ -151,10 +151,6 @@ class Coordinates:
         """Return the coordinates (k,) of parameters by name."""
         return np.array([float(each.scaled(values[each.name])) for each in self.free])
 
-    def slopes(self, u: np.ndarray) -> np.ndarray:
-        """Return the derivatives (k,) of the free parameters by their coordinates."""
-        return np.array([each.slope(x) for each, x in zip(self.free, u, strict=True)])
-
     def beyond(self, u: np.ndarray) -> np.ndarray:
         """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
         return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
