@@ -18,7 +18,6 @@ import numpy as np
 
 SECTOR_GRADING = 1.2
 TOGETHER = 4  # rings that grow by the same ratio, of which there are multiples
-FIRST = 0.3  # of the largest contact radius
 
 
 @dataclass(frozen=True)
@@ -130,12 +129,10 @@ def _tip(r: np.ndarray, z: np.ndarray, height: float, area: np.ndarray) -> np.nd
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
     """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip.
 
-    Rings that grow by the same ratio come in multiples of `TOGETHER`, and under a sharp tip they begin within a part
-    `FIRST` of the largest contact at least, so that most indentations share their mesh but for its size, and run in
-    lanes.
+    Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
+    for its size, and run in lanes.
     """
     growth, even = resolution.growth, resolution.even
-    smallest = smallest if rounded else min(smallest, FIRST * largest)
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
     count = math.ceil(math.log(2.0 * largest / radii[-1]) / math.log(growth) / TOGETHER) * TOGETHER
     radii += [radii[-1] * growth**k for k in range(1, count + 1)]
