@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SearchPolicy:
-    """How far a search goes; chosen for time, where nothing else is said.
+    """How far a search goes; chosen for its time, not by the cases that are reported, where nothing else is said.
 
     Parameters
     ----------
