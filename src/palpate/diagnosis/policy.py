@@ -12,8 +12,8 @@ class SearchPolicy:
     Parameters
     ----------
     starts
-        Amplitudes from which the fit of an explanation begins. A second one costs a third more, since searches run in
-        lanes beside each other and the one that falls behind is given up.
+        Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
+        advance side by side, and one that falls behind is given up.
     iterations
         Largest number of iterations of a search; those that settle take 4 to 8, and 1 to 3 where one ended before.
     settled_at_first, settled
