@@ -21,6 +21,7 @@ from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.screen import Screen
+from palpate.errors import PalpateError
 from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit
 from palpate.inference.trust_region import Descent, descend, resumed
@@ -89,9 +90,7 @@ class Search:
         self._laws: tuple[Law, ...] = ()
         self._hear(np.zeros(len(problem.mean)))
         begin = [problem.forward.coordinates.scaled(start) for start in starts]
-        first = self._first(begin)
-        self.problem = problem = replace(problem, forward=problem.forward.of_record(first))
-        base = self.fitted((), [first], problem.mean)
+        base = self._base(begin)
         self.screen = Screen.of(base, keys)
         if not problem.replicated:
             self._listen(base)
@@ -129,13 +128,23 @@ class Search:
         end = resumed(self._certain(fit), model, end, limit, settled=settled, exact=False)
         return self._fit(explanation, model, end, fit.errors)
 
-    def _first(self, starts: Sequence[np.ndarray]) -> np.ndarray:
-        """Return where a search for the base model with few samples ends, from coordinates (k,)."""
+    def _base(self, starts: Sequence[np.ndarray]) -> Fit:
+        """Return the fit of the base model to which a search with few samples leads, from coordinates (k,).
+
+        Where the model of record fails at its end, the fit begins where the search last was without that.
+        """
         problem, policy = self.problem, self._policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self._errors((), problem.mean), keep)
-        found = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
-        return found.u
+        way = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
+        failed = ""
+        for place in [way.u, *reversed(way.path), *starts]:
+            self.problem = replace(problem, forward=problem.forward.of_record(place))
+            try:
+                return self.fitted((), [place], problem.mean)
+            except PalpateError as error:
+                failed = str(error)
+        raise PalpateError(failed)
 
     def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended."""
