@@ -1,11 +1,11 @@
 """The search among explanations, with fits that are given and on closed forms."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from closed_forms import TRUTH, cone
+from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
 from palpate.diagnosis.diagnose import _fitted, _prospects, diagnose
@@ -311,3 +311,25 @@ def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_rea
     found = diagnose(STUDY, task, search, lambda said: None, eager)
     assert found.failed == {"zero_offset": "lost contact"}
     assert (found.verdict, named(found.standing)) == ("identified", ["thermal_drift"])
+
+
+def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
+    """At the end of the search with few samples it does; the last place before serves."""
+
+    @dataclass(frozen=True, eq=False)
+    class FailingRecord(ClosedForms):
+        fails: bool = False
+
+        def of_record(self, u):
+            asked.append(u)
+            return replace(self, fails=len(asked) == 1)
+
+        def tangents(self, points):
+            return ["no equilibrium"] * len(points) if self.fails else super().tangents(points)
+
+    asked, task = [], problem(recordings(np.random.default_rng(11)))
+    start = {"modulus": 0.8, "fluidity": 0.02}
+    failing = replace(task, forward=FailingRecord(CONDITIONS))
+    found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), [start]).base
+    whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [start]).base
+    assert found.fit.log_evidence == pytest.approx(whole.fit.log_evidence, abs=0.1)
