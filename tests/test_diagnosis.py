@@ -65,7 +65,7 @@ class Known(Search):
     def __init__(self, task, heard=None):
         super().__init__(STUDY, task, [], np.random.default_rng(0), [TRUTH])
         if heard is not None:
-            self._hear(heard)
+            self._take_for_noise(heard)
 
 
 def fitted(task, explanation=(), start=None, heard=None):

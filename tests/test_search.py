@@ -115,8 +115,8 @@ def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [
     def examined(key):
         return candidate(key, *proves.get(key, (promises[key], 0.0)))
 
-    search = searching(promises, joined=joined, examined=examined, neighbours=neighbours)
-    found = _fitted(search, [candidate("", 0.0)], most, LEVEL, policy, failed, lambda said: None)
+    search = searching(promises, policy=policy, joined=joined, examined=examined, neighbours=neighbours)
+    found = _fitted(search, [candidate("", 0.0)], most, LEVEL, failed, lambda said: None)
     return asked, named(found), failed
 
 
@@ -186,8 +186,8 @@ def test_what_failed_among_sets_is_recorded_by_all_its_mechanisms():
     def joined(fit, key):
         raise PalpateError("no convergence")
 
-    search, failed = searching({"adhesion": 5.0}, joined=joined, examined=None), {}
-    assert _fitted(search, [candidate("friction", 3.0)], 5, LEVEL, POLICY, failed, lambda said: None) == []
+    search, failed = searching({"adhesion": 5.0}, policy=POLICY, joined=joined, examined=None), {}
+    assert _fitted(search, [candidate("friction", 3.0)], 5, LEVEL, failed, lambda said: None) == []
     assert failed == {"friction+adhesion": "no convergence"}
 
 
@@ -195,12 +195,12 @@ def prospects(found, gains, keys):
     screen = SimpleNamespace(keys=keys, gain=lambda fit, key: gains.get((*fit.explanation, key), 0.0))
     ways = _prospects(SimpleNamespace(screen=screen), [each.fit for each in found])
     assert all(members == way.members for members, way in ways.items())
-    return sorted(ways.values(), key=lambda way: -way.promise)
+    return sorted(ways.values(), key=lambda way: -way.optimistic)
 
 
 def test_a_prospect_promises_half_of_what_chi_square_may_fall():
     ways = prospects([candidate("friction", 10.0)], {("friction", "tip_angle"): 8.0}, ["adhesion", "tip_angle"])
-    assert [(way.key, way.promise) for way in ways] == [("tip_angle", 14.0), ("adhesion", 10.0)]
+    assert [(way.key, way.optimistic) for way in ways] == [("tip_angle", 14.0), ("adhesion", 10.0)]
 
 
 def test_a_set_is_a_prospect_once_by_its_likeliest_way():
@@ -220,7 +220,7 @@ def test_what_a_law_asks_for_is_promised_too():
     base = candidate("friction", 10.0)
     base.fit.laws, base.fit.from_laws = (LAW,), lambda z: np.array([-6.0])
     ways = prospects([base], {}, ["adhesion", "thermal_drift"])
-    assert [(way.key, way.promise) for way in ways] == [("thermal_drift", 28.0), ("adhesion", 10.0)]
+    assert [(way.key, way.optimistic) for way in ways] == [("thermal_drift", 28.0), ("adhesion", 10.0)]
 
 
 @pytest.mark.parametrize(("mean", "found"), [(0.0, ["thermal_drift"]), (0.6, [])])
@@ -235,7 +235,7 @@ def frame(condition, replicate):
 
 
 def diagnosed(task, keys=RECORD_ONLY):
-    return diagnose(STUDY, task, search_of(task, keys), lambda said: None)
+    return diagnose(search_of(task, keys), lambda said: None)
 
 
 def test_recordings_without_an_effect_are_adequate():
@@ -306,9 +306,9 @@ def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_rea
             return super().joined(fit, key)
 
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
-    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH])
     eager = SearchPolicy(screened=np.inf, outdone=np.inf)
-    found = diagnose(STUDY, task, search, lambda said: None, eager)
+    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH], policy=eager)
+    found = diagnose(search, lambda said: None)
     assert found.failed == {"zero_offset": "lost contact"}
     assert (found.verdict, named(found.standing)) == ("identified", ["thermal_drift"])
 

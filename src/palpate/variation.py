@@ -12,7 +12,7 @@ from palpate.errors import InputError
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
 from palpate.parameters import Parameter
-from palpate.protocol import DISPLACEMENT
+from palpate.protocol import DISPLACEMENT, LOAD, Protocol
 from palpate.specification import Specification
 
 STEP = 3e-5  # of the value, or of one unit, or of the test where a time is zero: derivatives err by about as much
@@ -39,8 +39,22 @@ def acting(specification: Specification) -> Specification:
 
 def recorded(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Return what the instrument writes at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
-    time = specification.protocol.sample_time
-    for key, values in specification.mechanisms.items():
+    return _written(specification.mechanisms, specification.protocol.sample_time, load, depth)
+
+
+def added_by_instrument(mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol) -> np.ndarray:
+    """Return what mechanisms add to the depth that the instrument writes (n_points,) [nm].
+
+    Nothing where a displacement is prescribed, in which the body feels it.
+    """
+    none = np.zeros(len(protocol.sample_time))
+    return none if protocol.control != LOAD else _written(mechanisms, protocol.sample_time, protocol.sample_load, none)
+
+
+def _written(
+    mechanisms: Mapping[str, Mapping[str, float]], time: np.ndarray, load: np.ndarray, depth: np.ndarray
+) -> np.ndarray:
+    for key, values in mechanisms.items():
         depth = MECHANISMS[key].record(time, load, depth, values)
     return depth
 

@@ -16,7 +16,7 @@ from palpate.calibration.polish import Predictor
 from palpate.calibration.result import Estimate
 from palpate.calibration.space import Space
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Forward
+from palpate.inference.forward import Forward, under_each
 
 
 def predicted(
@@ -30,16 +30,12 @@ def simulated(
     forward: Forward, names: Sequence[str], u: np.ndarray, report: Callable[[str], None]
 ) -> dict[str, np.ndarray]:
     """Return the forward model's curves at coordinates u (k,) of conditions that took no part; failures are told."""
-    together = forward.under(names).curves([u])[0] if names else {}
-    if not isinstance(together, str):
-        return dict(together)
     found: dict[str, np.ndarray] = {}
-    for name in names:
-        curves = forward.under([name]).curves([u])[0]
-        if isinstance(curves, str):
-            report(f"{name} is not judged: {curves.removeprefix(f'{name}: ')}")
+    for name, curve in under_each(forward, names, u).items():
+        if isinstance(curve, str):
+            report(f"{name} is not judged: {curve.removeprefix(f'{name}: ')}")
         else:
-            found |= curves
+            found[name] = curve
     return found
 
 

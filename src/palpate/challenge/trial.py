@@ -25,6 +25,7 @@ from palpate.diagnosis.steps import optimum_on_surrogates, run_diagnosis
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
 from palpate.observations import observations
+from palpate.variation import added_by_instrument
 
 
 def diagnose_case(
@@ -74,7 +75,7 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
         added = {key: depths[0] - depth for key, depth in zip(bodily, depths[1:], strict=True)}
         for key in case.mechanisms:
             if key not in added:
-                added[key] = problem.recorded_effect(key, condition, case.mechanisms[key])
+                added[key] = added_by_instrument({key: case.mechanisms[key]}, condition.protocol)
         parts.append(np.column_stack([added[key] for key in case.mechanisms]))
     return np.concatenate(parts)
 

@@ -22,7 +22,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, cholesky
+from scipy.linalg import cholesky
 from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
@@ -76,8 +76,7 @@ def filters(fit: Fit, screen: Screen) -> list[Filter]:
             continue
         found += [Filter(key, orthonormal(column[:, None], tangent)) for column in fit.whiten(effects.T).T]
         if MECHANISMS[key].varies:
-            columns = block_diag(*(problem.unit_effect(key, c)[:, None] for c in problem.conditions))
-            found.append(Filter(key, orthonormal(fit.whiten(columns), tangent)))
+            found.append(Filter(key, orthonormal(fit.whiten(problem.own_values(key)), tangent)))
     size = len(problem.mean)
     first = 0
     for condition in problem.conditions:

@@ -7,10 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.config import Study
 from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.policy import SearchPolicy
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Candidate, Search
 from palpate.diagnosis.standing import (
     best_first,
@@ -60,13 +57,13 @@ class Prospect:
     ----------
     fit, key
         The smaller explanation, and the mechanism that joins it.
-    promise
+    optimistic
         Logarithm of the evidence that it may reach, to first order.
     """
 
     fit: Fit
     key: str
-    promise: float
+    optimistic: float
 
     @property
     def members(self) -> frozenset[str]:
@@ -74,31 +71,25 @@ class Prospect:
         return frozenset((*self.fit.explanation, self.key))
 
 
-def diagnose(
-    study: Study,
-    problem: Problem,
-    search: Search,
-    report: Callable[[str], None] = print,
-    policy: SearchPolicy | None = None,
-) -> Diagnosis:
-    """Diagnose one set of recordings.
+def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
+    """Diagnose the recordings of a search.
 
-    The base model is tested first. If it fails, mechanisms join it one by one, those first that promise most; each is
-    fitted together with the material on the finite elements, and what it leaves is tested. One stands that leaves only
-    noise, within a ratio of 100 of the best tried, so that a name given alone should be wrong in less than one case of
-    a hundred. While none stands, sets with one mechanism more are tried in the same way, up to the study's
-    ``diagnosis.largest_set``. One that contradicts an exact law never passes. A name is given alone only where the
-    recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
+    The base model is tested first. If it fails, mechanisms join it one by one, those of the greatest optimistic
+    evidence first; each is fitted together with the material on the finite elements, and what it leaves is tested. One
+    stands that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be wrong
+    in less than one case of a hundred. While none stands, sets with one mechanism more are tried in the same way, up to
+    the study's ``diagnosis.largest_set``. One that contradicts an exact law never passes. A name is given alone only
+    where the recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
     """
-    policy, level, base = policy or SearchPolicy(), study.diagnosis["significance"], search.base
+    level, base = search.study.diagnosis["significance"], search.base
     report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base], {})
     tried, found, standing = [base], [base], []
     failed: dict[str, str] = {}
-    for number in range(study.diagnosis["largest_set"]):
-        most = policy.most_sets if number else policy.most
-        found = _fitted(search, found, most, level, policy, failed, report)
+    for number in range(search.study.diagnosis["largest_set"]):
+        most = search.policy.most_sets if number else search.policy.most
+        found = _fitted(search, found, most, level, failed, report)
         tried = best_first(found + tried)
         if standing := standing_of(found, tried, level):
             smaller = _smaller(search, standing[0], tried, report)
@@ -108,7 +99,7 @@ def diagnose(
     verdict, probabilities = judged(standing)
     if verdict == "identified":
         best = standing[0].fit
-        if not may_be_named(problem, best.explanation) or not_told_from_none(best):
+        if not may_be_named(search.problem, best.explanation) or not_told_from_none(best):
             verdict = "suspected"
     return Diagnosis(verdict, base, standing, probabilities, tried, failed)
 
@@ -135,9 +126,9 @@ def _smaller(
 
 
 def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
-    """Return what one mechanism more makes of fits, by its mechanisms; of each set the way that promises most.
+    """Return what one mechanism more makes of fits, by its mechanisms; of each set the most optimistic way.
 
-    What a set promises is the evidence of the smaller one, plus what effects and laws see of the mechanism that joins.
+    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
@@ -145,7 +136,7 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
             asked = sum(departure**2 for law, departure in off.items() if law.key == key)
             way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
-            if way.members not in ways or way.promise > ways[way.members].promise:
+            if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way
     return ways
 
@@ -155,23 +146,22 @@ def _fitted(
     smaller: Sequence[Candidate],
     most: int,
     level: float,
-    policy: SearchPolicy,
     failed: dict[str, str],
     report: Callable[[str], None],
 ) -> list[Candidate]:
-    """Fit the sets with one mechanism more that promise most, and return them, best first.
+    """Fit the sets with one mechanism more of the greatest optimistic evidence, and return them, best first.
 
     What falls far behind is left out, and once one leaves only noise, what falls behind by so much that it would not
-    stand beside it. To first order a promise holds near a place alone: where a set comes near to what noise leaves,
+    stand beside it. The first order holds near a place alone: where a set comes near to what noise leaves,
     those with another mechanism in place of one of its own are looked at again from there, and begin there.
     """
-    done: list[Candidate] = []
+    policy, done = search.policy, list[Candidate]()
     behind, ways = -np.inf, _prospects(search, [candidate.fit for candidate in smaller])
     for _ in range(min(most, len(ways))):
-        way = max(ways.values(), key=lambda way: way.promise)
+        way = max(ways.values(), key=lambda way: way.optimistic)
         del ways[way.members]
         enough = len(done) >= policy.least or any(candidate.adequate(level) for candidate in done)
-        if enough and way.promise < behind:
+        if enough and way.optimistic < behind:
             break
         name = "+".join([*way.fit.explanation, way.key])
         try:
@@ -183,8 +173,10 @@ def _fitted(
         done.append(candidate)
         evidence = candidate.fit.log_evidence
         behind = max(behind, evidence - (policy.outdone if candidate.adequate(level) else policy.screened))
-        report(f"{name}: promised {way.promise:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}")
+        report(
+            f"{name}: expected at best {way.optimistic:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}"
+        )
         for members, other in _prospects(search, search.neighbours(candidate.fit)).items():
-            if members in ways and other.promise > ways[members].promise:
+            if members in ways and other.optimistic > ways[members].optimistic:
                 ways[members] = other
     return best_first(done)

@@ -12,11 +12,11 @@ from palpate.diagnosis.covariance import Errors
 from palpate.diagnosis.law import Law, departures
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Forward
+from palpate.inference.forward import Forward, under_each
+from palpate.inference.least_squares import central_slopes
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
-STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,17 +59,10 @@ class Fit:
     def everywhere(self) -> dict[str, np.ndarray | str]:
         """Curves (n_points,) under every condition that was tested [nm], or why the forward model failed there."""
         others = [name for name in self.problem.observed if name not in self.problem.names]
-        return {**self.problem.split(self.curve), **self._simulated(others)}
-
-    def _simulated(self, names: list[str]) -> dict[str, np.ndarray | str]:
-        if not names:
-            return {}
-        (found,) = self.model.under(names).curves([self.z])
-        if not isinstance(found, str):
-            return {name: self.problem.nm.get(name, 1.0) * found[name] for name in names}
-        if len(names) == 1:
-            return {names[0]: found}
-        return {name: outcome for each in names for name, outcome in self._simulated([each]).items()}
+        found: dict[str, np.ndarray | str] = {**self.problem.split(self.curve)}
+        for name, curve in under_each(self.model, others, self.z).items():
+            found[name] = curve if isinstance(curve, str) else self.problem.nm.get(name, 1.0) * curve
+        return found
 
     @cached_property
     def factor(self) -> np.ndarray:
@@ -90,6 +83,10 @@ class Fit:
         """Orthonormal basis (n_all, k) of the whitened slopes of the parameters."""
         return np.linalg.qr(self.whiten(self.tangent))[0]
 
+    def off_tangent(self, white: np.ndarray) -> np.ndarray:
+        """Return what whitened values (n_all, ...) have off the tangent space."""
+        return white - self.tangent_space @ (self.tangent_space.T @ white)
+
     @cached_property
     def white(self) -> np.ndarray:
         """Whitened residual (n_all,)."""
@@ -102,9 +99,7 @@ class Fit:
     @cached_property
     def law_tangent(self) -> np.ndarray:
         """Slope (n_laws, k) of the departures from the laws."""
-        steps = STEP * np.eye(len(self.z))
-        columns = [(self.from_laws(self.z + step) - self.from_laws(self.z - step)) / (2 * STEP) for step in steps]
-        return np.stack(columns, axis=1)
+        return central_slopes(self.from_laws, self.z)
 
     @property
     def misfit(self) -> float:

@@ -1,4 +1,4 @@
-"""Which quantities of a fit lie outside what a study thinks plausible, or on a limit of what is possible."""
+"""Which quantities of a fit lie outside what a study thinks plausible."""
 
 from __future__ import annotations
 

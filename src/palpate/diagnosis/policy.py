@@ -22,12 +22,12 @@ class SearchPolicy:
         Chi-square per sample from which a fit leaves far more than noise, whatever the meshes differ by where it lies:
         no more is spent on it.
     screened
-        Logarithm of the evidence by which a promise may lie behind the best fit, once `least` are fitted.
+        By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     outdone
         The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both stand.
     least, most, most_sets
         Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
-    quieter
+    mechanism_penalty
         Logarithm of the likelihood of what is left, by which one more mechanism must raise it to tell the noise of
         recordings without replicates: the cost of a parameter by Akaike's criterion is one, by Schwarz's about three.
     """
@@ -42,4 +42,4 @@ class SearchPolicy:
     least: int = 5
     most: int = 8
     most_sets: int = 5
-    quieter: float = 2.0
+    mechanism_penalty: float = 2.0

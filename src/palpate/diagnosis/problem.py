@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from palpate.calibration import Observation
 from palpate.config import Condition, Study
@@ -20,6 +21,7 @@ from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.protocol import LOAD
+from palpate.variation import added_by_instrument
 
 Explanation = tuple[str, ...]
 
@@ -128,17 +130,6 @@ class Problem:
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
-    def recorded_effect(self, key: str, condition: Condition, values: Mapping[str, float]) -> np.ndarray:
-        """Return what a mechanism adds to the depth that the instrument writes (n_points,) [nm].
-
-        Nothing where a displacement is prescribed, in which the body feels it.
-        """
-        protocol = condition.protocol
-        none = np.zeros(len(protocol.sample_time))
-        if protocol.control != LOAD:
-            return none
-        return MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, none, values)
-
     def felt(self, key: str) -> bool:
         """Return whether the body feels a mechanism under any of the conditions."""
         return any(MECHANISMS[key].felt_under(condition.protocol.control) for condition in self.conditions)
@@ -151,11 +142,15 @@ class Problem:
         """
         protocol, one = condition.protocol, {p.name: 1.0 for p in MECHANISMS[key].parameters}
         if protocol.control == LOAD:
-            return self.recorded_effect(key, condition, one)
+            return added_by_instrument({key: one}, protocol)
         if condition.name in self.names:
             return self._unit_loads[key][condition.name]
         none = np.zeros(len(protocol.sample_time))
         return -MECHANISMS[key].record(protocol.sample_time, none, none, one)
+
+    def own_values(self, key: str) -> np.ndarray:
+        """Return what one unit of a mechanism that varies adds under each condition (n_all, n_conditions) [nm]."""
+        return block_diag(*(self.unit_effect(key, condition)[:, None] for condition in self.conditions))
 
     @cached_property
     def _unit_loads(self) -> dict[str, dict[str, np.ndarray]]:

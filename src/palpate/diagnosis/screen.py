@@ -2,9 +2,9 @@
 
 The derivative of the curves at no amplitude says little of a yield stress, a film or a further Voigt element, whose
 effects vanish there with all their derivatives, or leave a parameter without meaning. So each mechanism that the body
-feels is simulated at some amplitudes; what only adds to the depth costs nothing. To first
-order in the material's parameters, these effects say by how much each mechanism may lower the misfit, where its search
-begins, and in which directions a test of what is left should look.
+feels is simulated at some amplitudes; what only adds to the depth costs nothing. To first order in the material's
+parameters, these effects say by how much each mechanism may lower the misfit, where its search begins, and in which
+directions a test of the residual should look.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
 from scipy.stats import qmc
 
 from palpate.diagnosis.fit import Fit
@@ -21,6 +20,7 @@ from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS
+from palpate.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
 SIMULATED = (0.25, SHOWN, 1.0)  # of the range of a single amplitude
@@ -78,13 +78,11 @@ class Screen:
         Each effect counts in proportion, up to `FURTHEST` times what was simulated, of a mechanism that varies also
         with a value for each condition, less one for each.
         """
-        left = _beside(fit, fit.white[:, None])[:, 0]
         found = float(np.max(self._shares(fit, key)[1], initial=0.0))
         if MECHANISMS[key].varies:
-            problem = fit.problem
-            columns = block_diag(*(problem.unit_effect(key, c)[:, None] for c in problem.conditions))
-            basis = np.linalg.qr(_beside(fit, fit.whiten(columns)))[0]
-            found = max(found, float(np.sum((basis.T @ left) ** 2)) - basis.shape[1] + 1.0)
+            basis = np.linalg.qr(fit.off_tangent(fit.whiten(fit.problem.own_values(key))))[0]
+            along = basis.T @ fit.off_tangent(fit.white)
+            found = max(found, float(np.sum(along**2)) - basis.shape[1] + 1.0)
         return found
 
     def taken_off(self, fit: Fit, key: str) -> Fit:
@@ -109,15 +107,10 @@ class Screen:
 
     def _shares(self, fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
         """Return in what proportion each effect (m,) lowers chi-square most, and by how much."""
-        left, effects = _beside(fit, fit.white[:, None])[:, 0], _beside(fit, fit.whiten(self.effects[key].T))
+        left, effects = fit.off_tangent(fit.white), fit.off_tangent(fit.whiten(self.effects[key].T))
         size, along = np.sum(effects**2, axis=0), left @ effects
         shares = np.clip(np.divide(along, size, out=np.zeros_like(size), where=size > 0.0), 0.0, FURTHEST)
         return shares, shares * (2.0 * along - shares * size)
-
-
-def _beside(fit: Fit, white: np.ndarray) -> np.ndarray:
-    """Return what whitened columns (n_all, m) have off the tangent space of a fit."""
-    return white - fit.tangent_space @ (fit.tangent_space.T @ white)
 
 
 def count_of_trials(problem: Problem, key: str) -> int:
@@ -137,7 +130,7 @@ def _places(dimensions: int) -> np.ndarray:
 def _added(problem: Problem, key: str, coordinate: Coordinate, x: float) -> np.ndarray:
     """Return what a mechanism at its coordinate adds to the depths of all conditions (n_all,) [nm]."""
     values = {coordinate.name.split(".")[1]: float(coordinate.physical(x))}
-    return np.concatenate([problem.recorded_effect(key, condition, values) for condition in problem.conditions])
+    return np.concatenate([added_by_instrument({key: values}, c.protocol) for c in problem.conditions])
 
 
 def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

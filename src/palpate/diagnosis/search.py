@@ -1,7 +1,7 @@
 """Fits of mechanisms with the material, on the finite elements.
 
-A fit begins where the effects that were screened promise most, and is weighed as by calibration. Where it comes near to
-what noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone.
+A fit begins at the screened effects of least misfit, and is weighed as by calibration. Where it comes near to what
+noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone.
 """
 
 from __future__ import annotations
@@ -67,6 +67,8 @@ class Search:
 
     Attributes
     ----------
+    study, policy
+        Settings.
     problem
         The recordings, with the forward model of record.
     base
@@ -85,15 +87,15 @@ class Search:
         laws: LawsBeside | None = None,
         policy: SearchPolicy | None = None,
     ):
-        self._study, self.problem, self._rng = study, problem, rng
-        self._policy = policy or SearchPolicy()
+        self.study, self.problem, self._rng = study, problem, rng
+        self.policy = policy or SearchPolicy()
         self._laws: tuple[Law, ...] = ()
-        self._hear(np.zeros(len(problem.mean)))
+        self._take_for_noise(np.zeros(len(problem.mean)))
         begin = [problem.forward.coordinates.scaled(start) for start in starts]
         base = self._base(begin)
         self.screen = Screen.of(base, keys)
         if not problem.replicated:
-            self._listen(base)
+            self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
         self._laws = tuple(laws(base)) if laws else ()
         self.base = self.examined(replace(base, laws=self._laws))
@@ -113,7 +115,7 @@ class Search:
         PalpateError
             When the forward model fails at all starts.
         """
-        problem, policy = self.problem, self._policy
+        problem, policy = self.problem, self.policy
         model, misfit = problem.model(explanation), self._misfit(explanation, self._errors(explanation, depth))
         limit, settled = policy.iterations, policy.settled
         end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
@@ -133,7 +135,7 @@ class Search:
 
         Where the model of record fails at its end, the fit begins where the search last was without that.
         """
-        problem, policy = self.problem, self._policy
+        problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self._errors((), problem.mean), keep)
         way = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
@@ -158,7 +160,7 @@ class Search:
     def joined(self, fit: Fit, key: str) -> Fit:
         """Fit an explanation and one more mechanism; raises as `fitted`."""
         several = self.screen.trials[key].shape[1] > 1
-        starts = self.screen.starts(fit, key, self._policy.starts if several else 1)
+        starts = self.screen.starts(fit, key, self.policy.starts if several else 1)
         return self.fitted((*fit.explanation, key), starts, fit.curve)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
@@ -166,24 +168,21 @@ class Search:
         problem, found = self.problem, []
         for key in fit.explanation if self._near(fit) else ():
             smaller, rest = problem.without(fit.explanation, fit.z, key)
-            model, tangent = (
-                problem.model(smaller),
-                np.delete(fit.tangent, problem.places(fit.explanation)[key], axis=1),
-            )
+            model, places = problem.model(smaller), problem.places(fit.explanation)[key]
             (curves,) = model.curves([rest])
             if not isinstance(curves, str):
-                curve = problem.stacked(curves)
+                curve, tangent = problem.stacked(curves), np.delete(fit.tangent, places, axis=1)
                 weighed = self._errors(smaller, curve)
                 found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, self._laws))
         return found
 
     def _near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
-        return float(fit.white @ fit.white) < self._policy.hopeless * len(fit.white)
+        return float(fit.white @ fit.white) < self.policy.hopeless * len(fit.white)
 
     def examined(self, fit: Fit) -> Candidate:
         """Test what a fit leaves."""
-        draws, scatter = self._study.diagnosis["bootstrap"], self._study.calibration["site_scatter"]
+        draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
         left = examine(fit, self.screen, self._rng, draws, scatter)
         return Candidate(fit, left, tuple(contradicted(fit, self._laws)))
 
@@ -242,34 +241,34 @@ class Search:
     def _errors(
         self, explanation: Explanation, depth: np.ndarray, effects: Mapping[str, np.ndarray] | None = None
     ) -> Errors:
-        calibration, keys = self._study.calibration, varying(explanation)
+        calibration, keys = self.study.calibration, varying(explanation)
         if keys not in self._noise:
-            self._noise[keys] = noise_of(self.problem, keys, self._heard, calibration["site_scatter"])
+            self._noise[keys] = noise_of(self.problem, keys, self._residual_as_noise, calibration["site_scatter"])
         return errors(self.problem, explanation, depth, self._noise[keys], calibration["solver_error"], effects)
 
-    def _listen(self, base: Fit) -> None:
+    def _estimate_noise_without_replicates(self, base: Fit) -> None:
         """Take for noise, without replicates, what the fit leaves that leaves least beside slow trends.
 
         One that fits worse would allow itself more noise, but what is compared has to be measured by the same. To first
         order, sets grow from the base model as long as one more mechanism makes what is left much likelier.
         """
-        quietest, best = base, self._quietness(base.residual)
-        for _ in range(self._study.diagnosis["largest_set"]):
-            self._hear(quietest.residual)
-            quietest = replace(quietest, errors=self._errors((), quietest.curve))
-            wider = [self.screen.taken_off(quietest, key) for key in self.screen.keys]
-            likely = [self._quietness(fit.residual) - self._policy.quieter for fit in wider]
+        likeliest, best = base, self._residual_log_likelihood(base.residual)
+        for _ in range(self.study.diagnosis["largest_set"]):
+            self._take_for_noise(likeliest.residual)
+            likeliest = replace(likeliest, errors=self._errors((), likeliest.curve))
+            wider = [self.screen.taken_off(likeliest, key) for key in self.screen.keys]
+            likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
             if max(likely, default=-np.inf) <= best:
                 break
-            quietest = wider[int(np.argmax(likely))]
-            best = self._quietness(quietest.residual)
-        self._hear(quietest.residual)
+            likeliest = wider[int(np.argmax(likely))]
+            best = self._residual_log_likelihood(likeliest.residual)
+        self._take_for_noise(likeliest.residual)
 
-    def _hear(self, residual: np.ndarray) -> None:
+    def _take_for_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) for noise where most conditions are not repeated."""
-        self._heard = residual
+        self._residual_as_noise = residual
         self._noise: dict[tuple[str, ...], NoiseModel] = {}
 
-    def _quietness(self, residual: np.ndarray) -> float:
+    def _residual_log_likelihood(self, residual: np.ndarray) -> float:
         """Return the logarithm of the likelihood of what is left (n_all,) beside slow trends."""
-        return noise_of(self.problem, (), residual, self._study.calibration["site_scatter"]).log_likelihood
+        return noise_of(self.problem, (), residual, self.study.calibration["site_scatter"]).log_likelihood

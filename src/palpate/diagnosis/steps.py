@@ -63,7 +63,7 @@ def run_diagnosis(
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)
-    found = diagnose(study, problem, search, report)
+    found = diagnose(search, report)
     vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
     own_laws = exact.of_each() if vary else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)

@@ -163,9 +163,9 @@ class FiniteElements:
 
     def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
         """See `Forward`."""
-        named, found = self.coordinates.named(u), {}
         if self.scale is None:
             return {}
+        named, found = self.coordinates.named(u), {}
         for mechanism in self.mechanisms:
             searched = {name: named[f"{mechanism.key}.{name}"] for name in mechanism.searched(self.scale)}
             found[mechanism.key] = dict(mechanism.from_search(searched, self.scale))
@@ -173,6 +173,18 @@ class FiniteElements:
 
     def _specifications(self, points: Sequence[np.ndarray]) -> list[Specification]:
         return [self.specification(u, condition) for u in points for condition in self.conditions]
+
+
+def under_each(model: Forward, names: Sequence[str], u: np.ndarray) -> dict[str, np.ndarray | str]:
+    """Return the curve (n_points,) at coordinates u (k,) under each condition, or why the model failed there."""
+    if not names:
+        return {}
+    (together,) = model.under(names).curves([u])
+    if not isinstance(together, str):
+        return dict(together)
+    if len(names) == 1:
+        return {names[0]: together}
+    return {name: curve for each in names for name, curve in under_each(model, [each], u).items()}
 
 
 def kept(protocol: Protocol) -> np.ndarray:

@@ -107,6 +107,10 @@ class Misfit:
 
     def slopes_of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return their derivatives (k + m, k) by the coordinates."""
-        steps = STEP * np.eye(len(u))
-        apart = [(self.apart(u + step) - self.apart(u - step)) / (2.0 * STEP) for step in steps]
-        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), np.stack(apart, axis=1)])
+        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.apart, u)])
+
+
+def central_slopes(values: Callable[[np.ndarray], np.ndarray], u: np.ndarray) -> np.ndarray:
+    """Return the central differences (m, k) of values (m,) by coordinates u (k,), over `STEP` to either side."""
+    steps = STEP * np.eye(len(u))
+    return np.stack([(values(u + step) - values(u - step)) / (2.0 * STEP) for step in steps], axis=1)

@@ -20,10 +20,10 @@ import numpy as np
 
 from palpate.config import Condition
 from palpate.inference.coordinates import Coordinates
-from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.mechanisms import Mechanism, Scale
 from palpate.model import Simulation, simulate_batch
-from palpate.protocol import LOAD
 from palpate.specification import Specification
+from palpate.variation import added_by_instrument
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves, FiniteElements
@@ -100,7 +100,7 @@ class SpaceMapped:
         ):
             if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
                 continue
-            added, kept = _added(full, u, condition), keep[condition.name]
+            added, kept = added_by_instrument(full.amplitudes(u), condition.protocol), keep[condition.name]
             reference = Reference(whole.response - added, thin.response - added[kept], kept)
             if pyramid:
                 accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
@@ -181,24 +181,17 @@ class SpaceMapped:
     def _carried(self, u: np.ndarray, condition: Condition, curve: np.ndarray) -> np.ndarray:
         if condition.name not in self.references:
             return curve
-        reference, added = self.references[condition.name], _added(self.full, u, condition)
+        reference, added = self.references[condition.name], self._added(u, condition)
         body = reference.carried(curve - added[reference.kept], condition.protocol.sample_time)
         return body + added
 
     def _carried_slopes(self, u: np.ndarray, condition: Condition, slopes: np.ndarray) -> np.ndarray:
         if condition.name not in self.references:
             return slopes
-        reference, here = self.references[condition.name], _added(self.full, u, condition)
-        moved = [_added(self.full, u + step, condition) for step in STEP * np.eye(len(u))]
+        reference, here = self.references[condition.name], self._added(u, condition)
+        moved = [self._added(u + step, condition) for step in STEP * np.eye(len(u))]
         added = np.stack([there - here for there in moved], axis=1) / STEP
         return reference.carried(slopes - added[reference.kept], condition.protocol.sample_time) + added
 
-
-def _added(model: FiniteElements, u: np.ndarray, condition: Condition) -> np.ndarray:
-    """Return what the instrument adds to the depth of the body at all samples (n_points,) [nm]."""
-    protocol = condition.protocol
-    added = np.zeros(len(protocol.sample_time))
-    if protocol.control == LOAD:
-        for key, values in model.amplitudes(u).items():
-            added = MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, added, values)
-    return added
+    def _added(self, u: np.ndarray, condition: Condition) -> np.ndarray:
+        return added_by_instrument(self.amplitudes(u), condition.protocol)
