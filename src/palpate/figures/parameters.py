@@ -43,7 +43,7 @@ def draw(
         if "truth" in rows and rows["truth"].notna().any():
             axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
         axis.axvspan(min(ranges[name]), max(ranges[name]), color="0.94", lw=0, zorder=0)
-        low, high = (f([*ranges[name], *rows["estimate"]]) for f in (min, max))
+        low, high = min(*ranges[name], *rows["lower"]), max(*ranges[name], *rows["upper"])
         axis.set_xlim(low - 0.05 * (high - low), high + 0.05 * (high - low))
         axis.set_title(in_words(name))
         axis.set_xlabel(labels[name])
