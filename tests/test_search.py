@@ -333,3 +333,20 @@ def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
     found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), [start]).base
     whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [start]).base
     assert found.fit.log_evidence == pytest.approx(whole.fit.log_evidence, abs=0.1)
+
+
+class Frictionless(ClosedForms):
+    """Whose simulations with friction fail."""
+
+    def curves(self, points):
+        acts = any(mechanism.key == "friction" for mechanism in self.mechanisms)
+        return ["no equilibrium"] * len(points) if acts else super().curves(points)
+
+
+def test_a_mechanism_whose_simulations_all_fail_is_left_out_and_said():
+    """The others are looked at all the same."""
+    observed = recordings(np.random.default_rng(3), effect=lambda c, r: 0.3 * c.protocol.sample_time)
+    task = replace(problem(observed), forward=Frictionless(CONDITIONS, bodily={"friction": None}))
+    found = diagnose(search_of(task, [*RECORD_ONLY, "friction"]))
+    assert found.failed == {"friction": "no equilibrium"}
+    assert [each.fit.explanation for each in found.standing] == [("thermal_drift",)]

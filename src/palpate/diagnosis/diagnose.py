@@ -82,11 +82,13 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     where the recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
+    failed = dict(search.screen.failed)
+    for key, reason in failed.items():
+        report(f"{key}: {reason}")
     report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
     if base.adequate(level):
-        return Diagnosis("adequate", base, [], [], [base], {})
+        return Diagnosis("adequate", base, [], [], [base], failed)
     tried, found, standing = [base], [base], []
-    failed: dict[str, str] = {}
     for number in range(search.study.diagnosis["largest_set"]):
         most = search.policy.most_sets if number else search.policy.most
         found = _fitted(search, found, most, level, failed, report)

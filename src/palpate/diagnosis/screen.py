@@ -10,7 +10,7 @@ directions a test of the residual should look.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.stats import qmc
@@ -39,33 +39,33 @@ class Screen:
         Coordinates (m, d) of each mechanism's amplitudes; at the first one that has several, all lie at `SHOWN`.
     effects
         What it adds to the curves there (m, n_all) [nm].
+    failed
+        Why the forward model failed at all amplitudes, of the mechanisms at which it did.
     """
 
     trials: Mapping[str, np.ndarray]
     effects: Mapping[str, np.ndarray]
+    failed: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, fit: Fit, keys: Sequence[str]) -> Screen:
-        """Return the effects of mechanisms at the optimum of the base model.
-
-        Raises
-        ------
-        PalpateError
-            When the base model fails there, or a mechanism does so at all amplitudes.
-        """
-        trials, effects = {}, {}
+        """Return the effects of mechanisms at the optimum of the base model."""
+        trials, effects, failed = {}, {}, {}
         for key in keys:
             coordinates = fit.problem.coordinates((key,)).free[fit.problem.material :]
             if fit.problem.felt(key):
-                trials[key], effects[key] = _simulated(fit, key, _places(len(coordinates)))
+                try:
+                    trials[key], effects[key] = _simulated(fit, key, _places(len(coordinates)))
+                except PalpateError as error:
+                    failed[key] = str(error)
             else:
                 trials[key] = ADDED[:, None]
                 effects[key] = np.array([_added(fit.problem, key, coordinates[0], x) for x in ADDED])
-        return cls(trials, effects)
+        return cls(trials, effects, failed)
 
     @property
     def keys(self) -> list[str]:
-        """The mechanisms."""
+        """The mechanisms whose effects are known."""
         return list(self.trials)
 
     def shown(self, key: str) -> np.ndarray:
@@ -134,11 +134,17 @@ def _added(problem: Problem, key: str, coordinate: Coordinate, x: float) -> np.n
 
 
 def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return those of some coordinates (m, d) at which the forward model does not fail, and the effects there."""
+    """Return those of some coordinates (m, d) at which the forward model does not fail, and the effects there.
+
+    Raises
+    ------
+    PalpateError
+        When it fails at all of them.
+    """
     problem = fit.problem
     outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
     good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
     if not good:
-        raise PalpateError(f"{key}: {outcomes[0]}")
+        raise PalpateError(str(outcomes[0]))
     curves = [curve for curve in outcomes if not isinstance(curve, str)]
     return places[good], np.array([problem.stacked(curve) - fit.curve for curve in curves])
