@@ -22,7 +22,7 @@ from palpate.protocol import LOAD, Protocol, recorded
 from palpate.readers import VendorTest, locate, read_source
 from palpate.recording import Recording, condition_of, read_history, read_recording, recording_files
 from palpate.schema import check_schema, suggestion, with_defaults
-from palpate.specification import Specification, axisymmetric_only
+from palpate.specification import Specification
 from palpate.yaml_file import read_yaml
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
@@ -225,8 +225,6 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         source=source,
     )
     study.specification(study.cells[0], conditions[0])
-    if settings["diagnosis"]["enabled"] and not indenter.of_revolution:
-        raise axisymmetric_only("a diagnosis", "diagnosis.enabled")
     _check_laboratories(study)
     return study
 

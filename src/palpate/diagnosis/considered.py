@@ -17,6 +17,7 @@ from palpate.fem.profile import Profile
 from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.protocol import Protocol
+from palpate.specification import of_equivalent_cone
 from palpate.variation import acting
 
 SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
@@ -34,18 +35,18 @@ def scale_of(study: Study) -> Scale:
     cell = middle(study)
     conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
     largest = max(conditions, key=lambda condition: condition.protocol.largest_drive)
-    specification = study.specification(cell, largest)
-    radius = contact_range(specification.specimen, study.indenter, largest.protocol)[1]
-    tip = study.indenter
+    specification = of_equivalent_cone(study.specification(cell, largest))
+    tip = specification.indenter
+    radius = contact_range(specification.specimen, tip, largest.protocol)[1]
     slope = Profile.of(tip).slope_for(radius) if tip.area else tip.slope
     slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
     return Scale(
         depth=1.2e3 * radius * slope,
-        load=expected_load(specification.specimen, study.indenter, largest.protocol),
+        load=expected_load(specification.specimen, tip, largest.protocol),
         modulus=specification.parameters["youngs_modulus"],
         duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
         loading_time=min(longest_rise(c.protocol) for c in conditions),
-        half_angle=study.indenter.half_angle,
+        half_angle=tip.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
         stated=study.diagnosis["ranges"],
     )
@@ -143,7 +144,7 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
     """
     tests = [condition for condition in study.conditions if condition.role == "calibrate"]
     tests.sort(key=lambda condition: -condition.protocol.largest_drive)
-    specifications = [study.specification(cell, test) for cell in extremes(study) for test in tests]
+    specifications = [of_equivalent_cone(study.specification(cell, test)) for cell in extremes(study) for test in tests]
     ranges, stated = mechanism.searched(scale), scale.stated[mechanism.key]
     ends = [(r.lower, r.upper) if name in stated else (r.lower,) for name, r in ranges.items()]
     for searched in itertools.product(*ends):
