@@ -9,9 +9,11 @@ include: "workflow/rules/calibration.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
-include: "workflow/rules/thesis.smk"
-include: "workflow/rules/real.smk"
-include: "workflow/rules/challenge.smk"
+
+
+for rules in sorted(Path(workflow.basedir).glob("studies/*/rules.smk")):
+
+    include: str(rules)
 
 
 rule all:

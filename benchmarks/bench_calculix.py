@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.export.quadratic import RESOLUTIONS
-from palpate.fem.mesh import Resolution
-from palpate.model import simulate
+from palpate.output.export.quadratic import RESOLUTIONS
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.simulation import simulate
 from palpate.verification.calculix import run_deck
 from palpate.verification.calculix_elastic import ELASTIC
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from palpate.calibration.genetic import GeneticSettings, evolve
+from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.surrogate import PODRBF
 
 TIME = np.linspace(0.01, 1.0, 100)

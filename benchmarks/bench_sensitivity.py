@@ -5,8 +5,8 @@ from time import process_time
 import numpy as np
 import pytest
 
-from palpate.model import sensitivities, simulate, specification_from
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.simulation import sensitivities, simulate, specification_from
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SIX = list(BURGERS)[1:7]

@@ -8,9 +8,9 @@ from time import process_time
 import numpy as np
 import pytest
 
-from palpate.config import load_study
-from palpate.model import simulate, simulate_batch, specification_from
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.configuration.study_file import load_study
+from palpate.solver.simulation import simulate, simulate_batch, specification_from
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 

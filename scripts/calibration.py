@@ -1,8 +1,8 @@
 """Calibrate one condition set on one set of recordings, draw the fit, and log both."""
 
-from palpate import job, steps, tracking
-from palpate.config import load_study
-from palpate.figures import fit
+from palpate.configuration.study_file import load_study
+from palpate.output.figures import fitted_curves
+from palpate.workflow_support import job, steps, tracking
 
 
 def main(snakemake):
@@ -14,7 +14,7 @@ def main(snakemake):
     steps.write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
     title = f"{study.title}: calibrated on the condition set “{condition_set}”"
-    fit.draw(curves, snakemake.output.figure, title, synthetic=recordings in study.laboratory)
+    fitted_curves.draw(curves, snakemake.output.figure, title, synthetic=recordings in study.laboratory)
     tags = {"recordings": recordings, "condition_set": condition_set}
     with tracking.nested_run(study.name, f"fit {recordings} {condition_set}", "calibration", study.file, tags):
         tracking.log_calibration(content, study.calibration)

@@ -1,10 +1,10 @@
 """Diagnose one set of recordings, draw what was found, and log it."""
 
-from palpate import job, steps, tracking
-from palpate.config import load_study
-from palpate.diagnosis import page
-from palpate.diagnosis.steps import run_diagnosis
-from palpate.figures import diagnosis as figure
+from palpate.configuration.study_file import load_study
+from palpate.diagnosis.run import run_diagnosis
+from palpate.output import diagnosis_page as page
+from palpate.output.figures import explained_curves as figure
+from palpate.workflow_support import job, steps, tracking
 
 
 def main(snakemake):

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
-from palpate import job, laboratory
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
+from palpate.laboratory import virtual
+from palpate.workflow_support import job
 
 
 def main(snakemake):
     study = load_study(snakemake.params.study, data=snakemake.params.data)
-    laboratory.write(study, snakemake.params.laboratory, Path(snakemake.output[0]))
+    virtual.write(study, snakemake.params.laboratory, Path(snakemake.output[0]))
 
 
 if "snakemake" in globals():

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from palpate import job, steps
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
+from palpate.workflow_support import job, steps
 
 
 def main(snakemake):

@@ -1,10 +1,11 @@
 """Write the table of all snapshots of a study."""
 
-from palpate import job, snapshots
+from palpate.solver import store
+from palpate.workflow_support import job
 
 
 def main(snakemake):
-    snapshots.index(snakemake.input).to_csv(snakemake.output[0], index=False)
+    store.index(snakemake.input).to_csv(snakemake.output[0], index=False)
 
 
 if "snakemake" in globals():

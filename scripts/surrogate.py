@@ -4,8 +4,8 @@ from pathlib import Path
 
 import joblib
 
-from palpate import job, steps, tracking
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
+from palpate.workflow_support import job, steps, tracking
 
 
 def main(snakemake):

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from palpate import job, steps
-from palpate.figures import surrogates
+from palpate.output.figures import surrogate_errors
+from palpate.workflow_support import job, steps
 
 
 def main(snakemake):
     summaries = {Path(file).stem: steps.read_json(file) for file in snakemake.input}
-    surrogates.draw(summaries, snakemake.output[0], snakemake.params.title)
+    surrogate_errors.draw(summaries, snakemake.output[0], snakemake.params.title)
 
 
 if "snakemake" in globals():

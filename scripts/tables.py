@@ -1,8 +1,8 @@
 """Write error and parameter tables of one set of recordings, and their figures."""
 
-from palpate import job, steps
-from palpate.config import load_study
-from palpate.figures import convergence, parameters
+from palpate.configuration.study_file import load_study
+from palpate.output.figures import estimates_figure, search_history
+from palpate.workflow_support import job, steps
 
 
 def main(snakemake):
@@ -14,8 +14,8 @@ def main(snakemake):
     table = steps.parameter_table(found, truth)
     table.to_csv(snakemake.output.parameters, index=False)
     synthetic = recordings in study.laboratory
-    parameters.draw(table, study.levels, study.declared.values(), snakemake.output.figure, study.title, synthetic)
-    convergence.draw(found, snakemake.output.convergence, "genetic algorithm", synthetic)
+    estimates_figure.draw(table, study.levels, study.declared.values(), snakemake.output.figure, study.title, synthetic)
+    search_history.draw(found, snakemake.output.convergence, "genetic algorithm", synthetic)
 
 
 if "snakemake" in globals():

@@ -1,6 +1,6 @@
 """Make the MLflow store and this execution's parent run before several jobs write to it."""
 
-from palpate import job, tracking
+from palpate.workflow_support import job, tracking
 
 
 def main(snakemake):

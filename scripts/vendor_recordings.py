@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from palpate import job
-from palpate.config import load_study
-from palpate.observations import convert_source
+from palpate.configuration.study_file import load_study
+from palpate.inference.study_recordings import convert_source
+from palpate.workflow_support import job
 
 
 def main(snakemake):

@@ -3,9 +3,9 @@
 import shutil
 from pathlib import Path
 
-from palpate import job
 from palpate.verification import runner
 from palpate.verification.case import Settings
+from palpate.workflow_support import job
 
 
 def main(snakemake):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from palpate.fem.batch import Case, run_lanes
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.fields import cauchy_stress, displacement_gradient
-from palpate.fem.profile import Profile
-from palpate.variation import acting
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
+from palpate.solver.axisymmetric.march_cases import Case, run_lanes
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.solver.variation import acting
 
 
 def case_of(specification):

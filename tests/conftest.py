@@ -2,11 +2,11 @@
 
 import pytest
 
-from palpate.threads import one_thread_each
+from palpate.base.threads import one_thread_each
 
 one_thread_each()
 
-from palpate.fem import similar  # noqa: E402
+from palpate.solver.axisymmetric import similar  # noqa: E402
 
 
 def pytest_configure(config):

@@ -14,9 +14,9 @@ from itertools import product
 import numpy as np
 from bodies import case_of
 
-from palpate.fem.batch import run_lanes
-from palpate.model import specification_from
-from palpate.verification.materials import BURGERS
+from palpate.solver.axisymmetric.march_cases import run_lanes
+from palpate.solver.simulation import specification_from
+from palpate.verification.reference_materials import BURGERS
 
 OFFSETS = 8
 FROM = 0.05  # of the largest load

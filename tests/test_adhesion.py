@@ -5,16 +5,16 @@ import pytest
 from bodies import on_surface
 
 from palpate.analytic import hertz, jkr
-from palpate.fem import adhesion, batch
-from palpate.fem.adhesion import attraction, nodal_areas
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.batch_contact import penetration, width_of
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.profile import Profile
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.protocol import Protocol, trapezoid
-from palpate.specimen import Specimen
+from palpate.solver.axisymmetric import adhesive_traction, march_cases
+from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
+from palpate.solver.axisymmetric.contact import penetration, width_of
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specimen import Specimen
 
 E, NU = 3.28, 0.34
 ELASTIC = LAWS["elastic"].coefficients({"youngs_modulus": E, "poisson_ratio": NU})
@@ -81,7 +81,7 @@ def test_cone_sinks_in_as_maugis_and_barquins_say():
 def test_only_the_work_counts(monkeypatch, plain):
     """A range of attraction sqrt(2) times shorter, over half the zone, gives the same curve."""
     long = depth(200.0)
-    monkeypatch.setattr(adhesion, "ZONE", 0.5 * adhesion.ZONE)
+    monkeypatch.setattr(adhesive_traction, "ZONE", 0.5 * adhesive_traction.ZONE)
     loaded = TEST.sample_load > 0.1
     short = depth(200.0)
     assert np.linalg.norm((short - long)[loaded]) < 0.05 * np.linalg.norm((long - plain)[loaded])
@@ -104,11 +104,11 @@ def test_work_scales_with_the_depth(friction, large):
 def test_law_holds_at_every_node(friction, large, monkeypatch):
     """No pull beyond sigma_0, no gap closed through, sigma(g) across those that are open; and balance with the load.
 
-    The forces are those of the stress in the body. A gap closes over a width, see `palpate.fem.batch_contact`: beyond
-    eight of them, as the step leaves it, the law holds as written, and nearer a node may be pulled by a little of what
-    one in contact bears.
+    The forces are those of the stress in the body. A gap closes over a width, see
+    `palpate.solver.axisymmetric.contact`: beyond eight of them, as the step leaves it, the law holds as written, and
+    nearer a node may be pulled by a little of what one in contact bears.
     """
-    begun, kept, times, close = batch.begun, [], [], 2e-6
+    begun, kept, times, close = march_cases.begun, [], [], 2e-6
     specimen, tip = Specimen(BURGERS, adhesion=100.0), Indenter("sphere", radius=5e3, friction=friction)
     protocol = trapezoid(1.0, 10.0, 2.0, 10.0, points=24)
     case = Case(specimen, tip, protocol, RESOLUTIONS["standard"], large)
@@ -139,8 +139,8 @@ def test_law_holds_at_every_node(friction, large, monkeypatch):
         assert moment.load == pytest.approx(float(protocol.load_at(np.array(moment.time))), abs=close)
         times.append(moment.time)
 
-    monkeypatch.setattr(batch, "begun", keeping)
-    (history,) = batch.run_lanes([case], observe=observe)
+    monkeypatch.setattr(march_cases, "begun", keeping)
+    (history,) = march_cases.run_lanes([case], observe=observe)
     assert history.reason == ""
     assert times[-1] == 22.0
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from palpate.alignment import aligned, time_shift
-from palpate.protocol import recorded, trapezoid
-from palpate.readers.source import Source
-from palpate.readers.vendor import usable
-from palpate.recording import Recording
+from palpate.recordings.alignment import aligned, time_shift
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.vendor import usable
+from palpate.recordings.recording import Recording
+from palpate.study.protocol import recorded, trapezoid
 
 
 def constant_strain_rate(late):

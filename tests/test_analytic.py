@@ -7,11 +7,11 @@ from scipy.integrate import quad
 from palpate.analytic import hertz, scaling, sneddon, viscoelastic_cone, viscoelastic_sphere
 from palpate.analytic.linear_viscoelastic import LinearBurgers
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.model import simulate
-from palpate.protocol import Protocol, trapezoid
-from palpate.specification import Specification
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.simulation import simulate
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specification import Specification
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 SOLID = LinearBurgers(1.1, 0.02, ((0.24, 0.5), (0.1, 20.0)))
 LOADS = np.array([1e-3, 0.1, 4.0])

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from palpate.area_function import AreaFunction
 from palpate.errors import InputError
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.discretisation import RESOLUTIONS, mesh_radii
-from palpate.fem.profile import Profile
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.model import sensitivities, simulate, simulate_batch
-from palpate.protocol import trapezoid
-from palpate.specification import Specification
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, mesh_radii
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.solver.simulation import sensitivities, simulate, simulate_batch
+from palpate.study.area_function import AreaFunction
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specification import Specification
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS
 
 BLUNT = [24.56, 2000.0, -300.0, 500.0]
 MODULUS, RATIO = 3.28, 0.45

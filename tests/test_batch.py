@@ -8,21 +8,21 @@ from numba import njit
 from scipy.linalg import solveh_banded
 from scipy.stats import norm
 
-from palpate.fem import batch, batch_march, batch_newton
-from palpate.fem.batch_banded import PANEL, solve, solve_again
-from palpate.fem.batch_contact import contact_forces, fit, no_coupling, penetration, width_of
-from palpate.fem.batch_element import Body
-from palpate.fem.batch_tip import profile_at
-from palpate.fem.batch_vector import LANES, exponential, load, log_of_one_plus, store
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.mesh import polar_mesh
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.model import simulate, simulate_batch, specification_from
-from palpate.protocol import trapezoid
-from palpate.specimen import Specimen
-from palpate.variation import acting
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.axisymmetric import march, march_cases, newton
+from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
+from palpate.solver.axisymmetric.contact import contact_forces, fit, no_coupling, penetration, width_of
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, store
+from palpate.solver.axisymmetric.mesh import polar_mesh
+from palpate.solver.axisymmetric.tip import profile_at
+from palpate.solver.simulation import simulate, simulate_batch, specification_from
+from palpate.solver.variation import acting
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 TEST = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0, "points": 20}
@@ -41,7 +41,7 @@ def specification(material=None, indenter=None, protocol=None, **keys):
 def case(**changes):
     specimen = Specimen(LAWS["nonlinear_burgers"].coefficients({k: v for k, v in BURGERS.items() if k != "model"}))
     values = {"specimen": specimen, "indenter": Indenter("cone", 70.3), "protocol": trapezoid(1.0, 30.0, 0.0, 30.0, 20)}
-    return batch.Case(**(values | {"resolution": RESOLUTIONS["standard"]} | changes))
+    return march_cases.Case(**(values | {"resolution": RESOLUTIONS["standard"]} | changes))
 
 
 @njit
@@ -139,8 +139,8 @@ def assert_as_alone(specifications, within=1e-8):
 
 def assert_cases_as_alone(cases):
     assert len({each.kind for each in cases}) == 1
-    for together, each in zip(batch.indent_batch(cases), cases, strict=True):
-        (alone,) = batch.indent_batch([each])
+    for together, each in zip(march_cases.indent_batch(cases), cases, strict=True):
+        (alone,) = march_cases.indent_batch([each])
         assert together.reason == alone.reason == ""
         assert np.abs(together.depth - alone.depth).max() < 1e-8 * alone.depth.max()
 
@@ -283,13 +283,13 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
 def test_contact_forces_have_a_potential(tip, work, large):
     """Without friction no work is left after a way round; without adhesion it is the difference of the potential.
 
-    That is the sum of C p A w ((x^2 + 2 b - 1) Phi(x) + x phi(x)) / 2, see `palpate.fem.batch_contact`.
+    That is the sum of C p A w ((x^2 + 2 b - 1) Phi(x) + x phi(x)) / 2, see `palpate.solver.axisymmetric.contact`.
     """
-    lanes = batch.padded([case(specimen=replace(case().specimen, adhesion=work), indenter=tip, large=large)])
+    lanes = march_cases.padded([case(specimen=replace(case().specimen, adhesion=work), indenter=tip, large=large)])
     units = np.array([each.radii[0] for each in lanes])
     mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
     body = Body.of(mesh)
-    march, states = batch.begun(lanes, lanes, mesh, body, units, batch_newton.System.of(body, True), 1e-9)
+    march, states = march_cases.begun(lanes, lanes, mesh, body, units, newton.System.of(body, True), 1e-9)
     contact, state, count = march.contact, states.contact, len(body.distance)
     none, rng = np.zeros(LANES, dtype=bool), np.random.default_rng(4)
     fit(contact, state, np.full(LANES, 0.1), none)
@@ -332,7 +332,7 @@ def losing_the_second(tries):
 
     def advance(*arguments):
         found = arguments[-2]
-        batch_newton.advance(*arguments)
+        newton.advance(*arguments)
         if found[1] and left[0] > 0:
             left[0] -= 1
             found[1] = False
@@ -342,9 +342,9 @@ def losing_the_second(tries):
 
 def test_a_lane_without_equilibrium_fails_alone(monkeypatch):
     cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
-    whole = batch.indent_batch(cases)
-    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=1000))
-    histories = batch.indent_batch(cases)
+    whole = march_cases.indent_batch(cases)
+    monkeypatch.setattr(march, "advance", losing_the_second(tries=1000))
+    histories = march_cases.indent_batch(cases)
     assert [history.reason for history in histories] == ["", "no equilibrium beyond 0 s", ""]
     assert np.all(np.isnan(histories[1].depth))
     for place in (0, 2):
@@ -354,9 +354,9 @@ def test_a_lane_without_equilibrium_fails_alone(monkeypatch):
 def test_a_lane_that_finds_equilibrium_in_parts_of_a_step_goes_on_in_lanes(monkeypatch):
     """Its first step is then halved three times, and later ones begin from there; its neighbours differ by rounding."""
     cases = [case(), case(indenter=Indenter("cone", 68.0)), case()]
-    whole = batch.indent_batch(cases)
-    monkeypatch.setattr(batch_march, "advance", losing_the_second(tries=3))
-    histories = batch.indent_batch(cases)
+    whole = march_cases.indent_batch(cases)
+    monkeypatch.setattr(march, "advance", losing_the_second(tries=3))
+    histories = march_cases.indent_batch(cases)
     for place in (0, 2):
         np.testing.assert_allclose(histories[place].depth, whole[place].depth, rtol=1e-12)
     assert histories[1].steps == whole[1].steps + 7

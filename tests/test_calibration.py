@@ -5,17 +5,19 @@ import json
 import numpy as np
 import pytest
 
-from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
-from palpate.calibration.intervals import intervals
-from palpate.calibration.measures import error_measures, mean_square, relative
-from palpate.calibration.noise import replicate_noise
-from palpate.calibration.polish import WeightedFit
-from palpate.calibration.space import Space
 from palpate.errors import InputError, PalpateError
+from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.genetic import GeneticSettings
+from palpate.inference.intervals import intervals
 from palpate.inference.least_squares import Misfit
+from palpate.inference.measures import error_measures, mean_square, relative
+from palpate.inference.observation import Observation
+from palpate.inference.recording_noise import replicate_noise
+from palpate.inference.surrogate_fit import WeightedFit
+from palpate.inference.surrogate_space import Space
 from palpate.inference.trust_region import descend, resumed
-from palpate.recording import Recording
+from palpate.recordings.recording import Recording
 
 T = np.linspace(0.02, 1.0, 50)
 QUICK = CalibrationSettings(GeneticSettings(population=40, generations=30, subpopulations=2), solver_error=0.0)

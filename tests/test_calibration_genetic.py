@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from deap import base, tools
 
-from palpate.calibration import GeneticSettings, variation
-from palpate.calibration.genetic import evolve, operators
-from palpate.calibration.nsga2 import best_first, crowding, ranks
 from palpate.errors import InputError
+from palpate.inference import genetic_operators
+from palpate.inference.genetic import GeneticSettings, evolve, operators
+from palpate.inference.nsga2 import best_first, crowding, ranks
 
 
 class Fitness(base.Fitness):
@@ -50,7 +50,7 @@ def test_one_objective_is_ranked_by_value():
 def test_intermediate_children_lie_in_their_parents_box():
     rng = np.random.default_rng(0)
     first, second = rng.random((2, 5000, 3))
-    share = (variation.intermediate(rng, first, second, 1.0) - first) / (second - first)
+    share = (genetic_operators.intermediate(rng, first, second, 1.0) - first) / (second - first)
     assert share.min() >= 0 and share.max() <= 1
     assert share.mean(axis=0) == pytest.approx(0.5, abs=0.02)
     assert np.corrcoef(share.T)[0, 1] == pytest.approx(0.0, abs=0.05)
@@ -58,22 +58,22 @@ def test_intermediate_children_lie_in_their_parents_box():
 
 def test_mutation_has_the_asked_deviation_and_respects_the_bounds():
     rng = np.random.default_rng(0)
-    mutants = variation.gaussian(rng, np.full((20000, 1), 0.5), 0.05)
+    mutants = genetic_operators.gaussian(rng, np.full((20000, 1), 0.5), 0.05)
     assert mutants.std() == pytest.approx(0.05, rel=0.03)
-    wide = variation.gaussian(rng, np.full((20000, 1), 0.5), 1.0)
+    wide = genetic_operators.gaussian(rng, np.full((20000, 1), 0.5), 1.0)
     assert wide.min() >= 0 and wide.max() <= 1
     assert wide.mean() == pytest.approx(0.5, abs=0.01)
 
 
 def test_mutation_shrinks_linearly_to_nothing():
-    assert variation.deviation(0, 600, 1.0, 1.0) == 1.0
-    assert variation.deviation(300, 600, 1.0, 1.0) == 0.5
-    assert variation.deviation(600, 600, 1.0, 1.0) == 0.0
-    assert variation.deviation(600, 600, 2.0, 0.5) == 1.0
+    assert genetic_operators.deviation(0, 600, 1.0, 1.0) == 1.0
+    assert genetic_operators.deviation(300, 600, 1.0, 1.0) == 0.5
+    assert genetic_operators.deviation(600, 600, 1.0, 1.0) == 0.0
+    assert genetic_operators.deviation(600, 600, 2.0, 0.5) == 1.0
 
 
 def test_tournament_of_two_prefers_the_better_half():
-    rows = variation.tournament(np.random.default_rng(0), 100, 40000, 2)
+    rows = genetic_operators.tournament(np.random.default_rng(0), 100, 40000, 2)
     assert np.mean(rows < 50) == pytest.approx(0.75, abs=0.01)
 
 

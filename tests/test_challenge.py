@@ -13,17 +13,17 @@ import pandas as pd
 import pytest
 import yaml
 
-from palpate import snapshots
-from palpate.challenge import score
-from palpate.challenge.cases import AMPLITUDES, draw, seal
-from palpate.challenge.laboratory import background, first_order, write
-from palpate.challenge.trial import diagnose_case, score_case, strength
-from palpate.challenge.unknown import UNKNOWN, Curve
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.mechanisms import MECHANISMS
-from palpate.protocol import trapezoid
-from palpate.recording import read_recording
-from palpate.steps import fit_surrogate
+from palpate.recordings.recording import read_recording
+from palpate.solver import store
+from palpate.study.protocol import trapezoid
+from palpate.workflow_support.steps import fit_surrogate
+from studies.blind_trial import score
+from studies.blind_trial.cases import AMPLITUDES, draw, seal
+from studies.blind_trial.laboratory import background, first_order, write
+from studies.blind_trial.trial import diagnose_case, score_case, strength
+from studies.blind_trial.unknown import UNKNOWN, Curve
 
 STUDY = {
     "study": "trial",
@@ -119,9 +119,9 @@ def trial(tmp_path):
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small))
     study = load_study(tmp_path / "small.yaml")
     (condition,) = study.conditions
-    batches = snapshots.plan(study, tmp_path)
+    batches = store.plan(study, tmp_path)
     for batch in batches:
-        snapshots.compute(batch, tmp_path / "store")
+        store.compute(batch, tmp_path / "store")
     surrogate, *_ = fit_surrogate(study, [file for batch in batches for file in batch.files])
     joblib.dump(surrogate, tmp_path / "surrogate")
     cases = draw(study)

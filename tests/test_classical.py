@@ -15,11 +15,11 @@ from palpate.classical import (
     ting,
 )
 from palpate.classical.creep import creep_rate
-from palpate.classical.viscoelastic import Compliance, hereditary
+from palpate.classical.viscoelastic_depth import Compliance, hereditary
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.model import simulate, specification_from
-from palpate.protocol import Protocol, trapezoid
+from palpate.solver.simulation import simulate, specification_from
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
 
 CONE = Indenter("cone", half_angle=70.3)
 SPHERE = Indenter("sphere", radius=1000.0)

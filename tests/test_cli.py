@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate import model
-from palpate.cli import main
-from palpate.recording import Recording
+from palpate.cli.main import main
+from palpate.recordings.recording import Recording
+from palpate.solver import simulation
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 SPEC = {
@@ -208,8 +208,8 @@ def test_a_mechanism_without_its_parameters_is_refused(tmp_path, refused, value)
 
 
 def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, capsys):
-    failed = model.Simulation(np.ones(1), np.ones(1), np.ones(1), "failed", "the step became too small", 0.0)
-    monkeypatch.setattr(model, "simulate", lambda specification: failed)
+    failed = simulation.Simulation(np.ones(1), np.ones(1), np.ones(1), "failed", "the step became too small", 0.0)
+    monkeypatch.setattr(simulation, "simulate", lambda specification: failed)
     file = tmp_path / "spec.yaml"
     file.write_text(yaml.safe_dump(SPEC))
     assert main(["simulate", str(file), "-o", str(tmp_path / "c.csv")]) == 1
@@ -224,14 +224,14 @@ def test_an_interrupt_is_told_in_a_line(tmp_path, monkeypatch, capsys):
     def interrupted(specification):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("palpate.model.simulate", interrupted)
+    monkeypatch.setattr("palpate.solver.simulation.simulate", interrupted)
     assert main(["simulate", str(file), "-o", str(tmp_path / "curve.csv")]) == 130
     assert capsys.readouterr().err == "palpate: interrupted\n"
 
 
 def test_help_needs_no_heavy_imports():
     code = (
-        "import sys\nfrom palpate.cli import main\n"
+        "import sys\nfrom palpate.cli.main import main\n"
         "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
         "print([m for m in ('numba', 'pandas', 'mlflow') if m in sys.modules])"
     )
@@ -249,7 +249,7 @@ def palpate(tmp_path):
     """Run the command line in a process of its own, with the words `before` and `after` it in the shell."""
 
     def run(*arguments, before="", after=""):
-        code = "import sys; from palpate.cli import main; sys.exit(main())"
+        code = "import sys; from palpate.cli.main import main; sys.exit(main())"
         line = f"{before} {sys.executable} -c {shlex.quote(code)} {shlex.join(map(str, arguments))} {after}"
         return subprocess.run(["bash", "-c", line], capture_output=True, text=True, cwd=tmp_path)
 

@@ -9,13 +9,13 @@ import pytest
 import yaml
 
 import palpate
-from palpate.cli import main
-from palpate.config import load_study
+from palpate.cli.main import main
+from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.indenters import AREA, SHAPES
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS, Scale
-from palpate.recording import read_recording
+from palpate.recordings.recording import read_recording
+from palpate.study.indenter import AREA, SHAPES
 
 STUDY = {
     "study": "s",

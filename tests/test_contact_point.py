@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from test_readers import KLA, XP, needs_recordings
 
-from palpate.contact_point import first_touch, touch_at
 from palpate.errors import InputError
-from palpate.readers import read_vendor_file
-from palpate.readers.zero import zeroed
-from palpate.sharp_origin import sharp_origin
+from palpate.recordings.contact_point import first_touch, touch_at
+from palpate.recordings.readers import read_vendor_file
+from palpate.recordings.readers.zero import zeroed
+from palpate.recordings.sharp_origin import sharp_origin
 
 CONTACT, RAMP = 37.0, 9e-5
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms
 
-from palpate.calibration import Observation
-from palpate.config import Condition
+from palpate.configuration.study_file import Condition
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Search
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.observation import Observation
 from palpate.mechanisms import Scale
-from palpate.protocol import trapezoid
+from palpate.study.protocol import trapezoid
 
 LAG = ("controller_lag",)
 CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=60))

@@ -8,22 +8,22 @@ import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
 from scipy.linalg import toeplitz
 
-from palpate.calibration import Observation
-from palpate.calibration.noise import model_covariance
-from palpate.config import Condition
+from palpate.configuration.study_file import Condition
+from palpate.diagnosis.accepted import may_be_named, without_idle
 from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _smaller
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.outside import outside
+from palpate.diagnosis.prescribed_segments import segments
 from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
-from palpate.diagnosis.segments import segments
-from palpate.diagnosis.similarity import similarity
-from palpate.diagnosis.standing import may_be_named, without_idle
+from palpate.inference.observation import Observation
+from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
-from palpate.protocol import trapezoid
+from palpate.study.protocol import trapezoid
 
 RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset"]
 CONDITIONS = tuple(

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from palpate import report
-from palpate.diagnosis.page import _material, effect, located
 from palpate.materials import LAWS
+from palpate.output import html_report
+from palpate.output.diagnosis_page import _material, effect, located
 
 
 def test_parameters_of_effects_carry_their_units():
@@ -22,7 +22,7 @@ def test_places_are_listed_only_where_they_stand_out():
 
 
 def test_tables_show_nothing_where_nothing_is_known():
-    shown = report.table(pd.DataFrame([{"lower": None, "held": True}, {"lower": 1.23456, "held": False}]))
+    shown = html_report.table(pd.DataFrame([{"lower": None, "held": True}, {"lower": 1.23456, "held": False}]))
     cells = [line.strip() for line in shown.splitlines() if "<td>" in line]
     assert cells == ["<td></td>", "<td>yes</td>", "<td>1.235</td>", "<td>no</td>"]
 

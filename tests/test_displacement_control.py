@@ -8,10 +8,10 @@ from palpate.analytic import hertz, relaxing_cone, relaxing_sphere, sneddon, thr
 from palpate.analytic.linear_viscoelastic import LinearBurgers
 from palpate.analytic.relaxation_modulus import RelaxationModulus
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.model import simulate, simulate_batch
-from palpate.protocol import DISPLACEMENT, Protocol, trapezoid
-from palpate.specification import Specification
+from palpate.solver.simulation import simulate, simulate_batch
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import DISPLACEMENT, Protocol, trapezoid
+from palpate.study.specification import Specification
 
 MODULUS, STEADY, VOIGT = 3.0, 0.004, (0.3, 5.0)
 NU = 0.4999

@@ -6,21 +6,23 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.alignment import aligned
-from palpate.calibration import CalibrationSettings, GeneticSettings, Observation, calibrate
-from palpate.calibration.measures import error_measures
-from palpate.calibration.noise import model_covariance, replicate_noise
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.laboratory import disturbed
-from palpate.load_history import protocol_from
-from palpate.model import Simulation
-from palpate.observations import check_drive, check_given, observations
-from palpate.protocol import DISPLACEMENT, trapezoid
-from palpate.quantity import Quantity
-from palpate.recording import Recording
-from palpate.snapshots import address
+from palpate.inference.calibrate import CalibrationSettings, calibrate
+from palpate.inference.genetic import GeneticSettings
+from palpate.inference.measures import error_measures
+from palpate.inference.observation import Observation
+from palpate.inference.recording_noise import model_covariance, replicate_noise
+from palpate.inference.study_recordings import check_drive, check_given, observations
+from palpate.laboratory.virtual import disturbed
+from palpate.recordings.alignment import aligned
+from palpate.recordings.recording import Recording
+from palpate.solver.simulation import Simulation
+from palpate.solver.store import address
+from palpate.study.indenter import Indenter
+from palpate.study.load_history import protocol_from
+from palpate.study.protocol import DISPLACEMENT, trapezoid
+from palpate.study.quantity import Quantity
 from palpate.surrogate import PODRBF
 
 CONE = Indenter("cone", 70.3)

@@ -7,16 +7,16 @@ import pytest
 import yaml
 
 from palpate.analytic import sneddon
-from palpate.cli import main
-from palpate.config import load_study
+from palpate.cli.main import main
+from palpate.configuration.study_file import load_study
 from palpate.draft import Solid, ranges
-from palpate.grouping import grouped
-from palpate.indenters import Indenter
+from palpate.draft.grouping import grouped
 from palpate.materials import LAWS
-from palpate.model import simulate
-from palpate.protocol import trapezoid
-from palpate.recording import Recording
-from palpate.specification import Specification
+from palpate.recordings.recording import Recording
+from palpate.solver.simulation import simulate
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specification import Specification
 
 MODULUS = 3.0
 CONE = Indenter("cone", half_angle=70.3)

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 from test_readers import XP, needs_recordings
 
-from palpate.cli import main
-from palpate.config import load_study
+from palpate.cli.main import main
+from palpate.configuration.study_file import load_study
 from palpate.draft import Solid
 from palpate.draft.stated import Stated
-from palpate.readers import read_vendor_file
+from palpate.recordings.readers import read_vendor_file
 
 ROUNDED = {"Area Coefficient 1": "24.6954", "Area Coefficient 2": "395.770081", "Area Coefficient 3": "-16.1315828"}
 

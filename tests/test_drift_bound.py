@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from palpate.diagnosis.laws import laws_of
-from palpate.drift_rate import fastest_in
-from palpate.recording import Recording
-from palpate.segments import segments
+from palpate.diagnosis.constraints import laws_of
+from palpate.recordings.drift_rate import fastest_in
+from palpate.recordings.recording import Recording
+from palpate.recordings.segments import segments
 
 LOADING, HOLD = 10.0, 20.0
 

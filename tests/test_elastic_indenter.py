@@ -5,10 +5,10 @@ import pytest
 
 from palpate.analytic import hertz
 from palpate.errors import InputError
-from palpate.export import FORMATS
-from palpate.indenters import Indenter
-from palpate.model import simulate, specification_from
-from palpate.snapshots import address
+from palpate.output.export import FORMATS
+from palpate.solver.simulation import simulate, specification_from
+from palpate.solver.store import address
+from palpate.study.indenter import Indenter
 
 GLASS = {"model": "elastic", "youngs_modulus": 72.0, "poisson_ratio": 0.18}
 DIAMOND = {"modulus": 1141.0, "poisson_ratio": 0.07}

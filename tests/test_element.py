@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from palpate.fem import batch_element, batch_hencky
-from palpate.fem.batch import Case, begun, padded
-from palpate.fem.batch_contact import contact_forces, fit, no_coupling
-from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import Points
-from palpate.fem.batch_newton import System
-from palpate.fem.batch_vector import LANES
-from palpate.fem.mesh import Mesh, Resolution, _integration, polar_mesh
-from palpate.fem.profile import Profile
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
-from palpate.protocol import trapezoid
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS, HOOKE
+from palpate.solver.axisymmetric import element, hencky
+from palpate.solver.axisymmetric.contact import contact_forces, fit, no_coupling
+from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.law_lanes import Points
+from palpate.solver.axisymmetric.march_cases import Case, begun, padded
+from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
+from palpate.solver.axisymmetric.newton import System
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS, HOOKE
 
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
 COARSE = Resolution(growth=1.5, sectors=3)
@@ -52,7 +52,7 @@ def corner_forces(moved, coefficients=ELASTIC, radius=1e6):
     body, _ = block(radius)
     points = Points.unloaded(4, 2)
     displacement = np.repeat(np.append(moved.ravel(), 0.0)[:, None], LANES, axis=1)
-    return forces_of(batch_hencky, body, points, coefficients, displacement)[:, 0].reshape(4, 2)
+    return forces_of(hencky, body, points, coefficients, displacement)[:, 0].reshape(4, 2)
 
 
 @pytest.mark.parametrize(("wide", "high"), [(1.0, 0.7), (1.2, 0.8), (0.9, 1.3), (0.8, 0.8)])
@@ -93,7 +93,7 @@ def test_an_element_that_shrinks_to_a_point_is_inside_out(angle, excess):
 def test_stiffness_is_the_symmetric_part_of_the_derivative(large, coefficients):
     """By finite differences, at random displacements and histories; at small strains the derivative is symmetric."""
     rng = np.random.default_rng(3)
-    body, kernel = Body.of(polar_mesh(np.array([0.5, 1.0, 1.6]), 3)), batch_hencky if large else batch_element
+    body, kernel = Body.of(polar_mesh(np.array([0.5, 1.0, 1.6]), 3)), hencky if large else element
     points = Points.unloaded(len(body.volumes) * 4, 2)
     past = rng.normal(scale=0.01, size=points.past.shape[:2])
     past[:, 2] = -past[:, 0] - past[:, 1]

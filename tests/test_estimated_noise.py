@@ -12,9 +12,9 @@ from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.diagnosis.covariance import Errors
 from palpate.diagnosis.estimated_noise import adjusted, freedom
-from palpate.diagnosis.hidden import may_hide
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise import NoiseModel
+from palpate.diagnosis.undetected import may_hide
 
 
 def points(sigma, strength_freedom, counts, site=0.0, site_freedom=1):

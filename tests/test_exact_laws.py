@@ -7,12 +7,12 @@ import pytest
 from test_drift_bound import held_low
 from test_laws import cycles
 
-from palpate.config import Condition
-from palpate.diagnosis import exact_laws
-from palpate.diagnosis.exact_laws import MOST_POINTS, ExactLaws
-from palpate.diagnosis.laws import laws_of
-from palpate.protocol import trapezoid
-from palpate.recording import Recording
+from palpate.configuration.study_file import Condition
+from palpate.diagnosis import exact_constraints
+from palpate.diagnosis.constraints import laws_of
+from palpate.diagnosis.exact_constraints import MOST_POINTS, ExactLaws
+from palpate.recordings.recording import Recording
+from palpate.study.protocol import trapezoid
 
 CREEP = 0.28
 TESTS = {"a": [Recording(*held_low(0.3, CREEP, seed)) for seed in (0, 5)], "b": [Recording(*held_low(0.3, CREEP, 9))]}
@@ -24,14 +24,14 @@ def study(*declared):
 
 
 def test_a_solid_that_does_not_creep_is_not_simulated(monkeypatch):
-    monkeypatch.setattr(exact_laws, "undisturbed", None)
+    monkeypatch.setattr(exact_constraints, "undisturbed", None)
     (law,) = ExactLaws(study("youngs_modulus"), TESTS).beside(BASE)
     assert (law.estimate, law.upper) == pytest.approx((0.58, 0.6), abs=0.03)
 
 
 def test_the_creep_of_the_base_model_is_taken_off(monkeypatch):
     alone = {"a": Recording(*held_low(0.0, CREEP))}
-    monkeypatch.setattr(exact_laws, "undisturbed", lambda *_: alone)
+    monkeypatch.setattr(exact_constraints, "undisturbed", lambda *_: alone)
     found = ExactLaws(study("steady_coefficient"), TESTS)
     (law,) = found.beside(BASE)
     assert law.estimate == pytest.approx(0.3, abs=0.02)
@@ -41,7 +41,7 @@ def test_the_creep_of_the_base_model_is_taken_off(monkeypatch):
 
 
 def test_a_bound_needs_no_simulation(monkeypatch):
-    monkeypatch.setattr(exact_laws, "undisturbed", None)
+    monkeypatch.setattr(exact_constraints, "undisturbed", None)
     time, load, depth = held_low(0.3, CREEP)
     short = time < 32.0
     tests = {"a": [Recording(time[short], load[short], depth[short])]}
@@ -63,7 +63,7 @@ def test_the_simulation_is_sampled_as_the_recording():
     condition = Condition("a", "calibrate", trapezoid(1.0, 10.0, 5.0, 10.0, points=30))
     time = np.sort(np.random.default_rng(0).uniform(0.0, 26.0, 2000))
     recording = Recording(time, time, time)
-    sampled = exact_laws._sampled_as(condition, recording).protocol.sample_time
+    sampled = exact_constraints._sampled_as(condition, recording).protocol.sample_time
     assert len(sampled) == MOST_POINTS
     assert np.isin(sampled, time).all()
     assert sampled[-1] <= 25.0

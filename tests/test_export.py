@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.export import calculix_moved
-from palpate.export.abaqus import user_constants
-from palpate.export.calculix import deck, norton
-from palpate.export.quadratic import RESOLUTIONS, quadratic_mesh
 from palpate.materials.flow.estimate import secant_compliance
-from palpate.model import specification_from
-from palpate.specification import ACCURACIES
+from palpate.output.export import calculix_moved
+from palpate.output.export.abaqus import user_constants
+from palpate.output.export.calculix_deck import deck, norton
+from palpate.output.export.quadratic import RESOLUTIONS, quadratic_mesh
+from palpate.solver.simulation import specification_from
+from palpate.study.specification import ACCURACIES
 
 NORTON = {
     "model": "nonlinear_burgers",

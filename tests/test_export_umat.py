@@ -8,12 +8,12 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from palpate.export.abaqus import SUBROUTINE, user_constants
 from palpate.materials import LAWS
 from palpate.materials.flow.point import commit, history, length, solve, state_size
 from palpate.materials.flow.row import step_weights
-from palpate.model import specification_from
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.output.export.abaqus import SUBROUTINE, user_constants
+from palpate.solver.simulation import specification_from
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 pytestmark = pytest.mark.skipif(not shutil.which("gfortran"), reason="gfortran is not installed")
 ONE = EPOXY
@@ -26,7 +26,7 @@ TURN = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
 @pytest.fixture(scope="module")
 def subroutine(tmp_path_factory):
     folder = tmp_path_factory.mktemp("umat")
-    (folder / SUBROUTINE).write_bytes(files("palpate.export").joinpath(SUBROUTINE).read_bytes())
+    (folder / SUBROUTINE).write_bytes(files("palpate.output.export").joinpath(SUBROUTINE).read_bytes())
     command = ["gfortran", "-Wall", "-Wno-unused-dummy-argument", "-Wno-compare-reals", "-Werror", "-shared", "-fPIC"]
     subprocess.run([*command, "-O1", "-o", "umat.so", SUBROUTINE], cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "umat.so")).umat_

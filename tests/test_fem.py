@@ -7,23 +7,23 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from palpate.fem import batch_march, batch_newton
-from palpate.fem.batch import Case, indent_batch, run_lanes
-from palpate.fem.batch_element import Body
-from palpate.fem.batch_friction import turn_back
-from palpate.fem.batch_law import Points
-from palpate.fem.batch_vector import LANES
-from palpate.fem.discretisation import RESOLUTIONS, step_times
-from palpate.fem.fields import Fields
-from palpate.fem.mesh import Mesh, Resolution, _integration, polar_mesh
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
-from palpate.model import simulate
-from palpate.protocol import Protocol, trapezoid
-from palpate.specification import Specification
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS
+from palpate.solver.axisymmetric import march, newton
+from palpate.solver.axisymmetric.coulomb_friction import turn_back
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, step_times
+from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.fields import Fields
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.law_lanes import Points
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
+from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
+from palpate.solver.simulation import simulate
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specification import Specification
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS
 
 CONE = Indenter("cone", 70.3)
 STANDARD = RESOLUTIONS["standard"]
@@ -55,14 +55,14 @@ class Lanes:
 
     def forces(self, displacement):
         forces = np.zeros_like(displacement)
-        batch_newton.internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
+        newton.internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
         return forces
 
     def stiffness(self, displacement):
         """Return the matrix (size, size) of the first lane, after `forces`; its upper half is its lower half."""
         size, width = self.body.size, self.body.width
         band = np.zeros((size * width + 1, LANES))
-        batch_newton.stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
+        newton.stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
         matrix = np.zeros((size, size))
         for k in range(width):
             below = band[k : size * width : width, 0][: max(size - k, 0)]
@@ -73,7 +73,7 @@ class Lanes:
 @pytest.mark.parametrize("large", [False, True])
 @pytest.mark.parametrize("key", ["nonlinear_burgers", "burgers_plasticity"])
 def test_tangent_is_the_derivative_of_the_force(large, key):
-    """At large strains its symmetric part: true stress has no potential, see `palpate.fem.batch_hencky`."""
+    """At large strains its symmetric part: true stress has no potential, see `palpate.solver.axisymmetric.hencky`."""
     rng = np.random.default_rng(3)
     coefficients = LAWS[key].coefficients(
         BURGERS | ({"yield_stress": 0.05, "hardening": 0.3} if key == "burgers_plasticity" else {})
@@ -125,14 +125,14 @@ def test_large_strain_does_not_feel_a_rigid_rotation():
 
 
 def opened_step(monkeypatch, number, case):
-    """Return the arguments of `palpate.fem.batch_newton.advance` at the start of one step of a simulation."""
+    """Return the arguments of `palpate.solver.axisymmetric.newton.advance` at the start of one step of a simulation."""
     kept = []
 
     def advance(*arguments):
         kept.append(deepcopy(arguments) if len(kept) == number else None)
-        batch_newton.advance(*arguments)
+        newton.advance(*arguments)
 
-    monkeypatch.setattr(batch_march, "advance", advance)
+    monkeypatch.setattr(march, "advance", advance)
     indent_batch([case])
     return kept[number]
 
@@ -143,21 +143,21 @@ def newton_norms(opened, iterations):
     displacement, depth, reaction = opened[11:14]
     force_weight, depth_weight, target = equation
     forces, forward, direction = np.zeros((3, *displacement.shape))
-    coupling, toward, wider, work = batch_newton.no_coupling(len(body.radial)), *np.zeros((3, LANES))
+    coupling, toward, wider, work = newton.no_coupling(len(body.radial)), *np.zeros((3, LANES))
     slips, changed = np.zeros((len(body.radial), LANES)), np.zeros(LANES, dtype=bool)
     none, all_of_it, norms = np.zeros(LANES, dtype=bool), np.ones(LANES), []
     for _ in range(iterations):
-        shares = batch_newton.shares_of(large, body, contact, state, displacement, depth)
+        shares = newton.shares_of(large, body, contact, state, displacement, depth)
         turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, none)
-        batch_newton.internal_forces(large, body, points, laws, weights, displacement, forces)
-        batch_newton.fit(contact, state, batch_newton.load_borne(body, contact, state, forces, equation), none)
-        batch_newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, none)
+        newton.internal_forces(large, body, points, laws, weights, displacement, forces)
+        newton.fit(contact, state, newton.load_borne(body, contact, state, forces, equation), none)
+        newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, none)
         excess = reaction * force_weight + depth * depth_weight - target
         norms.append(max(np.abs(forces[:-1, 0]).max(), abs(excess[0])) / scale[0])
-        batch_newton.stiffness(large, body, points, laws, displacement, all_of_it, system.band)
-        batch_newton.factor(body, coupling, all_of_it, system, forces, forward)
+        newton.stiffness(large, body, points, laws, displacement, all_of_it, system.band)
+        newton.factor(body, coupling, all_of_it, system, forces, forward)
         late = (state.area - coupling.area) / (1.0 - coupling.feedback)
-        batch_newton.direct(
+        newton.direct(
             system, forces, forward, force_weight, depth_weight, excess, late, state.area, ~none, direction, toward,
             wider, work,
         )  # fmt: skip
@@ -301,7 +301,7 @@ def test_a_step_that_cannot_converge_is_reported(monkeypatch):
     def advance(*arguments):
         arguments[-2][:] = False
 
-    monkeypatch.setattr(batch_march, "advance", advance)
+    monkeypatch.setattr(march, "advance", advance)
     (outcome,) = indent_batch([Case(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)])
     assert outcome.reason == "no equilibrium beyond 0 s"
     assert np.isnan(outcome.depth).all()

@@ -9,28 +9,28 @@ import pytest
 from scipy.linalg import logm, polar
 
 from palpate.analytic import sneddon
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.fem.mesh import Resolution
-from palpate.fem3d import hencky
-from palpate.fem3d.contact import Contact
-from palpate.fem3d.coupled import Coupling
-from palpate.fem3d.element import assemble
-from palpate.fem3d.indent import indent_3d
-from palpate.fem3d.linear import element
-from palpate.fem3d.mesh import CORNERS, integration, wedge_mesh
-from palpate.fem3d.newton import Problem, State, Workspace
-from palpate.fem3d.shell import WEDGE, shell
-from palpate.fem3d.tip import tip_of
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
 from palpate.materials.flow.point import commit, history, state_size
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
-from palpate.protocol import Protocol, trapezoid
-from palpate.specimen import Specimen, elastic_substrate
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETRIC
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid import hencky_3d
+from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.coupled import Coupling
+from palpate.solver.pyramid.element_3d import assemble
+from palpate.solver.pyramid.indent_3d import indent_3d
+from palpate.solver.pyramid.linear_3d import element
+from palpate.solver.pyramid.mesh_3d import CORNERS, integration, wedge_mesh
+from palpate.solver.pyramid.newton_3d import Problem, State, Workspace
+from palpate.solver.pyramid.shell import WEDGE, shell
+from palpate.solver.pyramid.tip_3d import tip_of
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specimen import Specimen, elastic_substrate
 from palpate.verification.calculix_pyramid import depth_at_one
 from palpate.verification.contact_area import contact_area
-from palpate.verification.materials import BURGERS, HOOKE
+from palpate.verification.reference_materials import BURGERS, HOOKE
 
 COARSE = Resolution(growth=1.2, sectors=6)
 PYRAMID, CONE = Indenter("berkovich", face_angle=65.27), Indenter("cone", 70.3)
@@ -198,7 +198,7 @@ def at_large_strains(hexahedron, u, law, past):
     """Return force and stiffness of one element, and the tensors R."""
     ke, fe, local = np.zeros((25, 25)), np.zeros(25), np.empty((8, 6))
     points = past, np.zeros(8), np.zeros(8), step_weights(law[None], 1.0)[0], law, local
-    assert np.isfinite(hencky.element(*hexahedron[:2], u, *points, ke, fe, True))
+    assert np.isfinite(hencky_3d.element(*hexahedron[:2], u, *points, ke, fe, True))
     return fe[:24], ke[:24, :24], local
 
 
@@ -240,7 +240,7 @@ def test_an_element_inside_out_is_noticed(hexahedron):
     law = elastic(0.3)
     points = np.zeros((8, 6)), np.zeros(8), np.zeros(8), step_weights(law[None], 1.0)[0], law, np.empty((8, 6))
     mirrored = -2.0 * hexahedron[2] * [0.0, 0.0, 1.0]
-    assert np.isnan(hencky.element(*hexahedron[:2], mirrored, *points, np.zeros((25, 25)), np.zeros(25), True))
+    assert np.isnan(hencky_3d.element(*hexahedron[:2], mirrored, *points, np.zeros((25, 25)), np.zeros(25), True))
 
 
 def test_the_law_does_not_see_the_axes():

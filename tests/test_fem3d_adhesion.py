@@ -5,23 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.fem.adhesion import Adhesion
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.batch_drive import NO_LOAD
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.mesh import Resolution
-from palpate.fem3d.adhesion import attract, nodal_areas
-from palpate.fem3d.contact import Contact
-from palpate.fem3d.indent import indent_3d
-from palpate.fem3d.mesh import wedge_mesh
-from palpate.fem3d.newton import Problem, State, Workspace
-from palpate.fem3d.shell import shell
-from palpate.fem3d.tip import tip_of
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.protocol import trapezoid
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS, HOOKE
+from palpate.solver.axisymmetric.adhesive_traction import Adhesion
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.drive import NO_LOAD
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid.adhesion_3d import attract, nodal_areas
+from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.indent_3d import indent_3d
+from palpate.solver.pyramid.mesh_3d import wedge_mesh
+from palpate.solver.pyramid.newton_3d import Problem, State, Workspace
+from palpate.solver.pyramid.shell import shell
+from palpate.solver.pyramid.tip_3d import tip_of
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS, HOOKE
 
 COARSE, FINER = Resolution(growth=1.2, sectors=6), Resolution(growth=1.12, sectors=6)
 ELASTIC, EPOXY = LAWS["elastic"].coefficients(HOOKE), LAWS["nonlinear_burgers"].coefficients(BURGERS)

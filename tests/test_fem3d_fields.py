@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate import model
-from palpate.cli import main
-from palpate.fem.mesh import Resolution
-from palpate.fem3d.fields import along_xyz, cauchy_stress, fields_of
-from palpate.fem3d.indent import indent_3d
-from palpate.indenters import Indenter
+from palpate.cli.main import main
 from palpate.materials import LAWS
-from palpate.model import specification_from, states_at
-from palpate.protocol import trapezoid
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS
+from palpate.solver import simulation
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid.fields_3d import along_xyz, cauchy_stress, fields_of
+from palpate.solver.pyramid.indent_3d import indent_3d
+from palpate.solver.simulation import specification_from, states_at
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS
 
 SPEC = {
     "material": {"model": "burgers_plasticity", **BURGERS, "yield_stress": 0.15, "hardening": 0.3},
@@ -26,7 +26,7 @@ SPEC = {
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
-    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
 
 
 def internal_force(problem, state):

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.fem.mesh import Resolution
-from palpate.fem3d.contact import Contact
-from palpate.fem3d.friction import Friction
-from palpate.fem3d.indent import indent_3d
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.protocol import Protocol, trapezoid
-from palpate.specimen import Specimen
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETRIC
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.friction_3d import Friction
+from palpate.solver.pyramid.indent_3d import indent_3d
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specimen import Specimen
 from palpate.verification.calculix_pyramid import depth_at_one
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 COARSE = Resolution(growth=1.3, sectors=6, far=300.0)
 COARSER = Resolution(growth=1.35, sectors=3, far=100.0)

@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 import yaml
 
-from palpate.cli import main
-from palpate.fem.batch_newton import TOLERANCE
-from palpate.fem.fields import displacement_gradient, von_mises
-from palpate.figures.fields import nodal
-from palpate.model import fields_at, simulate, specification_from
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.cli.main import main
+from palpate.output.figures.stress_fields import nodal
+from palpate.solver.axisymmetric.fields import displacement_gradient, von_mises
+from palpate.solver.axisymmetric.newton import TOLERANCE
+from palpate.solver.simulation import fields_at, simulate, specification_from
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {
     "model": "burgers_plasticity",

@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_rgb
 
-from palpate.figures import convergence, parameters
 from palpate.materials import LAWS
+from palpate.output.figures import estimates_figure, search_history
 
 RANGES = {"youngs_modulus": [3.0, 4.0], "steady_coefficient": [0.1, 0.2], "transient_exponent_2": [0.3, 0.5]}
 
@@ -18,9 +18,9 @@ def drawn(monkeypatch, **further):
         for name, (low, high) in RANGES.items()
     ]
     figures = []
-    monkeypatch.setattr(parameters, "save", lambda figure, path: figures.append(figure))
+    monkeypatch.setattr(estimates_figure, "save", lambda figure, path: figures.append(figure))
     declared = LAWS["nonlinear_burgers"].declared(dict.fromkeys(RANGES, 1.0))
-    parameters.draw(pd.DataFrame(rows).assign(**further), RANGES, declared, "", "PMMA", False)
+    estimates_figure.draw(pd.DataFrame(rows).assign(**further), RANGES, declared, "", "PMMA", False)
     figures[0].canvas.draw()
     return figures[0]
 
@@ -37,9 +37,9 @@ def test_parameters_are_drawn_with_symbol_and_unit(monkeypatch):
 @pytest.mark.parametrize(("objective", "unit"), [("mean_square", "nm$^2$"), ("relative", "-")])
 def test_convergence_is_drawn_with_its_unit(monkeypatch, objective, unit):
     figures = []
-    monkeypatch.setattr(convergence, "save", lambda figure, path: figures.append(figure))
+    monkeypatch.setattr(search_history, "save", lambda figure, path: figures.append(figure))
     history = [{"generation": k, "best_sum": 9.0 - k} for k in range(3)]
-    convergence.draw({"all": {"settings": {"objective": objective}, "history": history}}, "", "search", False)
+    search_history.draw({"all": {"settings": {"objective": objective}, "history": history}}, "", "search", False)
     assert figures[0].axes[0].get_ylabel().endswith(f"[{unit}]")
 
 

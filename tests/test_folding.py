@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.folding import merged
-from palpate.fem.mesh import ring_radii
-from palpate.model import simulate, simulate_batch, specification_from
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.folding import merged
+from palpate.solver.axisymmetric.mesh import ring_radii
+from palpate.solver.simulation import simulate, simulate_batch, specification_from
 
 STANDARD = RESOLUTIONS["standard"]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.classical.frame import frame_by_oscillation, frame_compliance, frame_of, hodges_lehmann
-from palpate.segments import segments
+from palpate.recordings.segments import segments
 
 PEAKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 

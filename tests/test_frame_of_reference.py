@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from palpate.area_function import AreaFunction
 from palpate.classical.oliver_pharr import BETA, EPSILON
-from palpate.classical.reference import Reference, frame_of_reference
+from palpate.classical.reference_sample import Reference, frame_of_reference
+from palpate.study.area_function import AreaFunction
 
 AREA = AreaFunction((24.5, 300.0))
 HARDNESS, MODULUS = 9.0, 69.6

@@ -7,18 +7,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from palpate.fem import batch, batch_newton
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.batch_contact import contact_forces, no_coupling, normal_distribution, penetration, width_of
-from palpate.fem.batch_tip import profile_at
-from palpate.fem.batch_vector import LANES
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.mesh import Resolution
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.protocol import Protocol, trapezoid
-from palpate.specimen import Specimen
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.axisymmetric import march_cases, newton
+from palpate.solver.axisymmetric.contact import contact_forces, no_coupling, normal_distribution, penetration, width_of
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.axisymmetric.tip import profile_at
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specimen import Specimen
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = LAWS["nonlinear_burgers"].coefficients(EPOXY)
 METAL = LAWS["bilinear_plasticity"].coefficients(
@@ -26,7 +26,9 @@ METAL = LAWS["bilinear_plasticity"].coefficients(
 )
 STANDARD = RESOLUTIONS["standard"]
 TEST = trapezoid(1.0, 30.0, 0.0, 30.0)
-PULL = 0.27  # of what the mean pressure gives a node: C max(-x Phi(x) - b phi(x)) of `palpate.fem.batch_contact`
+PULL = (
+    0.27  # of what the mean pressure gives a node: C max(-x Phi(x) - b phi(x)) of `palpate.solver.axisymmetric.contact`
+)
 SLIPS = 0.9  # of the limit of friction, which is neared gradually, from which a node counts as slipping
 
 
@@ -58,7 +60,7 @@ class Surface:
     def of(cls, march, states):
         body, contact, scale = march.body, march.contact, march.drives.scale[0]
         inner = np.zeros_like(states.displacement)
-        batch_newton.internal_forces(
+        newton.internal_forces(
             march.large, body, deepcopy(states.points), states.laws, states.weights, states.displacement, inner
         )
         moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]
@@ -79,7 +81,7 @@ class Surface:
 
 def surfaces(case, monkeypatch):
     """Return the surface at the ends of all steps, and the load at each [mN]."""
-    begun, kept, found, loads = batch.begun, [], [], []
+    begun, kept, found, loads = march_cases.begun, [], [], []
 
     def keeping(*arguments):
         kept[:] = begun(*arguments)
@@ -89,8 +91,8 @@ def surfaces(case, monkeypatch):
         found.append(Surface.of(*kept))
         loads.append(float(case.protocol.load_at(np.array(moment.time))))
 
-    monkeypatch.setattr(batch, "begun", keeping)
-    (outcome,) = batch.run_lanes([case], observe=observe)
+    monkeypatch.setattr(march_cases, "begun", keeping)
+    (outcome,) = march_cases.run_lanes([case], observe=observe)
     assert not outcome.reason
     return found, np.array(loads)
 
@@ -199,7 +201,7 @@ def test_a_body_that_hardly_changes_volume_slides_along_the_tip():
 
 def loaded(case, steps, monkeypatch):
     """Return how a case advances and where it is after some of its steps."""
-    begun, kept = batch.begun, []
+    begun, kept = march_cases.begun, []
 
     class Reached(Exception):
         pass
@@ -212,9 +214,9 @@ def loaded(case, steps, monkeypatch):
         if moment.time >= case.times[steps]:
             raise Reached
 
-    monkeypatch.setattr(batch, "begun", keeping)
+    monkeypatch.setattr(march_cases, "begun", keeping)
     with pytest.raises(Reached):
-        batch.run_lanes([case], observe=observe)
+        march_cases.run_lanes([case], observe=observe)
     return kept
 
 

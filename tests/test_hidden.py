@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
-from palpate.diagnosis.hidden import open_amplitudes
-from palpate.diagnosis.law import Law
+from palpate.diagnosis.amplitude_constraint import Law
 from palpate.diagnosis.screen import Screen
+from palpate.diagnosis.undetected import open_amplitudes
 from palpate.mechanisms import MECHANISMS
 
 FRAME = "frame_compliance.compliance"

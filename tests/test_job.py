@@ -2,8 +2,8 @@
 
 import pytest
 
-from palpate import job
 from palpate.errors import InputError
+from palpate.workflow_support import job
 
 
 @pytest.fixture

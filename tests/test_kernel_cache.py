@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from palpate import kernel_cache
+from palpate.base import kernel_cache
 from palpate.errors import InputError
 
 SOURCE = Path(kernel_cache.__file__).parent
 READ_ONLY = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && shift && exec "$@"'
 NAMESPACE = ("unshare", "--mount", "--map-root-user", "sh", "-c", READ_ONLY, "sh")
-KERNELS = "import os, palpate.fem.batch; print(os.environ['NUMBA_CACHE_DIR'])"
+KERNELS = "import os, palpate.solver.axisymmetric.march_cases; print(os.environ['NUMBA_CACHE_DIR'])"
 SPECIFICATION = """
 material: {model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}
 indenter: {shape: cone, half_angle: 70.3}
@@ -58,7 +58,9 @@ def test_with_package_and_home_read_only_kernels_are_kept_in_a_folder_of_the_use
 
 def test_where_nothing_can_be_written_one_line_names_the_remedy(read_only, tmp_path):
     (tmp_path / f"temporary/palpate-kernels-{os.getuid()}").symlink_to(tmp_path)
-    asked = read_only(sys.executable, "-m", "palpate.cli", "simulate", "../fixed/specification.yaml", "-o", "curve.csv")
+    asked = read_only(
+        sys.executable, "-m", "palpate.cli.main", "simulate", "../fixed/specification.yaml", "-o", "curve.csv"
+    )
     assert asked.returncode == 2
     assert len(asked.stderr.splitlines()) == 1
     assert "set NUMBA_CACHE_DIR to a folder of yours" in asked.stderr

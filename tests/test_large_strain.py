@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.fem import batch_hencky
-from palpate.fem.batch_element import Body
-from palpate.fem.batch_law import Points
-from palpate.fem.batch_vector import LANES
-from palpate.fem.mesh import Mesh, _integration
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
-from palpate.model import simulate
-from palpate.specification import Specification
+from palpate.solver.axisymmetric import hencky
+from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.law_lanes import Points
+from palpate.solver.axisymmetric.mesh import Mesh, _integration
+from palpate.solver.simulation import simulate
+from palpate.study.specification import Specification
 from palpate.verification.kinematics import EPOXY, WAYS
-from palpate.verification.materials import CONE, HOOKE
+from palpate.verification.reference_materials import CONE, HOOKE
 
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
 
@@ -32,7 +32,7 @@ def forces_on(mesh, displacement):
     laws = np.repeat(ELASTIC[None, :, None], LANES, axis=2)
     moved = np.repeat(np.append(displacement.ravel(), 0.0)[:, None], LANES, axis=1)
     forces, weights = np.zeros_like(moved), step_weights(laws, np.ones(LANES))
-    batch_hencky.internal_forces(Body.of(mesh), Points.unloaded(4, 0), laws, weights, moved, forces)
+    hencky.internal_forces(Body.of(mesh), Points.unloaded(4, 0), laws, weights, moved, forces)
     return forces[:8, 0].reshape(4, 2)
 
 

@@ -5,11 +5,11 @@ import pytest
 from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
-from palpate.diagnosis.hidden import may_hide
-from palpate.diagnosis.law import Law
-from palpate.diagnosis.laws import contradicted, laws_of, zero_points
+from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.constraints import contradicted, laws_of, zero_points
+from palpate.diagnosis.undetected import may_hide
 from palpate.errors import InputError
-from palpate.recording import Recording
+from palpate.recordings.recording import Recording
 
 
 def law(estimate, half, key="thermal_drift", parameter="rate"):

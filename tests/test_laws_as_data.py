@@ -7,13 +7,13 @@ import pytest
 from closed_forms import TRUTH
 from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
-from palpate.diagnosis import hidden
-from palpate.diagnosis.hidden import may_hide, not_fixed, open_amplitudes
-from palpate.diagnosis.law import Law
-from palpate.diagnosis.laws import contradicted
+from palpate.diagnosis import undetected
+from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Search
+from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0
@@ -107,7 +107,7 @@ def test_what_is_open_is_said_with_the_test_that_would_fix_it(yielding, monkeypa
     frame = open_amplitudes(free, screen)["frame_compliance.compliance"]
     largest = max(condition.protocol.max_load for condition in yielding.conditions)
     share = 0.5 * (frame["upper"] - frame["lower"]) * largest / np.abs(yielding.mean).max()
-    monkeypatch.setattr(hidden, "COARSE", 0.5 * share)
+    monkeypatch.setattr(undetected, "COARSE", 0.5 * share)
     assert any("unloadings from loads that span" in line for line in not_fixed(free, open_amplitudes(free, screen)))
     assert not any("unloadings from loads that span" in line for line in not_fixed(held, open_amplitudes(held, screen)))
 

@@ -7,11 +7,11 @@ import pytest
 from test_laws_of_flow import values
 from under_a_cone import depths, specification
 
-from palpate.fem3d import hencky, linear
-from palpate.fem3d.mesh import integration
 from palpate.materials import law_of
 from palpate.materials.flow.point import length, solve
 from palpate.materials.flow.row import BULK, step_weights
+from palpate.solver.pyramid import hencky_3d, linear_3d
+from palpate.solver.pyramid.mesh_3d import integration
 
 FLOWS = {
     "ludwik_plasticity": {"yield_stress": 0.06, "strength": 0.2, "hardening_exponent": 0.3},
@@ -60,7 +60,7 @@ def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
     past, alpha, guesses, local = np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6))
     ke, fe = np.zeros((25, 25)), np.zeros(25)
     arguments = (gradients, volumes, u, past, alpha, guesses, weights, law, local, ke, fe)
-    pressure = hencky.element(*arguments, True) if large else linear.element(*arguments)
+    pressure = hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
     assert pressure == pytest.approx(-law[BULK] * np.trace(strain))
     deviator = strain - np.trace(strain) / 3 * np.eye(3)
     rho = length(np.array([*np.diag(deviator), 0.0, 0.0, 0.0]), 6)
@@ -88,7 +88,7 @@ def test_the_stiffness_of_a_hexahedron_is_the_symmetric_part_of_the_derivative(m
         state = np.zeros((8, 6)), np.zeros(8), np.zeros(8), weights, law, np.empty((8, 6))
         ke, fe = np.zeros((25, 25)), np.zeros(25)
         arguments = (gradients, volumes, u, *state, ke, fe)
-        hencky.element(*arguments, True) if large else linear.element(*arguments)
+        hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
         return fe[:24], ke[:24, :24]
 
     units = 1e-7 * np.eye(24).reshape(24, 8, 3)

@@ -6,12 +6,12 @@ from homogeneous import error, updated
 from numba import njit
 
 from palpate.errors import InputError
-from palpate.fem.batch_vector import LANES, load, splat, store
 from palpate.materials import LAWS, law_of
 from palpate.materials.flow.point import solve
 from palpate.materials.flow.radial import NOTHING, TOLERANCE, solve_radial
 from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
-from palpate.verification.materials import BURGERS
+from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
+from palpate.verification.reference_materials import BURGERS
 
 HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
 CREEP = {name: value for name, value in BURGERS.items() if name not in HOOKE}

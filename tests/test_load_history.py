@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from palpate.errors import InputError
-from palpate.load_history import constant_strain_rate, cycles, protocol_from
-from palpate.model import simulate, specification_from
-from palpate.protocol import recorded, trapezoid
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.simulation import simulate, specification_from
+from palpate.study.load_history import constant_strain_rate, cycles, protocol_from
+from palpate.study.protocol import recorded, trapezoid
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 CREEP = {"model": "nonlinear_burgers", **EPOXY}
 CONE = {"shape": "cone", "half_angle": 70.3}

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate import model
 from palpate.errors import InputError
-from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate, specification_from
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver import simulation
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.simulation import simulate, specification_from
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
     "material": {"model": "nonlinear_burgers", **EPOXY},
@@ -75,7 +75,7 @@ def test_pairs_run(pair):
 @pytest.mark.xfail(reason="the effect of adhesion under a sharp tip is below the ripple of the solver in space")
 def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
     """Each alone does about what it does under the equivalent cone; all of them run at once."""
-    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))
+    monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))
     spec = BASE | {"kinematics": kinematics, "protocol": BASE["protocol"] | {"points": 7}}
     pyramid = spec | {"indenter": {"shape": "berkovich"}}
 

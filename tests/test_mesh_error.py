@@ -9,13 +9,13 @@ import yaml
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
-from palpate.config import load_study
-from palpate.diagnosis.considered import middle, scale_of
+from palpate.configuration.study_file import load_study
+from palpate.diagnosis.candidates import middle, scale_of
 from palpate.inference import space_mapping
 from palpate.inference.forward import FiniteElements
 from palpate.inference.space_mapping import RECORD, Reference
 from palpate.mechanisms import MECHANISMS
-from palpate.model import simulate
+from palpate.solver.simulation import simulate
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 STUDY = {

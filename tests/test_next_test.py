@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from test_diagnosis import fitted, problem, recordings
 
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.diagnosis.next_test import _of_test, error_of_means, feasible
-from palpate.indenters import Indenter
-from palpate.model import simulate, specification_from
+from palpate.solver.simulation import simulate, specification_from
+from palpate.study.indenter import Indenter
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 SPEC = {

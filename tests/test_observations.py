@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from test_config import CONDITION, load
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.observations import check, check_given, observations
-from palpate.protocol import trapezoid
-from palpate.recording import Recording, read_recording
+from palpate.inference.study_recordings import check, check_given, observations
+from palpate.recordings.recording import Recording, read_recording
+from palpate.study.protocol import trapezoid
 
 
 def curve(n=80, scale=1.0, end=60.0):

@@ -9,17 +9,17 @@ from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
-from palpate.calibration import Observation
-from palpate.config import Condition
-from palpate.diagnosis.considered import longest_rise
-from palpate.diagnosis.law import Law
+from palpate.configuration.study_file import Condition
+from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.candidates import longest_rise
+from palpate.diagnosis.diagnosis_result import curves
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.result import curves
 from palpate.diagnosis.search import Search
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.observation import Observation
 from palpate.mechanisms import Scale
-from palpate.protocol import Protocol, trapezoid
+from palpate.study.protocol import Protocol, trapezoid
 
 CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=60))
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=50, loading_time=20, half_angle=70.3, pressure=0.2)

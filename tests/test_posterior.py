@@ -9,7 +9,7 @@ from test_diagnosis import CONDITIONS, SCALE, fitted, problem, recordings
 
 from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.curvature import AXES, REACH, Curvature
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.posterior import posterior_draws, sampled
 from palpate.diagnosis.problem import Problem
 from palpate.inference.coordinates import Coordinate, Coordinates

@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate import model
 from palpate.analytic import berkovich, scaling
-from palpate.calibration import Observation
-from palpate.calibration.on_finite_elements import estimated
-from palpate.cli import main
-from palpate.config import load_study
-from palpate.diagnosis.considered import candidates
+from palpate.cli.main import main
+from palpate.configuration.study_file import load_study
+from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
-from palpate.fem.mesh import Resolution
-from palpate.fem3d import newton
-from palpate.indenters import Indenter
 from palpate.inference.forward import FiniteElements
-from palpate.model import sensitivities, simulate, simulate_batch, specification_from
-from palpate.snapshots import address, plan
+from palpate.inference.observation import Observation
+from palpate.inference.on_finite_elements import estimated
+from palpate.solver import simulation
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid import newton_3d
+from palpate.solver.simulation import sensitivities, simulate, simulate_batch, specification_from
+from palpate.solver.store import address, plan
+from palpate.study.indenter import Indenter
 
 SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
@@ -56,7 +56,7 @@ def test_a_specification_becomes_a_recording(tmp_path):
 
 
 def test_load_scaling_is_exact_and_batches_are_single_runs(monkeypatch):
-    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
     scaled, ratio = scaling.load_scaled(PYRAMID, 4.0)
     one, other = simulate_batch([PYRAMID, scaled])
     assert one.depth == pytest.approx(simulate(PYRAMID).depth)
@@ -65,7 +65,7 @@ def test_load_scaling_is_exact_and_batches_are_single_runs(monkeypatch):
 
 def test_friction_is_the_indenters_or_a_mechanisms(monkeypatch):
     """The same either way, and less deep than without."""
-    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
     slick = simulate(PYRAMID)
     rough = simulate(specification_from(SPEC | {"indenter": {"shape": "berkovich", "friction": 0.3}}))
     added = simulate(specification_from(SPEC | {"mechanisms": {"friction": {"coefficient": 0.3}}}))
@@ -76,7 +76,7 @@ def test_friction_is_the_indenters_or_a_mechanisms(monkeypatch):
 
 def test_a_blunter_pyramid_has_a_blunter_equivalent_cone(monkeypatch):
     """The depth of an elastic pyramid is in proportion to the root of its slope, nearly; nothing happens at 70.3."""
-    monkeypatch.setitem(model.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
+    monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.3, sectors=3))
     same, blunter = (
         simulate(specification_from(SPEC | {"mechanisms": {"tip_angle": {"half_angle": angle}}}))
         for angle in (70.3, 75)
@@ -88,7 +88,7 @@ def test_a_blunter_pyramid_has_a_blunter_equivalent_cone(monkeypatch):
 
 
 def test_a_failure_is_reported_not_raised(monkeypatch):
-    monkeypatch.setattr(newton, "ITERATIONS", 1)
+    monkeypatch.setattr(newton_3d, "ITERATIONS", 1)
     outcome = simulate(PYRAMID, radii=1.3 ** np.arange(20))
     assert outcome.status == "failed"
     assert "no equilibrium in 1 iterations" in outcome.reason

@@ -9,8 +9,8 @@ import pytest
 from closed_forms import TRUTH, ClosedForms
 from test_diagnosis import CONDITIONS, fitted, problem, recordings
 
-from palpate.config import load_study
-from palpate.diagnosis.considered import candidates, scale_of
+from palpate.configuration.study_file import load_study
+from palpate.diagnosis.candidates import candidates, scale_of
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.mechanisms import MECHANISMS

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.readers import READERS, ColumnMap, read_vendor_file, select
-from palpate.readers.source import Source
-from palpate.readers.vendor import usable
-from palpate.recording import Recording, read_recording
+from palpate.recordings.readers import READERS, ColumnMap, read_vendor_file, select
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.vendor import usable
+from palpate.recordings.recording import Recording, read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
 needs_recordings = pytest.mark.skipif(

@@ -7,10 +7,10 @@ import pytest
 from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.readers import ColumnMap, read_vendor_file
-from palpate.recording import read_recording
+from palpate.recordings.readers import ColumnMap, read_vendor_file
+from palpate.recordings.recording import read_recording
 
 NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
 MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})

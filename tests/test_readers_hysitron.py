@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.readers import read_vendor_file
-from palpate.readers.vendor import contact
+from palpate.recordings.readers import read_vendor_file
+from palpate.recordings.readers.vendor import contact
 
 TIME = np.linspace(0, 20, 401)
 LOAD = np.interp(TIME, [0, 5, 10, 15, 20], [-0.002, -0.002, 5, 5, 0.5])

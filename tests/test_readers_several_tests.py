@@ -5,8 +5,8 @@ from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
 from palpate.errors import InputError
-from palpate.readers import ColumnMap, read_each, read_vendor_file
-from palpate.readers.vendor import Unreadable
+from palpate.recordings.readers import ColumnMap, read_each, read_vendor_file
+from palpate.recordings.readers.vendor import Unreadable
 
 
 def below_one_another(*tests, heading="t,P,h"):

@@ -6,7 +6,7 @@ import pytest
 from tables import FORCE, NUMBERED, PATH, TIME
 
 from palpate.errors import InputError
-from palpate.readers import ColumnMap, read_vendor_file
+from palpate.recordings.readers import ColumnMap, read_vendor_file
 
 
 @pytest.mark.parametrize(

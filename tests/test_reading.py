@@ -5,13 +5,13 @@ import pytest
 import yaml
 from test_readers import ANON, needs_recordings
 
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.observations import convert_source
-from palpate.readers import locate, read_source, read_vendor_file
-from palpate.reading import write_reading
-from palpate.recording import Recording, read_recording
-from palpate.survey import survey
+from palpate.inference.study_recordings import convert_source
+from palpate.output.recordings_page import write_reading
+from palpate.recordings.readers import locate, read_source, read_vendor_file
+from palpate.recordings.recording import Recording, read_recording
+from palpate.recordings.survey import survey
 
 STUDY = {
     "study": "glass",

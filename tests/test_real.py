@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.model import simulate, specification_from
-from palpate.real import diagnose_source
+from palpate.solver.simulation import simulate, specification_from
+from studies.real.diagnose_source import diagnose_source
 
 MATERIAL = {"model": "elastic", "poisson_ratio": 0.35}
 INDENTER = {"shape": "cone", "half_angle": 70.3}

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from palpate.errors import InputError
-from palpate.protocol import MOST_KNOTS, recorded
-from palpate.recording import Recording, read_recording, recording_files
+from palpate.recordings.recording import Recording, read_recording, recording_files
+from palpate.study.protocol import MOST_KNOTS, recorded
 
 
 def ramp(start=0.0, clock=0.0, n=401, rate=0.5):

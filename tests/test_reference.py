@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from palpate.verification import reference
+from palpate.verification import reference_curves
 from palpate.verification.case import Settings
 
 FOLDER = Path(__file__).parent.parent.parent / "shared/reference"
@@ -16,13 +16,13 @@ pytestmark = pytest.mark.skipif(
 MISSED = pytest.mark.xfail(reason="1.9 % at the worst sample, 1.2 % is the refinement error of the curve")
 CURVES = [
     pytest.param(curve, id=curve.name, marks=MISSED if curve.name == "bilinear_plasticity" else ())
-    for curve in reference.REFERENCES
+    for curve in reference_curves.REFERENCES
 ]
 
 
 @pytest.mark.parametrize("curve", CURVES)
 def test_agrees_with_calculix_at_every_sample_from_15_per_cent_of_the_load_on(monkeypatch, curve):
-    monkeypatch.setattr(reference, "REFERENCES", (curve,))
-    checked = [row for row in reference.run(Settings(reference=FOLDER)).rows if row.allowed]
+    monkeypatch.setattr(reference_curves, "REFERENCES", (curve,))
+    checked = [row for row in reference_curves.run(Settings(reference=FOLDER)).rows if row.allowed]
     assert checked
     assert all(row.passed for row in checked), checked

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from palpate.report import bound_sentence, misfit_sentence, search_sentences, table
+from palpate.output.html_report import bound_sentence, misfit_sentence, search_sentences, table
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():

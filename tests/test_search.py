@@ -8,11 +8,11 @@ import pytest
 from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
+from palpate.diagnosis.accepted import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
+from palpate.diagnosis.amplitude_constraint import Law
 from palpate.diagnosis.diagnose import _fitted, _prospects, diagnose
-from palpate.diagnosis.law import Law
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
-from palpate.diagnosis.standing import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
 from palpate.errors import PalpateError
 
 LEVEL = 0.01

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from palpate.errors import InputError
-from palpate.fem import batch_march, batch_newton
-from palpate.fem.discretisation import mesh_radii
-from palpate.fem.mesh import Resolution
 from palpate.mechanisms import MECHANISMS
-from palpate.model import sensitivities, sensitivities_batch, simulate, specification_from
-from palpate.variation import acting
-from palpate.verification.materials import BURGERS as EPOXY
+from palpate.solver.axisymmetric import march, newton
+from palpate.solver.axisymmetric.discretisation import mesh_radii
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.simulation import sensitivities, sensitivities_batch, simulate, specification_from
+from palpate.solver.variation import acting
+from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SECOND = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 10.0}
@@ -175,7 +175,7 @@ def test_what_has_no_derivative_is_refused(changes, name, message):
 def test_a_failure_leaves_derivatives_unknown(monkeypatch):
     """Both depth and derivatives are NaN from the failure on, and known before it."""
     spec = specification()
-    monkeypatch.setattr(batch_march, "advance", losing_from(12))
+    monkeypatch.setattr(march, "advance", losing_from(12))
     simulation, derivatives = sensitivities(spec, ["youngs_modulus"])
     known = np.isfinite(simulation.depth)
     assert simulation.status == "failed"
@@ -188,7 +188,7 @@ def losing_from(step):
     taken = [0]
 
     def advance(*arguments):
-        batch_newton.advance(*arguments)
+        newton.advance(*arguments)
         taken[0] += 1
         if taken[0] >= step:
             arguments[-2][:] = False

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.fem.batch import Case, indent_batch
-from palpate.fem.discretisation import RESOLUTIONS
-from palpate.fem.similar import indent_distinct
-from palpate.indenters import Indenter
-from palpate.model import simulate, simulate_batch
-from palpate.protocol import trapezoid
-from palpate.specification import Specification
-from palpate.variation import acting
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.similar import indent_distinct
+from palpate.solver.simulation import simulate, simulate_batch
+from palpate.solver.variation import acting
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import trapezoid
+from palpate.study.specification import Specification
 
 EPOXY = {
     "youngs_modulus": 3.0,

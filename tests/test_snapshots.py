@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate import snapshots
-from palpate.config import load_study
+from palpate.base.fingerprint import canonical, closure, content
+from palpate.configuration.study_file import load_study
 from palpate.errors import PalpateError
-from palpate.fingerprint import content, without_docstrings
-from palpate.indenters import Indenter
-from palpate.model import Simulation, simulate
-from palpate.protocol import Protocol, trapezoid
-from palpate.specification import Specification
+from palpate.solver import store
+from palpate.solver.simulation import Simulation, simulate
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specification import Specification
 
 STUDY = {
     "study": "s",
@@ -58,11 +58,11 @@ def failed(specification):
 
 
 def run(study, folder, solve=fake):
-    return [snapshots.compute(b, folder, lambda line: None, solve) for b in snapshots.plan(study, folder)]
+    return [store.compute(b, folder, lambda line: None, solve) for b in store.plan(study, folder)]
 
 
 def test_only_calibrate_conditions_are_planned_in_batches(tmp_path):
-    batches = snapshots.plan(study(tmp_path), tmp_path)
+    batches = store.plan(study(tmp_path), tmp_path)
     assert [len(batch.files) for batch in batches] == [2, 1]
     assert [batch.under("a") for batch in batches] == [list(batch.files) for batch in batches]
     assert not any(batch.under("v") for batch in batches)
@@ -86,15 +86,15 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
         for name, load, time in (("a", 1.0, 1), ("slow", 1.0, 5), ("b", 4.0, 1))
     ]
     s = study(tmp_path, conditions=conditions, indenter=indenter, cells_per_job=3, diagnosis={"enabled": False})
-    batches = snapshots.plan(s, tmp_path)
+    batches = store.plan(s, tmp_path)
     for batch in batches:
-        snapshots.compute(batch, tmp_path, lambda line: None)
+        store.compute(batch, tmp_path, lambda line: None)
     assert simulated == solved
     for condition in s.conditions:
         files = [file for batch in batches for file in batch.under(condition.name)]
         assert len(files) == 3
         for file in files:
-            stored = snapshots.read(file)
+            stored = store.read(file)
             alone = simulate(s.specification(stored["parameters"], condition))
             assert f"/{condition.name}/" in file
             assert stored["condition"] == condition.name
@@ -114,7 +114,7 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
 )
 def test_whatever_decides_the_curve_changes_the_address(tmp_path, change):
     one, other = study(tmp_path), study(tmp_path, **change)
-    files = [set(f for b in snapshots.plan(s, tmp_path) for f in b.files) for s in (one, other)]
+    files = [set(f for b in store.plan(s, tmp_path) for f in b.files) for s in (one, other)]
     assert not files[0] & files[1]
 
 
@@ -166,7 +166,7 @@ def test_every_field_is_in_the_address(part, name):
     whole = getattr(SPECIFICATION, part) if part else SPECIFICATION
     changed = with_field(whole, name, another(getattr(whole, name)))
     other = with_field(SPECIFICATION, part, changed) if part else changed
-    assert snapshots.address(other) != snapshots.address(SPECIFICATION)
+    assert store.address(other) != store.address(SPECIFICATION)
 
 
 @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ def test_every_field_is_in_the_address(part, name):
 def test_curves_that_differ_in_a_length_of_the_specimen_alone_do_not_share_an_address(length):
     parts = SPECIFICATION.model, SPECIFICATION.parameters, SPECIFICATION.indenter, SPECIFICATION.protocol
     film = {"film_thickness": 1000.0, "substrate_modulus": 70.0}
-    addresses = {snapshots.address(Specification(*parts, **lengths)) for lengths in (film, film | length)}
+    addresses = {store.address(Specification(*parts, **lengths)) for lengths in (film, film | length)}
     assert len(addresses) == 2
 
 
@@ -184,7 +184,7 @@ def test_equal_numbers_of_any_kind_have_the_same_address():
     indenter = Indenter("cone", half_angle=np.float64(70.3), radius=0, friction=-0.0)
     parameters = {"poisson_ratio": 0.3, "youngs_modulus": 3}
     same = Specification("elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf)
-    assert snapshots.address(same) == snapshots.address(SPECIFICATION)
+    assert store.address(same) == store.address(SPECIFICATION)
 
 
 def test_content_is_written_in_json_that_restores_it():
@@ -201,14 +201,14 @@ def test_what_has_no_content_is_refused():
 def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
     s = study(tmp_path)
     run(s, tmp_path, failing)
-    files = [f for b in snapshots.plan(s, tmp_path) for f in b.files]
-    assert list(snapshots.index(files)["status"]) == ["ok", "failed", "ok"]
-    parameters, curves, failures = snapshots.matrix(files, s.levels)
+    files = [f for b in store.plan(s, tmp_path) for f in b.files]
+    assert list(store.index(files)["status"]) == ["ok", "failed", "ok"]
+    parameters, curves, failures = store.matrix(files, s.levels)
     assert parameters.ravel().tolist() == [1.0, 3.0]
     assert len(curves) == 2
     assert "no equilibrium" in failures[0]
     with pytest.raises(PalpateError, match="no equilibrium"):
-        snapshots.matrix(files[1:2], s.levels)
+        store.matrix(files[1:2], s.levels)
 
 
 def test_a_killed_job_leaves_no_half_file(tmp_path):
@@ -227,7 +227,7 @@ def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
             raise KeyboardInterrupt
         return fake(specifications)
 
-    monkeypatch.setattr(snapshots, "AT_ONCE", 2)
+    monkeypatch.setattr(store, "AT_ONCE", 2)
     s = study(tmp_path, cells_per_job=3)
     with pytest.raises(KeyboardInterrupt):
         run(s, tmp_path, killed_at_the_third)
@@ -235,9 +235,21 @@ def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
 
 
 def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():
-    import ast
+    plain = '"""A."""\nx = f"{1}"\n'
+    for same in ('"""B\nb"""\nx = f"{1}"  # one\n', '\n\nx  =  f"{1}"\n'):
+        assert canonical(same) == canonical(plain)
+    for other in ('x = f"{2}"\n', 'y = f"{1}"\n', 'x = "1"\n'):
+        assert canonical(other) != canonical(plain)
 
-    plain, commented, other = '"""A."""\nx = 1\n', '"""B."""\nx = 1  # one\n', "x = 2\n"
-    dumps = [ast.dump(without_docstrings(ast.parse(code))) for code in (plain, commented, other)]
-    assert dumps[0] == dumps[1]
-    assert dumps[0] != dumps[2]
+
+def test_addresses_know_all_code_that_decides_a_curve():
+    names = {file.name for file in closure("palpate.solver.simulation")}
+    assert {
+        "contact.py",
+        "contact_3d.py",
+        "nonlinear_burgers.py",
+        "radial.py",
+        "friction.py",
+        "area_function.py",
+    } <= names
+    assert not {"genetic.py", "store.py", "errors.py"} & names

@@ -12,9 +12,9 @@ from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
-from palpate import steps
 from palpate.errors import InputError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
+from palpate.workflow_support import steps
 
 T = np.linspace(0.0, 1.0, 40)
 

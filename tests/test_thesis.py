@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from palpate.calibration.space import Space
-from palpate.config import load_study
+from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.model import simulate, specification_from
-from palpate.protocol import trapezoid
-from palpate.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
-from palpate.thesis import index as page
-from palpate.thesis.dimensionless import MODULUS, NAMES, groups
-from palpate.thesis.fitted import Fitted
-from palpate.thesis.friction import reductions
-from palpate.thesis.identifiability import RANGES, deviations
-from palpate.thesis.kernels_as_printed import PRINTED, predict_as_printed
-from palpate.thesis.optimisers import OPTIMISERS, Finished, Problem
-from palpate.thesis.profiles import profile
-from palpate.thesis.rules import about, at_least, at_most, both, falling, near, rising
-from palpate.thesis.runs import Run
-from palpate.thesis.sobol_indices import total_indices
+from palpate.inference.surrogate_space import Space
+from palpate.solver.simulation import simulate, specification_from
+from palpate.study.protocol import trapezoid
+from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
+from studies.thesis import index as page
+from studies.thesis.dimensionless import MODULUS, NAMES, groups
+from studies.thesis.fitted import Fitted
+from studies.thesis.friction import reductions
+from studies.thesis.identifiability import RANGES, deviations
+from studies.thesis.kernels_as_printed import PRINTED, predict_as_printed
+from studies.thesis.optimisers import OPTIMISERS, Finished, Problem
+from studies.thesis.profiles import profile
+from studies.thesis.rules import about, at_least, at_most, both, falling, near, rising
+from studies.thesis.runs import Run
+from studies.thesis.sobol_indices import total_indices
 
 ROOT = Path(__file__).parent.parent
 MATERIALS = ("aluminium", "epoxy")
@@ -200,7 +200,7 @@ def test_the_page_says_how_much_of_it_was_made_now(tmp_path):
 
 
 def test_the_page_shows_findings_and_effort(tmp_path):
-    from palpate.figures.style import plt, save
+    from palpate.output.figures.style import plt, save
 
     save(plt.figure(figsize=(1, 1)), tmp_path / "friction.png")
     finding = {"what": "x", "thesis": "1 < 2", "here": "2", "rule": "3 +- 1", "verdict": "differs", "why": "because"}

@@ -18,7 +18,7 @@ Y = np.outer(X[:, 0] + X[:, 1] ** 2, np.linspace(1, 2, 5))
 def log(folder, number):
     os.chdir(folder)
     os.environ["PALPATE_EXECUTION"] = "one"
-    from palpate import tracking
+    from palpate.workflow_support import tracking
 
     model = PODRBF().fit(X, Y)
     with tracking.nested_run("s", f"surrogate {number}", "surrogate", folder / "study.yaml", {"number": str(number)}):
@@ -28,7 +28,7 @@ def log(folder, number):
 
 
 def test_a_series_opens_no_run_of_its_own(tmp_path, monkeypatch):
-    from palpate import tracking
+    from palpate.workflow_support import tracking
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
@@ -39,7 +39,7 @@ def test_a_series_opens_no_run_of_its_own(tmp_path, monkeypatch):
 
 
 def test_runs_hold_what_fits_are_compared_by(monkeypatch):
-    from palpate import tracking
+    from palpate.workflow_support import tracking
 
     params, metrics = {}, {}
     monkeypatch.setattr(mlflow, "log_params", params.update)
@@ -63,7 +63,7 @@ def test_runs_hold_what_fits_are_compared_by(monkeypatch):
 
 
 def test_the_commit_is_that_of_the_code_wherever_a_study_is_run(tmp_path, monkeypatch):
-    from palpate import tracking
+    from palpate.workflow_support import tracking
 
     here = tracking.git_commit()
     monkeypatch.chdir(tmp_path)

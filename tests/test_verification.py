@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.cli import main
+from palpate.cli.main import main
 from palpate.errors import PalpateError
-from palpate.export.quadratic import RESOLUTIONS
-from palpate.fem.mesh import Resolution
+from palpate.output.export.quadratic import RESOLUTIONS
+from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.verification import calculix, runner
 from palpate.verification.calculix_elastic import ELASTIC
 from palpate.verification.calculix_large import Curve
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
-from palpate.verification.convergence import richardson
+from palpate.verification.mesh_convergence import richardson
 
 GOOD = Row("depth [nm]", 100.0, 100.4, 0.005)
 BAD = Row("depth [nm]", 100.0, 101.0, 0.005)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from palpate.diagnosis.words import sentence
+from palpate.diagnosis.summary_text import sentence
 
 
 def quantity(estimate):

@@ -75,7 +75,7 @@ def copied(folder, *further):
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
-    folder = copied(tmp_path_factory.mktemp("workflow"))
+    folder = copied(tmp_path_factory.mktemp("workflow"), "studies")
     run = snakemake(folder)
     assert run.returncode == 0, run.stderr[-3000:]
     return folder
@@ -237,7 +237,7 @@ def test_bad_input_ends_with_one_line_and_exit_code_two(finished, change, words)
 
 
 def test_recordings_that_were_not_fetched_are_told_before_anything_runs(tmp_path):
-    run = execute(copied(tmp_path, "config"), "real", "--dry-run", "--config", "data=nofolder")
+    run = execute(copied(tmp_path, "config", "studies"), "real", "--dry-run", "--config", "data=nofolder")
     assert run.returncode == 2
     assert "the vendor's file nofolder is missing" in run.stderr
     assert "Traceback" not in run.stderr
@@ -251,7 +251,8 @@ def test_keys_of_a_study_are_not_given_on_the_command_line(tmp_path):
 
 def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp_path):
     """The keys that rules ask for, those that comments and documents name, and those of the message are the same."""
-    rules = "".join(file.read_text() for file in (ROOT / "workflow/rules").glob("*.smk"))
+    files = [*(ROOT / "workflow/rules").glob("*.smk"), *(ROOT / "studies").glob("*/rules.smk")]
+    rules = "".join(file.read_text() for file in files)
     named = [rules, *(file.read_text() for file in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])]
     asked = set(re.findall(r'config\.get\("(\w+)"\)', rules))
     documented = {
@@ -264,13 +265,13 @@ def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp
     (tmp_path / "curves").mkdir()
     values = {"data": "none", "quick": "1", "reference": "curves"}
     assert set(values) == asked
-    run = execute(copied(tmp_path, "config"), "verification", "--dry-run", "--config", *map("=".join, values.items()))
+    run = execute(copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", *map("=".join, values.items()))
     assert run.returncode == 0, run.stderr
     assert "rule verification" in run.stdout + run.stderr
 
 
 def test_a_missing_folder_of_reference_curves_is_told_before_anything_runs(tmp_path):
-    run = execute(copied(tmp_path, "config"), "verification", "-n", "--config", "reference=nofolder")
+    run = execute(copied(tmp_path, "config", "studies"), "verification", "-n", "--config", "reference=nofolder")
     assert run.returncode == 2
     assert "palpate: nofolder: the folder is missing; give a folder of curves" in run.stderr
     assert "Traceback" not in run.stderr

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from palpate.model import simulate_batch, specification_from
-from palpate.verification.materials import BURGERS
+from palpate.solver.simulation import simulate_batch, specification_from
+from palpate.verification.reference_materials import BURGERS
 
 HOOKE = {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
 CREEP = {name: value for name, value in BURGERS.items() if name not in HOOKE}

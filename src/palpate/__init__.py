@@ -2,6 +2,6 @@
 
 __version__ = "0.1.0"
 
-from palpate import kernel_cache
+from palpate.base import kernel_cache
 
 kernel_cache.choose()

@@ -24,7 +24,7 @@ rule calibration:
         settings=STUDY.calibration,
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
-        code=CALIBRATION_CODE + FIGURE_CODE,
+        code=code("scripts/calibration.py"),
     script:
         "../../scripts/calibration.py"
 

@@ -11,13 +11,13 @@ os.environ.setdefault(
 )
 os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
 os.environ.setdefault("DO_NOT_TRACK", "true")
-SOURCE = str(Path(workflow.basedir) / "src")
+SOURCE = [str(Path(workflow.basedir) / "src"), str(workflow.basedir)]
 os.environ.update(
-    PYTHONPATH=os.pathsep.join(filter(None, [SOURCE, os.environ.get("PYTHONPATH")]))
+    PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
 )
-sys.path.insert(0, SOURCE)  # so that what is planned here is what scripts compute
+sys.path[:0] = SOURCE  # so that what is planned here is what scripts compute
 
-from palpate.threads import one_thread_each
+from palpate.base.threads import one_thread_each
 
 one_thread_each()
 
@@ -31,14 +31,14 @@ def refuse(problem):
 
 
 try:
-    from palpate import snapshots
+    from palpate.solver import store
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
-from palpate.checking import checked_study
-from palpate.fingerprint import PHYSICS, fingerprint
-from palpate.observations import files_of
-from palpate.yaml_file import read_yaml
+from palpate.workflow_support.check_study import checked_study
+from palpate.base.fingerprint import fingerprint
+from palpate.inference.study_recordings import files_of
+from palpate.base.yaml_file import read_yaml
 
 STUDY_FILE = (
     str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
@@ -93,53 +93,16 @@ def reference_curves(wildcards):
 
 STUDY = checked(STUDY_FILE, DATA)
 FOLDER = f"results/{STUDY.name}"
-BATCHES = snapshots.plan(STUDY)
+BATCHES = store.plan(STUDY)
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"
 ]
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
-PHYSICS_CODE = fingerprint(*PHYSICS)
-SURROGATE_CODE = fingerprint("surrogate", "steps.py")
-CALIBRATION_CODE = fingerprint(
-    *PHYSICS,
-    "alignment.py",
-    "calibration",
-    "inference",
-    "observations.py",
-    "recording.py",
-    "steps.py",
-)
-FINDERS = (
-    "contact_point.py",
-    "sharp_origin.py",
-    "segments.py",
-    "correlated.py",
-    "drift_rate.py",
-    "survey.py",
-)
-DIAGNOSIS_CODE = fingerprint(
-    *PHYSICS,
-    *FINDERS,
-    "alignment.py",
-    "calibration",
-    "classical",
-    "diagnosis",
-    "inference",
-    "observations.py",
-    "recording.py",
-)
-FIGURE_CODE = fingerprint("figures", "report.py", "steps.py")
-READER_CODE = fingerprint("readers", *FINDERS, "observations.py", "recording.py")
-READING_CODE = fingerprint(
-    "readers",
-    *FINDERS,
-    "classical",
-    "recording.py",
-    "figures",
-    "reading.py",
-    "report.py",
-)
-LABORATORY_CODE = fingerprint("laboratory.py", "recording.py")
+
+
+def code(script):
+    """The identity of a script in this file's repository, and of all that it imports."""
+    return fingerprint(Path(workflow.basedir) / script)
 
 
 def curves(values, accuracy):
@@ -148,7 +111,7 @@ def curves(values, accuracy):
         (
             condition.name,
             condition.role,
-            snapshots.address(STUDY.specification(values, condition, accuracy)),
+            store.address(STUDY.specification(values, condition, accuracy)),
         )
         for condition in STUDY.conditions
     ]

@@ -22,6 +22,6 @@ rule diagnosis:
         settings=[STUDY.diagnosis, STUDY.calibration],
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
-        code=DIAGNOSIS_CODE + FIGURE_CODE,
+        code=code("scripts/diagnosis.py"),
     script:
         "../../scripts/diagnosis.py"

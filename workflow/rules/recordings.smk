@@ -16,7 +16,7 @@ for laboratory, settings in STUDY.laboratory.items():
             laboratory=laboratory,
             settings=settings,
             curves=curves(settings["parameters"], "fine"),
-            code=LABORATORY_CODE,
+            code=code("scripts/laboratory.py"),
         script:
             "../../scripts/laboratory.py"
 
@@ -36,6 +36,6 @@ if STUDY.source:
             study=STUDY_FILE,
             data=DATA,
             source={key: STUDY.source[key] for key in STUDY.source if key != "file"},
-            code=READER_CODE,
+            code=code("scripts/vendor_recordings.py"),
         script:
             "../../scripts/vendor_recordings.py"

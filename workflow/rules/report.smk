@@ -19,7 +19,7 @@ rule tables:
         study=STUDY_FILE,
         data=DATA,
         title=STUDY.title,
-        code=FIGURE_CODE,
+        code=code("scripts/tables.py"),
     script:
         "../../scripts/tables.py"
 
@@ -34,7 +34,7 @@ rule surrogate_figure:
     conda:
         "../../envs/palpate.yaml"
     params:
-        code=FIGURE_CODE,
+        code=code("scripts/surrogate_figure.py"),
         title=f"Surrogates of {STUDY.title}",
     script:
         "../../scripts/surrogate_figure.py"
@@ -61,6 +61,6 @@ rule report:
         data=DATA,
         title=STUDY.title,
         source=STUDY.source,
-        code=FIGURE_CODE,
+        code=code("scripts/report.py"),
     script:
         "../../scripts/report.py"

@@ -36,6 +36,6 @@ rule surrogate:
         data=DATA,
         settings=STUDY.surrogate,
         levels=STUDY.levels,
-        code=SURROGATE_CODE,
+        code=code("scripts/surrogate.py"),
     script:
         "../../scripts/surrogate.py"

@@ -12,6 +12,6 @@ rule verification:
     params:
         quick=config.get("quick"),
         reference=config.get("reference"),
-        code=fingerprint(*PHYSICS, "analytic", "export", "verification") + FIGURE_CODE,
+        code=code("scripts/verification.py"),
     script:
         "../../scripts/verification.py"

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.protocol import Protocol
+from palpate.study.protocol import Protocol
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from scipy.integrate import quad
 
 from palpate.analytic.linear_viscoelastic import LinearBurgers
 from palpate.errors import InputError
-from palpate.protocol import Protocol
+from palpate.study.protocol import Protocol
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.analytic.relaxation_modulus import RelaxationModulus
-from palpate.protocol import Protocol
+from palpate.study.protocol import Protocol
 
 EXPONENT = 2.0
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
 
 STRESSES = ("youngs_modulus", "yield_stress", "hardening")
 

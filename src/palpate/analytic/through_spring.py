@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from palpate.analytic.relaxation_modulus import RelaxationModulus
 from palpate.errors import InputError
-from palpate.protocol import Protocol
+from palpate.study.protocol import Protocol
 
 TOLERANCE = 1e-10
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.analytic.linear_viscoelastic import LinearBurgers
-from palpate.protocol import Protocol
+from palpate.study.protocol import Protocol
 
 
 def depth(solid: LinearBurgers, protocol: Protocol, half_angle: float) -> np.ndarray:

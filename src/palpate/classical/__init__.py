@@ -1,10 +1,10 @@
 """Classical analyses of indentation: Oliver and Pharr, its correction for creep, linear viscoelastic closed forms."""
 
-from palpate.area_function import AreaFunction
 from palpate.classical.creep import corrected_stiffness
-from palpate.classical.fit import ViscoelasticFit, fit_viscoelastic
+from palpate.classical.fitted_law import ViscoelasticFit, fit_viscoelastic
 from palpate.classical.oliver_pharr import OliverPharr, fit_unloading, oliver_pharr
-from palpate.classical.viscoelastic import MODELS, depth_while_growing
+from palpate.classical.viscoelastic_depth import MODELS, depth_while_growing
+from palpate.study.area_function import AreaFunction
 
 __all__ = [
     "MODELS",

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.classical.oliver_pharr import fit_unloading
-from palpate.correlated import Series, shared_coefficient
 from palpate.errors import InputError
-from palpate.segments import Segment
+from palpate.recordings.correlated_errors import Series, shared_coefficient
+from palpate.recordings.segments import Segment
 
 LOWEST = 0.01
 STARTS = (0.0, 0.05, 0.1, 0.2)
@@ -138,9 +138,9 @@ def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
-    fitted together, with an interval that allows for errors correlated along a test (`palpate.correlated`). Either is
-    widened to how the slope moves when loads below 5, 10 or 20 % of each test's largest are left out or all are kept:
-    where hardness depends on depth, it shows there.
+    fitted together, with an interval that allows for errors correlated along a test
+    (`palpate.recordings.correlated_errors`). Either is widened to how the slope moves when loads below 5, 10 or 20 % of
+    each test's largest are left out or all are kept: where hardness depends on depth, it shows there.
     """
     found = {start: _from_start(tops_of_tests, start) for start in STARTS}
     slope, lower, upper, count = found[MAIN] or found[STARTS[0]] or (np.nan, np.nan, np.nan, 0)

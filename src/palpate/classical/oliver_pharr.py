@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.area_function import AreaFunction
 from palpate.classical.creep import corrected_stiffness
 from palpate.errors import InputError
+from palpate.study.area_function import AreaFunction
 
 EPSILON = 0.75
 BETA = 1.034

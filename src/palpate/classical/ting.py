@@ -16,10 +16,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
-from palpate.classical.viscoelastic import Compliance, depth_of, hereditary
+from palpate.classical.viscoelastic_depth import Compliance, depth_of, hereditary
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.protocol import Protocol
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol
 
 STEPS = 400
 

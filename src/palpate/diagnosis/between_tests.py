@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.diagnosis.covariance import varying
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 
 DRAWS = 20000
 JITTER = 1e-9

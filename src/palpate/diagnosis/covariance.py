@@ -14,12 +14,12 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration.noise import model_covariance
-from palpate.config import Condition
+from palpate.configuration.study_file import Condition
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
+from palpate.diagnosis.prescribed_segments import segments
 from palpate.diagnosis.problem import Explanation, Problem
-from palpate.diagnosis.segments import segments
+from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS
 
 ASSUMED_WANDER = 0.02

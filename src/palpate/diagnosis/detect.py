@@ -27,10 +27,10 @@ from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import noise_of, varying
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.prescribed_segments import segments
 from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.screen import Screen, count_of_trials
-from palpate.diagnosis.segments import segments
 from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2

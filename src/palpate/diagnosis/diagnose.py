@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.search import Candidate, Search
-from palpate.diagnosis.standing import (
+from palpate.diagnosis.accepted import (
     best_first,
     judged,
     likeliest_of_each,
@@ -18,6 +16,8 @@ from palpate.diagnosis.standing import (
     standing_of,
     without_idle,
 )
+from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
 
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_solve
 
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.noise import FURTHEST, NoiseModel
 
 

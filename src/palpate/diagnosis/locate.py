@@ -10,8 +10,8 @@ from scipy.stats import false_discovery_control
 from scipy.stats import t as student
 
 from palpate.diagnosis.estimated_noise import freedom
-from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.segments import segments
+from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.prescribed_segments import segments
 
 CERTAIN = 0.05  # share of false discoveries below which a part stands out
 

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2, ncx2
 
-from palpate.config import Condition, Study
+from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.covariance import components_under, varying
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.model import Simulation, simulate_batch
-from palpate.protocol import Protocol, trapezoid
-from palpate.specification import Specification
+from palpate.solver.simulation import Simulation, simulate_batch
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specification import Specification
 
 POINTS = 30
 DRAWS = 7  # with the best one they fill the lanes of one run

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from palpate.calibration import Observation
-from palpate.calibration.noise import model_covariance
-from palpate.config import Condition, Study
+from palpate.configuration.study_file import Condition, Study
+from palpate.diagnosis.amplitude_constraint import NORMAL_95, Law
 from palpate.diagnosis.covariance import components_under, varying
-from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.law import NORMAL_95, Law
+from palpate.diagnosis.explanation import Fit
+from palpate.inference.observation import Observation
+from palpate.inference.recording_noise import model_covariance
 
 ROUNDS = 20  # of the weights of Student's distribution, which settle by then
 

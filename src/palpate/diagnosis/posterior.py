@@ -14,7 +14,7 @@ import emcee
 import numpy as np
 
 from palpate.diagnosis.curvature import Curvature
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 
 WALKERS_PER_DIMENSION = 6
 SETTLING, KEPT, THINNING = 150, 250, 5

@@ -2,7 +2,8 @@
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
 amplitudes, see `palpate.inference.coordinates`. All curves are in nm: a load that answers to a displacement counts as
-the depth that it amounts to (`palpate.quantity`), so that noise, drift and misfit of all conditions are of one kind.
+the depth that it amounts to (`palpate.study.quantity`), so that noise, drift and misfit of all conditions are of one
+kind.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.calibration import Observation
-from palpate.config import Condition, Study
+from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
+from palpate.inference.observation import Observation
 from palpate.mechanisms import MECHANISMS, Scale
-from palpate.protocol import LOAD
-from palpate.variation import added_by_instrument
+from palpate.solver.variation import added_by_instrument
+from palpate.study.protocol import LOAD
 
 Explanation = tuple[str, ...]
 

@@ -15,12 +15,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import qmc
 
-from palpate.diagnosis.fit import Fit
+from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS
-from palpate.variation import added_by_instrument
+from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
 SIMULATED = (0.25, SHOWN, 1.0)  # of the range of a single amplitude

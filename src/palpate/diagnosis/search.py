@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.config import Study
+from palpate.configuration.study_file import Study
+from palpate.diagnosis.amplitude_constraint import Law, departures
+from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.covariance import Errors, errors, noise_of, varying
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.fit import Fit
-from palpate.diagnosis.law import Law, departures
-from palpate.diagnosis.laws import contradicted
+from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.problem import Explanation, Problem

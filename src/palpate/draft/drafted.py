@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from palpate.draft.solid import peak_of
-from palpate.draft.text import printable
+from palpate.draft.study_text import printable
 from palpate.errors import InputError
-from palpate.readers import VendorTest
-from palpate.readers.vendor import in_words
-from palpate.recording import BARELY_LOADED, Recording
-from palpate.segments import segments
+from palpate.recordings.readers import VendorTest
+from palpate.recordings.readers.vendor import in_words
+from palpate.recordings.recording import BARELY_LOADED, Recording
+from palpate.recordings.segments import segments
 
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact

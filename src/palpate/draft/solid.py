@@ -13,8 +13,8 @@ from palpate.analytic import hertz, sneddon
 from palpate.classical import AreaFunction, oliver_pharr
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
-from palpate.readers.zero import begins_off_contact
-from palpate.recording import Recording
+from palpate.recordings.readers.zero import begins_off_contact
+from palpate.recordings.recording import Recording
 
 POISSON_RATIO = 0.35
 BERKOVICH_CONE = 70.3

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from palpate.errors import InputError
-from palpate.indenters import Indenter
-from palpate.readers.text import number
+from palpate.recordings.readers.numbers_in_text import number
+from palpate.study.indenter import Indenter
 
 COEFFICIENTS = {"Area Coefficient {}": 1, "Tip C{}": 0}  # MTS/Agilent XP, Hysitron; number of the first
 OF_SAMPLE = re.compile(r"(?!.*(indenter|tip|probe|diamond)).*poisson['’]?s? ratio", re.IGNORECASE)
@@ -25,8 +25,8 @@ class Stated:
     Parameters
     ----------
     area
-        Coefficients of the tip's area function [nm], see `palpate.area_function`; none where files state no tip or an
-        ideal one, or a tip that cannot be simulated.
+        Coefficients of the tip's area function [nm], see `palpate.study.area_function`; none where files state no tip
+        or an ideal one, or a tip that cannot be simulated.
     poisson_ratio
         Of the sample; None where it is not stated.
     """

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Range, Scale
-from palpate.parameters import Parameter
 
 BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which a parameter counts as it is
 AT_WALL = 1e-3  # of the range, within which an estimate lies on a limit

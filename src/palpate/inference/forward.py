@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.config import Condition, Study
+from palpate.configuration.study_file import Condition, Study
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.space_mapping import SpaceMapped
 from palpate.mechanisms import Mechanism, Scale
-from palpate.model import differentiated, simulate_batch, together
-from palpate.protocol import Protocol
-from palpate.specification import Specification, of_equivalent_cone
-from palpate.variation import Variation
+from palpate.solver.simulation import differentiated, simulate_batch, together
+from palpate.solver.variation import Variation
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification, of_equivalent_cone
 
 Curves = Mapping[str, np.ndarray]
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much

@@ -39,7 +39,7 @@ class Misfit:
     covariance : ndarray, shape (n, n)
         Of the errors that are known, one condition after the other.
     nm
-        For each condition the depth that a unit of what answers amounts to, see `palpate.quantity`.
+        For each condition the depth that a unit of what answers amounts to, see `palpate.study.quantity`.
     coordinates
         Of the parameters.
     apart

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.config import Condition
+from palpate.configuration.study_file import Condition
 from palpate.inference.coordinates import Coordinates
 from palpate.mechanisms import Mechanism, Scale
-from palpate.model import Simulation, simulate_batch
-from palpate.specification import Specification
-from palpate.variation import added_by_instrument
+from palpate.solver.simulation import Simulation, simulate_batch
+from palpate.solver.variation import added_by_instrument
+from palpate.study.specification import Specification
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves, FiniteElements

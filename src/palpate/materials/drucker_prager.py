@@ -9,11 +9,11 @@ Source: D.C. Drucker and W. Prager, Q. Appl. Math. 10 (1952) 157-165; P.B. Bowde
 
 from __future__ import annotations
 
+from palpate.base.parameters import Parameter
 from palpate.materials.bilinear_plasticity import HARDENING, YIELD_STRESS
 from palpate.materials.flow.arithmetic import constant, entry, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
-from palpate.parameters import Parameter
 
 FLOW = (
     YIELD_STRESS,

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import math
 
+from palpate.base.parameters import Parameter
 from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
 from palpate.materials.flow.registry import fluidity
 from palpate.materials.law import Creep, Law
-from palpate.parameters import Parameter
 
 FLOW = (
     Parameter("reference_rate", r"\dot\epsilon_0", "1/s", 0.0, 1e6, "strain rate at a stress of about sigma_0"),

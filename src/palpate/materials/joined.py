@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.law import Law, Term, Yield
-from palpate.parameters import Parameter
 
 
 def joined(laws: Sequence[Law], key: str = "", title: str = "") -> Law:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from palpate.base.parameters import Parameter, check_values
 from palpate.materials.flow.registry import number_of
 from palpate.materials.flow.row import CREEP, LINEAR, PLASTIC, VOIGT, block, packed
-from palpate.parameters import Parameter, check_values
 
 YOUNGS_MODULUS = Parameter("youngs_modulus", "E", "GPa", 1e-6, 2000.0, "Young's modulus")
 POISSON_RATIO = Parameter("poisson_ratio", r"\nu", "-", 0.0, 0.4999, "Poisson's ratio")

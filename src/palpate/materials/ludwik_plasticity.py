@@ -7,11 +7,11 @@ Source: P. Ludwik, Elemente der technologischen Mechanik (1909).
 
 from __future__ import annotations
 
+from palpate.base.parameters import Parameter
 from palpate.materials.bilinear_plasticity import YIELD_STRESS
 from palpate.materials.flow.arithmetic import constant, entry, exponential, logarithm, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
-from palpate.parameters import Parameter
 
 FLOW = (
     YIELD_STRESS,

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from palpate.base.parameters import Parameter
 from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
 from palpate.materials.flow.registry import fluidity
 from palpate.materials.law import Creep, Law, Term, Voigt
-from palpate.parameters import Parameter
 
 STEADY = (
     Parameter("steady_coefficient", "C_s", "GPa^-(2m_s+1)/s", 0.0, 1e6, "coefficient of steady creep"),

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.law import Law, LinearVoigt
-from palpate.parameters import Parameter
 
 FLOW = (
     Parameter("spectrum_coefficient", "C", "1/GPa", 0.0, 1e6, "compliance of an element that retards by 1 s"),

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import YIELD_STRESS
 from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
-from palpate.parameters import Parameter
 
 FLOW = (
     YIELD_STRESS,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from palpate.discovery import discover
+from palpate.base.discovery import discover
 from palpate.errors import InputError
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
-from palpate.parameters import Parameter
-from palpate.specification import Specification
+from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:

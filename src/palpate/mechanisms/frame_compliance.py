@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.base.parameters import Parameter
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
-from palpate.parameters import Parameter
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.parameters import Parameter, check_values
-from palpate.protocol import LOAD
-from palpate.specification import Specification
+from palpate.base.parameters import Parameter, check_values
+from palpate.study.protocol import LOAD
+from palpate.study.specification import Specification
 
 Values = Mapping[str, float]
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import LAW, PLASTIC
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
-from palpate.specification import Specification
+from palpate.study.specification import Specification
 
 LARGEST_SHARE = 0.99  # of the flow stress that hardening gives; without a yield stress nothing would be elastic
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.nonlinear_burgers import VOIGT
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
-from palpate.parameters import Parameter
-from palpate.specification import Specification
+from palpate.study.specification import Specification
 
 NAMES = ("coefficient", "exponent", "retardation_time")
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from palpate.base.parameters import Parameter
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
-from palpate.parameters import Parameter
-from palpate.specification import Specification
+from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.indenters import HALF_ANGLE
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
-from palpate.specification import Specification
+from palpate.study.indenter import HALF_ANGLE
+from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:

@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.export.calculix import deck
-from palpate.export.quadratic import quadratic_mesh
-from palpate.fem.mesh import Resolution
-from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.output.export.calculix_deck import deck
+from palpate.output.export.quadratic import quadratic_mesh
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
 from palpate.verification.case import Plot, Row, Series, depth, worst
-from palpate.verification.materials import CONE
+from palpate.verification.reference_materials import CONE
 
 TIME_LIMIT = 1800.0
 WITHIN, LOADED_FROM = 0.01, 0.15

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.export.quadratic import RESOLUTIONS
+from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
 from palpate.verification.case import Case, Outcome, Settings
-from palpate.verification.materials import STEADY_CREEP
+from palpate.verification.reference_materials import STEADY_CREEP
 
 CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
 POINTS = 25

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from palpate.export.quadratic import RESOLUTIONS
+from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refinement_error, run_deck
 from palpate.verification.case import Case, Outcome, Settings
-from palpate.verification.materials import HOOKE
+from palpate.verification.reference_materials import HOOKE
 
 ELASTIC = Comparison("elastic", "elastic", HOOKE, 1.0, 1.0)
 

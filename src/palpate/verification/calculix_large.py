@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.export.calculix_moved import SHEARED, deck
-from palpate.export.quadratic import quadratic_mesh
-from palpate.fem.mesh import Resolution
-from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.output.export.calculix_moved import SHEARED, deck
+from palpate.output.export.quadratic import quadratic_mesh
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
 from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, STEPS, compared, printed, refined, table
 from palpate.verification.case import Case, Outcome, Settings
-from palpate.verification.materials import ALUMINIUM, CONE
+from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
 WEDGES = 180  # CalculiX takes a body of revolution for a wedge of two degrees

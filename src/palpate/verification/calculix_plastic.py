@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.export.quadratic import RESOLUTIONS
-from palpate.protocol import Protocol
-from palpate.specification import Specification
+from palpate.output.export.quadratic import RESOLUTIONS
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, compared, refined, run_deck
 from palpate.verification.case import Case, Outcome, Settings
-from palpate.verification.materials import ALUMINIUM, CONE
+from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
 POINTS = 6  # from one of them to the next

@@ -10,21 +10,21 @@ import numpy as np
 
 from palpate.analytic import berkovich
 from palpate.errors import PalpateError
-from palpate.export.wedge import INCREMENTS, deck
-from palpate.fem.discretisation import mesh_radii
-from palpate.fem.mesh import Resolution
-from palpate.fem3d.mesh import wedge_mesh
-from palpate.fem3d.newton import SIXTH
-from palpate.fem3d.shell import shell
-from palpate.indenters import Indenter
 from palpate.materials import LAWS
-from palpate.protocol import Protocol
-from palpate.specification import Specification
-from palpate.specimen import Specimen
+from palpate.output.export.wedge import INCREMENTS, deck
+from palpate.solver.axisymmetric.discretisation import mesh_radii
+from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.pyramid.mesh_3d import wedge_mesh
+from palpate.solver.pyramid.newton_3d import SIXTH
+from palpate.solver.pyramid.shell import shell
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
+from palpate.study.specimen import Specimen
 from palpate.verification.calculix import NOT_RUN, printed
 from palpate.verification.case import Case, Outcome, Row, Settings, depth
-from palpate.verification.materials import HOOKE
-from palpate.verification.pyramid import PYRAMID
+from palpate.verification.pyramid_checks import PYRAMID
+from palpate.verification.reference_materials import HOOKE
 
 PRINTED = re.compile(r"time\s+(\S+)\s+\S+\s+\S+\s+(\S+)")
 LATER = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([0.5, 1.0]))

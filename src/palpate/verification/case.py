@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.model import simulate
-from palpate.specification import Specification
+from palpate.solver.simulation import simulate
+from palpate.study.specification import Specification
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.fem3d.mesh import Mesh
+from palpate.solver.pyramid.mesh_3d import Mesh
 
 
 def contact_area(mesh: Mesh, displacement: np.ndarray, touching: np.ndarray) -> float:

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.protocol import Protocol, trapezoid
-from palpate.specification import Specification
+from palpate.study.protocol import Protocol, trapezoid
+from palpate.study.specification import Specification
 from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth
-from palpate.verification.materials import ALUMINIUM, BURGERS, CONE
+from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE
 
 WHERE = ("peak", "1/15 of the load")
 WAYS = (("small", 0.0), ("small", 0.25), ("large", 0.0), ("large", 0.25))

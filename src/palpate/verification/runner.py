@@ -13,39 +13,40 @@ from typing import Any
 
 import pandas as pd
 
-from palpate import __version__, report
+from palpate import __version__
 from palpate.errors import PalpateError
-from palpate.figures import verification as figures
+from palpate.output import html_report
+from palpate.output.figures import verification_figure as figures
 from palpate.verification import (
     calculix_creep,
     calculix_elastic,
     calculix_large,
     calculix_plastic,
     calculix_pyramid,
-    convergence,
-    elastic,
+    elastic_contact,
     kinematics,
-    pyramid,
-    reference,
-    similarity,
-    viscoelastic,
+    mesh_convergence,
+    pyramid_checks,
+    reference_curves,
+    self_similarity,
+    viscoelastic_contact,
 )
 from palpate.verification.case import Case, Outcome, Row, Settings
 
 CASES = (
-    elastic.SNEDDON,
-    elastic.HERTZ,
-    viscoelastic.CASE,
-    similarity.CASE,
+    elastic_contact.SNEDDON,
+    elastic_contact.HERTZ,
+    viscoelastic_contact.CASE,
+    self_similarity.CASE,
     kinematics.CASE,
-    pyramid.CASE,
-    convergence.CASE,
+    pyramid_checks.CASE,
+    mesh_convergence.CASE,
     calculix_elastic.CASE,
     calculix_creep.CASE,
     calculix_plastic.CASE,
     calculix_large.CASE,
     calculix_pyramid.CASE,
-    reference.CASE,
+    reference_curves.CASE,
 )
 VERDICT = {True: "yes", False: "NO", None: "not a check"}
 
@@ -106,7 +107,7 @@ def _plain(row: Row) -> dict[str, Any]:
 
 
 def write(result: dict[str, Any], folder: Path) -> None:
-    """Write verification.json, figures/*.png and report.html to `folder`."""
+    """Write verification.json, figures/*.png and html_report.html to `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     plain = json.loads(json.dumps(result), parse_constant=lambda _: None)
     (folder / "verification.json").write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")
@@ -114,13 +115,15 @@ def write(result: dict[str, Any], folder: Path) -> None:
     for case in result["cases"]:
         pieces = [f"<p>{html.escape(note)}</p>" for note in case["notes"]]
         if case["rows"]:
-            pieces.append(report.table(pd.DataFrame(list(_table(case["rows"])))))
+            pieces.append(html_report.table(pd.DataFrame(list(_table(case["rows"])))))
         for plot in case["plots"]:
             path = folder / "figures" / f"{plot['name']}.png"
             figures.draw(plot, path)
-            pieces.append(report.image(path, f"{case['title']}: {plot['name']}"))
+            pieces.append(html_report.image(path, f"{case['title']}: {plot['name']}"))
         sections.append((case["title"], pieces))
-    report.build(f"palpate {result['version']}: verification", sections, list(_notes(result)), folder / "report.html")
+    html_report.build(
+        f"palpate {result['version']}: verification", sections, list(_notes(result)), folder / "report.html"
+    )
 
 
 def _notes(result: dict[str, Any]) -> Iterator[str]:

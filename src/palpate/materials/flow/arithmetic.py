@@ -1,8 +1,8 @@
 """Functions of a number that laws are written with.
 
 Python evaluates them as they stand. Compiled code takes the implementations registered with numba: those for doubles
-here, those for SIMD vectors in `palpate.fem.batch_vector`. A law written with them and the operators + - * / therefore
-serves one point or the lanes of a vector.
+here, those for SIMD vectors in `palpate.solver.axisymmetric.lanes`. A law written with them and the operators + - * /
+therefore serves one point or the lanes of a vector.
 """
 
 from __future__ import annotations

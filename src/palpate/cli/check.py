@@ -1,0 +1,65 @@
+"""``palpate check``: is a study sound, and are its recordings, before anything is simulated."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from palpate.configuration.study_file import Study
+
+NAME = "check"
+HELP = "check a study and its recordings"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
+    parser.add_argument("--data", help="vendor's file, in place of the study's source.file")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
+    from palpate.workflow_support.check_study import checked_study
+
+    for line in described(checked_study(arguments.study, arguments.data)):
+        print(line)
+    return 0
+
+
+def described(study: Study) -> Iterator[str]:
+    """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
+    from palpate.solver.store import conditions_by_shape
+    from palpate.workflow_support.data_quality import doubts
+
+    roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
+    count = len(study.cells) * len(roles["calibrate"])
+    yield f"{study.file}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots"
+    for conditions in conditions_by_shape(study):
+        if len(conditions) > 1:
+            yield f"one simulation serves {', '.join(c.name for c in conditions)}, which differ in size alone"
+    yield f"calibrated on {', '.join(roles['calibrate'])}; judged by {', '.join(roles['validate']) or 'nothing else'}"
+    if not study.recordings:
+        yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
+    for name, folder in study.recordings.items():
+        tests = tests_of(study, name)
+        found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
+        yield f"recordings {name} in {folder.resolve()}: {found}"
+        yield from (f"recordings {name}: {doubt}" for doubt in doubts(study, name))
+        repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
+        if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
+            yield f"recordings {name}: too few tests are repeated for the diagnosis to name an effect alone"
+
+
+def tests_of(study: Study, name: str) -> dict[str, int]:
+    """Return how many recordings of each condition set `name` holds, or will hold once the study has written it."""
+    from palpate.inference.study_recordings import find
+    from palpate.recordings.readers import read_source
+
+    if name in study.laboratory:
+        return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
+    if name == study.source.get("recordings"):
+        return {condition: len(tests) for condition, tests in read_source(study.source).items()}
+    return {condition: len(files) for condition, files in find(study, name).items()}

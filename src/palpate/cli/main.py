@@ -1,0 +1,79 @@
+"""The command line: finds the subcommands, and turns bad input into one line and exit code 2."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import io
+import os
+import pkgutil
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any, NoReturn
+
+from palpate import __version__, cli
+from palpate.base.threads import one_thread_each
+from palpate.errors import InputError, PalpateError
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints fit on one line, and to which -1e-3 is as much a number as -5."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+    def error(self, message: str) -> NoReturn:
+        """Print `message` and leave with exit code 2."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def discovered() -> Iterator[Any]:
+    """Yield the modules of the subcommands."""
+    for found in pkgutil.iter_modules(cli.__path__):
+        if found.name != "main":
+            yield importlib.import_module(f"palpate.cli.{found.name}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run ``palpate``; return its exit code.
+
+    It is 0 on success, 2 on bad input, 1 on failure or when nobody reads on, and 130 after Ctrl-C.
+    Letters that the output's encoding lacks are printed as numbers.
+    """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    one_thread_each()
+    parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
+    parser.add_argument("--version", action="version", version=f"palpate {__version__}")
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in sorted(discovered(), key=lambda command: command.NAME):
+        subparser = subparsers.add_parser(command.NAME, help=command.HELP, description=command.HELP)
+        command.add_arguments(subparser)
+        subparser.set_defaults(run=command.run)
+    chosen = parser.parse_args(arguments)
+    try:
+        code = chosen.run(chosen)
+        sys.stdout.flush()
+        return code
+    except InputError as error:
+        print(f"palpate: {error}", file=sys.stderr)
+        return 2
+    except PalpateError as error:
+        print(f"palpate: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("palpate: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        problem = InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename)
+        print(f"palpate: {problem}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

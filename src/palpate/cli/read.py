@@ -1,0 +1,219 @@
+"""``palpate read``: a vendor's file in, recording CSVs out."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from palpate.recordings.readers import Unreadable, VendorTest
+    from palpate.recordings.survey import Survey
+
+NAME = "read"
+HELP = "turn a vendor's file into recording CSVs"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("file", type=Path, metavar="FILE")
+    parser.add_argument("--test", metavar="NAME_OR_NUMBER", help="one test only (default: all)")
+    reading_arguments(parser)
+    parser.add_argument(
+        "--stiffness",
+        action="store_true",
+        help="add a fourth column with the stiffness by oscillation, where the file has it",
+    )
+    parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
+    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+
+
+def reading_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare how vendors' files are read."""
+    chosen = parser.add_mutually_exclusive_group()
+    chosen.add_argument(
+        "--raw", dest="corrections", action="store_const", const=frozenset(), help="leave the vendor's corrections off"
+    )
+    chosen.add_argument(
+        "--correct",
+        dest="corrections",
+        type=_corrections,
+        metavar="NAMES",
+        help="apply these alone, such as drift,frame",
+    )
+    parser.add_argument(
+        "--contact",
+        type=_contact,
+        default="file",
+        metavar="file|auto|none|NM",
+        help="begin at the file's contact, at the one found, nowhere (keep the approach), or at this depth",
+    )
+    parser.add_argument("--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="columns of a table")
+    parser.add_argument(
+        "--units",
+        type=_pairs,
+        default={},
+        metavar="time=s,load=mN,depth=nm",
+        help="their units, in place of those that the table states; load=-mN turns the sign",
+    )
+
+
+class _Formats(argparse.Action):
+    """Print what can be read, found when it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *given: object) -> None:
+        from palpate.recordings.readers import READERS
+        from palpate.recordings.readers.units import SCALES
+
+        print(*(reader.title for reader in READERS.values()), sep="\n")
+        print("any table, text or Excel, by --columns; units:")
+        print(*(f"  {key}: {', '.join(units)}" for key, units in SCALES.items()), sep="\n")
+        parser.exit()
+
+
+def _corrections(text: str) -> frozenset[str]:
+    chosen = frozenset(text.split(","))
+    if not chosen <= {"drift", "frame"}:
+        raise argparse.ArgumentTypeError(f"{text!r} is not drift, frame or drift,frame")
+    return chosen
+
+
+def _contact(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        if text not in ("file", "auto", "none"):
+            raise argparse.ArgumentTypeError(f"{text!r} is not file, auto, none or a depth in nm") from None
+        return text
+
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = [part.split("=", 1) for part in text.split(",")]
+    if any(len(pair) != 2 for pair in pairs):
+        raise argparse.ArgumentTypeError(f"{text!r} is not time=...,load=...,depth=...")
+    keys = [key.strip() for key, _ in pairs]
+    twice = next((key for key in keys if keys.count(key) > 1), None)
+    if twice is not None:
+        raise argparse.ArgumentTypeError(f"{twice!r} is given twice")
+    return {key: value.strip() for key, (_, value) in zip(keys, pairs, strict=True)}
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
+    from palpate.base.overwrite import spared
+    from palpate.errors import InputError
+    from palpate.recordings.readers import VendorTest, select, sound, zeroed_each
+    from palpate.recordings.readers.vendor import in_words
+
+    try:
+        tests = whole_tests(arguments.file, arguments)
+        if arguments.test is not None:
+            tests = [select(tests, arguments.test, arguments.file)]
+        begun = zeroed_each(arguments.file, tests, arguments.contact)
+        readable = [
+            (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
+        ]
+        surveys = [_survey(whole) for whole, _ in readable] if arguments.survey else []
+    except InputError as error:
+        raise error.located(file=arguments.file) from None
+    paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
+    applied = f"corrections in depth: {in_words(arguments.corrections)}"
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    say_what_is_wrong(arguments.file, begun)
+    if arguments.stiffness:
+        _say_where_stiffness_lacks(arguments.file, [test for _, test in readable])
+    for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
+        facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
+        notes = (*test.recording.notes, applied, *test.warnings, *facts)
+        stiffness = test.recording.stiffness if arguments.stiffness else None
+        before = path.read_bytes() if path.exists() else None
+        replace(test.recording, notes=notes, stiffness=stiffness).write(path)
+        if before not in (None, path.read_bytes()):
+            print(f"palpate: {path}: replaced; what stood there differed", file=sys.stderr)
+        print(path)
+        if surveys:
+            _draw(surveys[number], path.with_suffix(".png"))
+            print(path.with_suffix(".png"))
+    if surveys:
+        from palpate.recordings.survey import table
+
+        path = arguments.output / f"{arguments.file.stem}_survey.txt"
+        path.write_text(table(surveys).to_csv(index=False, sep="\t", float_format="%.5g"), encoding="utf-8")
+        print(path)
+    return 0
+
+
+def whole_tests(file: Path, arguments: argparse.Namespace) -> list[VendorTest | Unreadable]:
+    """Return the tests of a file with their approach, read as the arguments ask for.
+
+    Raises
+    ------
+    InputError
+        When no test can be read, or units are given without columns.
+    """
+    from palpate.errors import InputError
+    from palpate.recordings.readers import ColumnMap, read_each
+
+    if arguments.units and not arguments.columns:
+        remedy = "add --columns, or leave --units off"
+        raise InputError("units are given without columns", remedy=remedy, file=file, place="--units")
+    columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
+    return read_each(file, corrections=arguments.corrections, contact="none", columns=columns)
+
+
+def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
+    """Print what is left out, and what the readers warn of."""
+    from palpate.recordings.readers import Unreadable
+
+    for test in tests:
+        if isinstance(test, Unreadable):
+            print(f"palpate: {test.error}; the {'test' if test.sought else 'sheet'} is left out", file=sys.stderr)
+    for test in tests:
+        for warning in () if isinstance(test, Unreadable) else test.warnings:
+            print(f"palpate: {file}, {test.name}: {warning}", file=sys.stderr)
+
+
+def _say_where_stiffness_lacks(file: Path, tests: Sequence[VendorTest]) -> None:
+    """Print, in one line, which tests get no column of the stiffness that was asked for."""
+    without = [test.name for test in tests if test.recording.stiffness is None]
+    if without:
+        names = "" if len(without) == len(tests) else f" in {', '.join(without)}"
+        print(f"palpate: {file}: holds no stiffness by oscillation{names}; no column is added", file=sys.stderr)
+
+
+def _paths(folder: Path, names: list[str]) -> list[Path]:
+    """Return a path for each test, after its name."""
+    paths: list[Path] = []
+    for number, name in enumerate(names, 1):
+        stem = re.sub(r"[^A-Za-z0-9._-]+", "_", name)
+        while folder / f"{stem}.csv" in paths:
+            stem += f"_{number}"
+        paths.append(folder / f"{stem}.csv")
+    return paths
+
+
+def _survey(test: VendorTest) -> Survey:
+    """Find what one test shows."""
+    from palpate.errors import InputError
+    from palpate.recordings.survey import survey
+
+    try:
+        return survey(test.recording)
+    except InputError as error:
+        raise error.located(place=test.name) from None
+
+
+def _draw(found: Survey, path: Path) -> None:
+    """Draw it, with the contact of the file."""
+    from palpate.output.figures.recorded_test import draw
+
+    recording = found.recording
+    draw(found, path, chosen=float(np.interp(0.0, recording.time, recording.depth)))

@@ -1,0 +1,42 @@
+"""``palpate simulate``: a specification in, a recording out."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from palpate.errors import InputError, PalpateError
+
+NAME = "simulate"
+HELP = "simulate one indentation and write it as a recording CSV"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("specification", type=Path, metavar="SPEC.yaml")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="CURVE.csv")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate; exit code 1 when the solver fails."""
+    from palpate.base.overwrite import spared
+    from palpate.base.yaml_file import read_yaml
+    from palpate.recordings.recording import Recording
+    from palpate.solver.simulation import simulate, specification_from
+
+    path = arguments.specification
+    values = read_yaml(path)
+    if not arguments.output.parent.is_dir():
+        raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
+    if arguments.output.is_dir():
+        raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
+    output = spared(path, arguments.output)
+    try:
+        simulation = simulate(specification_from(values))
+    except InputError as error:
+        raise error.located(file=path) from None
+    if simulation.status != "ok":
+        raise PalpateError(f"{path}: the simulation failed: {simulation.reason}")
+    notes = ("SYNTHETIC: simulated by palpate",)
+    Recording(simulation.time, simulation.load, simulation.depth, notes=notes).write(output)
+    return 0

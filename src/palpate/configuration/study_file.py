@@ -1,0 +1,365 @@
+"""A study: what is simulated, what was recorded, and how the two are brought together. Read from one YAML file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from palpate.base.parameters import Parameter
+from palpate.base.yaml_file import read_yaml
+from palpate.configuration.levels import checked_levels
+from palpate.configuration.schema import check_schema, suggestion, with_defaults
+from palpate.design import factorial, sobol
+from palpate.errors import InputError
+from palpate.materials import law_of
+from palpate.mechanisms import checked_mechanisms
+from palpate.recordings.readers import VendorTest, locate, read_source
+from palpate.recordings.recording import Recording, condition_of, read_history, read_recording, recording_files
+from palpate.study.indenter import Indenter
+from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
+from palpate.study.protocol import LOAD, Protocol, recorded
+from palpate.study.specification import Specification
+
+SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
+RESERVED = ("figures", "logs", "recordings", "report.html", "snapshots", "snapshots.csv", "surrogates")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One loading condition of a study.
+
+    Parameters
+    ----------
+    name
+        Such as ``P1.00_T030``; recordings of it are ``NAME_REPLICATE.csv``.
+    role
+        ``calibrate``, or ``validate``: takes no part in a calibration and judges it.
+    protocol
+        What is prescribed, and sampling times.
+    follows
+        Whether the history was taken from a recording.
+    """
+
+    name: str
+    role: str
+    protocol: Protocol
+    follows: bool = False
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study; see the contracts of the project for the meaning of each key.
+
+    Attributes
+    ----------
+    name, title, file
+        Name, title for people, and the YAML file.
+    model
+        Key of the constitutive law.
+    fixed
+        Material parameters that are not on the grid.
+    levels
+        Levels of the snapshot grid for each parameter, in order; one level holds a parameter constant.
+    design
+        How the snapshots lie: `kind` ``factorial`` takes every combination of the levels, ``sobol`` as many `points` of
+        a Sobol sequence between the lowest and the highest ones.
+    indenter, kinematics, accuracy, points
+        How a snapshot is simulated.
+    conditions
+        All loading conditions.
+    condition_sets
+        Names of the conditions that each calibration uses; ``all`` is always there.
+    recordings
+        Folder of each set of recordings.
+    cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory, source
+        Settings with their defaults filled in.
+    """
+
+    name: str
+    title: str
+    file: Path
+    model: str
+    fixed: Mapping[str, float]
+    levels: Mapping[str, tuple[float, ...]]
+    design: Mapping[str, Any]
+    indenter: Indenter
+    kinematics: str
+    accuracy: str
+    points: int
+    conditions: tuple[Condition, ...]
+    condition_sets: Mapping[str, tuple[str, ...]]
+    recordings: Mapping[str, Path]
+    cells_per_job: int
+    seed: int
+    surrogate: Mapping[str, Any]
+    calibration: Mapping[str, Any]
+    diagnosis: Mapping[str, Any]
+    challenge: Mapping[str, Any]
+    laboratory: Mapping[str, Mapping[str, Any]]
+    source: Mapping[str, Any]
+
+    @property
+    def free_parameters(self) -> tuple[str, ...]:
+        """Parameters with more than one level: those that a calibration looks for."""
+        return tuple(name for name, levels in self.levels.items() if len(levels) > 1)
+
+    @property
+    def declared(self) -> dict[str, Parameter]:
+        """What the law declares of each parameter by name, such as symbol and unit."""
+        return {p.name: p for p in law_of(self.model).declared({**self.fixed, **self.levels})}
+
+    @property
+    def cells(self) -> list[dict[str, float]]:
+        """Material parameters of the snapshots."""
+        if self.design["kind"] == "factorial":
+            return factorial(self.levels)
+        constant = {name: levels[0] for name, levels in self.levels.items()}
+        bounds = {name: (min(self.levels[name]), max(self.levels[name])) for name in self.free_parameters}
+        return [{**constant, **point} for point in sobol(bounds, self.design["points"], self.seed)]
+
+    def condition(self, name: str) -> Condition:
+        """Return the condition called `name`."""
+        return next(condition for condition in self.conditions if condition.name == name)
+
+    def specification(
+        self, cell: Mapping[str, float], condition: Condition, accuracy: str | None = None
+    ) -> Specification:
+        """Return what to simulate for material parameters `cell` under `condition`."""
+        parameters = {**self.fixed, **cell}
+        return Specification(
+            self.model,
+            parameters,
+            self.indenter,
+            condition.protocol,
+            kinematics=self.kinematics,
+            accuracy=accuracy or self.accuracy,
+        )
+
+
+def load_study(path: str | Path, data: str | None = None) -> Study:
+    """Read and check a study.
+
+    Parameters
+    ----------
+    path
+        The YAML file.
+    data
+        The vendor's file in place of the one that ``source`` names, or a folder that holds one of that name.
+
+    Raises
+    ------
+    InputError
+        With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
+    """
+    path = Path(path)
+    values = read_yaml(path)
+    try:
+        return _study(values, path, data)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _study(values: Any, path: Path, data: str | None) -> Study:
+    schema = json.loads(
+        resources.files("palpate.configuration").joinpath("study.schema.json").read_text(encoding="utf-8")
+    )
+    check_schema(values, schema)
+    if values["study"] in SHARED:
+        raise InputError(
+            f"{values['study']!r} is what other results are called", remedy="choose another name", place="study"
+        )
+    _check_contradictions(values)
+    settings = with_defaults(values, schema)
+    material = dict(values["material"])
+    model = material.pop("model")
+    try:
+        model = law_of(model).key
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, place="material.model") from None
+    source = _source(settings, data if data is not None else values.get("data"))
+    tests = cache(lambda: read_source(source))
+    levels = checked_levels(model, material, values["parameters"])
+    try:
+        indenter = Indenter.from_mapping(values["indenter"])
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
+    recordings = {name: Path(folder) for name, folder in values.get("recordings", {}).items()}
+    for name in recordings:
+        if name in RESERVED:
+            raise InputError(
+                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
+            )
+    conditions = tuple(
+        _condition(k, entry, settings["points"], recordings, source, tests)
+        for k, entry in enumerate(values["conditions"])
+    )
+    names = [condition.name for condition in conditions]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"condition {name!r} is given twice", remedy="rename one of them", place="conditions")
+    study = Study(
+        name=values["study"],
+        title=values.get("title", values["study"]),
+        file=path,
+        model=model,
+        fixed=material,
+        levels=levels,
+        design=settings["design"],
+        indenter=indenter,
+        kinematics=settings["kinematics"],
+        accuracy=settings["accuracy"],
+        points=settings["points"],
+        conditions=conditions,
+        condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
+        recordings=recordings,
+        cells_per_job=settings["cells_per_job"],
+        seed=settings["seed"],
+        surrogate=settings["surrogate"],
+        calibration=settings["calibration"],
+        diagnosis=settings["diagnosis"],
+        challenge=settings["challenge"],
+        laboratory=settings.get("laboratory", {}),
+        source=source,
+    )
+    study.specification(study.cells[0], conditions[0])
+    _check_laboratories(study)
+    return study
+
+
+def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
+    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
+    if "source" not in settings:
+        if data is not None:
+            raise InputError("data is given, but the study names no source", remedy="leave data off", place="data")
+        return {}
+    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
+    conditions = [entry["name"] for entry in settings["conditions"]]
+    for key, name, known in (
+        ("recordings", source["recordings"], list(settings.get("recordings", {}))),
+        *(("condition", name, conditions) for name in source.get("conditions", [source.get("condition")])),
+    ):
+        if name not in known:
+            raise InputError(
+                f"{name!r} is not among {', '.join(known) or 'none'}{suggestion(name, known)}",
+                remedy=f"name one of the study's {key.rstrip('s')}s",
+                place=f"source.{key}",
+            )
+    for name in conditions:
+        if name not in source.get("conditions", [source.get("condition")]):
+            raise InputError(
+                f"no test of condition {name!r} is named",
+                remedy="name its tests under source.conditions, or remove the condition",
+                place="source",
+            )
+    if not Path(source["file"]).is_file():
+        raise InputError(
+            f"the vendor's file {source['file']} is missing",
+            remedy="fetch it and give its place: palpate check --data PATH, snakemake --config data=PATH",
+            place="source.file",
+        )
+    return source
+
+
+def _check_contradictions(values: Mapping[str, Any]) -> None:
+    """Refuse keys that another key makes idle: what a user writes must count; raises `InputError`."""
+    design, surrogate = values.get("design", {}), values.get("surrogate", {})
+    if "points" in design and design.get("kind") != "sobol":
+        raise InputError(
+            "the grid of levels has no number of points", remedy="add kind: sobol, or leave it out",
+            place="design.points",
+        )  # fmt: skip
+    if "energy" in surrogate and surrogate.get("n_modes") is not None:
+        raise InputError("n_modes takes its place", remedy="keep one of them", place="surrogate.energy")
+    if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
+        raise InputError(
+            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
+            place="indenter.poisson_ratio",
+        )  # fmt: skip
+
+
+def _check_laboratories(study: Study) -> None:
+    for key, settings in study.laboratory.items():
+        place = f"laboratory.{key}"
+        if key not in study.recordings:
+            raise InputError("it writes no recordings", remedy=f"add the folder of {key} to recordings", place=place)
+        try:
+            study.specification(settings["parameters"], study.conditions[0])
+        except InputError as error:
+            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.parameters") from None
+        try:
+            checked_mechanisms(settings.get("mechanisms"))
+        except InputError as error:
+            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.{error.place}") from None
+
+
+def _condition(
+    index: int,
+    entry: Mapping[str, Any],
+    points: int,
+    recordings: Mapping[str, Path],
+    source: Mapping[str, Any],
+    tests: Callable[[], Mapping[str, list[VendorTest]]],
+) -> Condition:
+    place = f"conditions[{index}] ({entry['name']})"
+    given = {key: entry[key] for key in KEYS if key in entry}
+    if shapes := [key for key in SHAPES if key in given and "load_history" in entry]:
+        raise InputError(f"load_history and {shapes[0]} exclude each other", remedy="keep one", place=place)
+    history = _load_history(entry, recordings, source, tests, place) if "load_history" in entry else None
+    try:
+        if history is None:
+            protocol = protocol_from({**given, "points": points})
+        else:
+            control, compliance, _ = control_from(given)
+            drive = history.load if control == LOAD else history.depth + compliance * history.load
+            begun = history.from_contact(drive)
+            drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
+            protocol = recorded(begun.time, drive, points, control=control, compliance=compliance)
+    except InputError as error:
+        raise InputError(
+            error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
+        ) from None
+    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, history is not None)
+
+
+def _load_history(
+    entry: Mapping[str, Any],
+    recordings: Mapping[str, Path],
+    source: Mapping[str, Any],
+    tests: Callable[[], Mapping[str, list[VendorTest]]],
+    place: str,
+) -> Recording:
+    """Return the recording whose load or displacement a condition follows."""
+    if entry["load_history"] != "recorded":
+        return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
+    if entry["name"] in source.get("conditions", [source.get("condition")]):
+        return tests()[entry["name"]][0].recording
+    for folder in recordings.values():
+        for file in recording_files(folder):
+            if condition_of(file) == entry["name"]:
+                return read_recording(file)
+    raise InputError(
+        "load_history is `recorded`, but there is no recording of this condition",
+        remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
+        place=place,
+    )
+
+
+def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:
+    calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
+    if not calibrate:
+        raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")
+    for key, names in given.items():
+        for name in names:
+            if name not in calibrate:
+                known = name in [condition.name for condition in conditions]
+                raise InputError(
+                    f"{name!r} {'has the role validate' if known else 'is no condition'}{suggestion(name, calibrate)}",
+                    remedy=f"use calibrate conditions: {', '.join(calibrate)}",
+                    place=f"condition_sets.{key}",
+                )
+    return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}

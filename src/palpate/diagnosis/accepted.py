@@ -1,0 +1,89 @@
+"""Which explanations stand of those that were tried, and what may be said of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.diagnosis.amplitude_constraint import NORMAL_95
+from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.problem import Explanation, Problem
+from palpate.diagnosis.search import Candidate
+from palpate.mechanisms import MECHANISMS
+
+CLOSE = np.log(100.0)
+
+
+def standing_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
+    """Return what passes of `found`, best first, within a ratio of 100 of the best of all that were tried.
+
+    The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
+    that pass. What passes and fits as well as one that stands, but for a ratio of the likelihood, stands beside it,
+    though the evidence counts against it that it could have explained much else: recordings do not tell them apart.
+    """
+    best = best_evidence(tried)
+    passed = best_first([candidate for candidate in found if candidate.adequate(level)])
+    likely = [candidate.fit.log_likelihood for candidate in passed if candidate.fit.log_evidence >= best - CLOSE]
+    if not likely:
+        return []
+    fits = max(likely)
+    return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
+
+
+def judged(standing: list[Candidate]) -> tuple[str, list[float]]:
+    """Return the verdict, and the probabilities of the explanations that stand."""
+    if not standing:
+        return "unexplained", []
+    evidence = np.array([candidate.fit.log_evidence for candidate in standing])
+    weights = np.exp(evidence - evidence.max())
+    return ("identified" if len(standing) == 1 else "ambiguous"), (weights / weights.sum()).tolist()
+
+
+def may_be_named(problem: Problem, explanation: Explanation) -> bool:
+    """Return whether recordings bear a name alone, where a single explanation stands.
+
+    Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
+    law: what an effect on the body does to one curve, a law that is in no library may do, too.
+    """
+    return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
+
+
+def not_told_from_none(fit: Fit) -> list[str]:
+    """Return the instrument's effects of an explanation whose mean amplitude may as well be none, at 95 %.
+
+    What they explain is then that single recordings differ, which chance, or another law, may do, too.
+    """
+    open_ones, own = [], fit.problem.places(fit.explanation)
+    for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
+        (place,), (value, slope) = own[key], fit.problem.amplitude(fit.explanation, fit.z, key)
+        if abs(value) <= NORMAL_95 * abs(slope) * np.sqrt(fit.posterior[place, place]):
+            open_ones.append(key)
+    return open_ones
+
+
+def of_instrument(explanation: Explanation) -> bool:
+    """Return whether no mechanism of an explanation acts on the body."""
+    return not any(MECHANISMS[key].acts_on_body for key in explanation)
+
+
+def best_evidence(tried: list[Candidate]) -> float:
+    """Return the greatest logarithm of the evidence of those that contradict no law."""
+    return max((each.fit.log_evidence for each in tried if not each.contradicts), default=-np.inf)
+
+
+def best_first(candidates: list[Candidate]) -> list[Candidate]:
+    """Sort by evidence."""
+    return sorted(candidates, key=lambda candidate: -candidate.fit.log_evidence)
+
+
+def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
+    """Return one candidate for each set of mechanisms, best first: a set that was fitted again is listed once."""
+    likeliest: dict[frozenset[str], Candidate] = {}
+    for candidate in best_first(candidates):
+        likeliest.setdefault(frozenset(candidate.fit.explanation), candidate)
+    return list(likeliest.values())
+
+
+def without_idle(standing: list[Candidate]) -> list[Candidate]:
+    """Return the sets that stand, but for those around a smaller one that does, too: they hold what does nothing."""
+    sets = [set(candidate.fit.explanation) for candidate in standing]
+    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in sets)]

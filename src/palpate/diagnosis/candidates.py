@@ -1,0 +1,171 @@
+"""Which mechanisms a diagnosis of a study considers and within which ranges, and the size of the study."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.configuration.study_file import Study
+from palpate.design import factorial
+from palpate.errors import InputError
+from palpate.inference.coordinates import Coordinate
+from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.solver.variation import acting
+from palpate.study.protocol import Protocol
+from palpate.study.specification import of_equivalent_cone
+
+SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
+KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
+SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
+
+
+def middle(study: Study) -> dict[str, float]:
+    """Return the material in the middle of the study's grid."""
+    return {name: float(np.mean(levels)) for name, levels in study.levels.items()}
+
+
+def scale_of(study: Study) -> Scale:
+    """Return the size of the study, estimated from its middle material."""
+    cell = middle(study)
+    conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
+    largest = max(conditions, key=lambda condition: condition.protocol.largest_drive)
+    specification = of_equivalent_cone(study.specification(cell, largest))
+    tip = specification.indenter
+    radius = contact_range(specification.specimen, tip, largest.protocol)[1]
+    slope = Profile.of(tip).slope_for(radius) if tip.area else tip.slope
+    slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
+    return Scale(
+        depth=1.2e3 * radius * slope,
+        load=expected_load(specification.specimen, tip, largest.protocol),
+        modulus=specification.parameters["youngs_modulus"],
+        duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
+        loading_time=min(longest_rise(c.protocol) for c in conditions),
+        half_angle=tip.half_angle,
+        pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
+        stated=study.diagnosis["ranges"],
+    )
+
+
+def longest_rise(protocol: Protocol) -> float:
+    """Return the duration [s] of the uninterrupted rise that gains the most, however many corners it has."""
+    steps = np.diff(protocol.knot_drive)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], steps > 0, [False]]).astype(int)))
+    runs = ends.reshape(-1, 2)
+    first, last = max(runs, key=lambda run: protocol.knot_drive[run[1]] - protocol.knot_drive[run[0]])
+    return float(protocol.knot_time[last] - protocol.knot_time[first])
+
+
+def candidates(study: Study) -> dict[str, Mechanism]:
+    """Return the mechanisms that a diagnosis of the study considers: those that can act on its material and tip.
+
+    Raises
+    ------
+    InputError
+        When the study names what is not known or cannot act, ranges of what is not searched, or too few draws.
+    """
+    try:
+        return _candidates(study)
+    except InputError as error:
+        raise error.located(file=study.file) from None
+
+
+def _candidates(study: Study) -> dict[str, Mechanism]:
+    wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
+    tests = {condition.protocol.control: condition for condition in study.conditions if condition.role == "calibrate"}
+    specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
+    _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
+    _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
+    for key in scale.stated:
+        _check_ends(study, scale, MECHANISMS[key])
+    found = {}
+    for key in wanted:
+        if key not in MECHANISMS:
+            raise InputError(
+                f"mechanism {key!r} is not known",
+                remedy=f"use one of: {', '.join(MECHANISMS)}",
+                place="diagnosis.mechanisms",
+            )
+        mechanism = MECHANISMS[key]
+        ranges = mechanism.searched(scale).items()
+        some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
+        values = dict(mechanism.from_search(some, scale))
+        try:
+            for specification in specifications:
+                acting(replace(specification, mechanisms={key: values}))
+        except InputError:
+            if study.diagnosis["mechanisms"]:
+                raise
+            continue
+        found[key] = mechanism
+    return found
+
+
+def _check_draws(draws: int, level: float) -> None:
+    """Refuse so few draws of the noise that no p-value falls below the significance: everything would pass."""
+    least = int(KINDS_OF_TESTS / level + 1e-9)
+    if draws < least:
+        raise InputError(
+            f"{draws} draws cannot show a misfit at a significance of {level:g}",
+            remedy=f"draw {least} or more",
+            place="diagnosis.bootstrap",
+        )
+
+
+def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
+    """Refuse stated ranges of what is not searched, or that hold nothing."""
+    for key, ranges in scale.stated.items():
+        if key not in considered:
+            raise InputError(
+                f"mechanism {key!r} is not considered",
+                remedy=f"use one of: {', '.join(considered)}",
+                place="diagnosis.ranges",
+            )
+        plausible = MECHANISMS[key].plausible(scale)
+        for name, (lower, upper) in ranges.items():
+            place = f"diagnosis.ranges.{key}"
+            if name not in plausible:
+                raise InputError(f"{name} is not searched", remedy=f"use one of: {', '.join(plausible)}", place=place)
+            positive = plausible[name].log
+            if lower >= upper or (positive and lower <= 0.0):
+                remedy = f"give a lower and an upper value{', both positive' if positive else ''}"
+                raise InputError(f"{name}: [{lower:g}, {upper:g}] is no range", remedy=remedy, place=place)
+
+
+def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
+    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have.
+
+    Quantities without a stated range are at their lowest, where bodies are softest.
+    """
+    tests = [condition for condition in study.conditions if condition.role == "calibrate"]
+    tests.sort(key=lambda condition: -condition.protocol.largest_drive)
+    specifications = [of_equivalent_cone(study.specification(cell, test)) for cell in extremes(study) for test in tests]
+    ranges, stated = mechanism.searched(scale), scale.stated[mechanism.key]
+    ends = [(r.lower, r.upper) if name in stated else (r.lower,) for name, r in ranges.items()]
+    for searched in itertools.product(*ends):
+        values = dict(mechanism.from_search(dict(zip(ranges, searched, strict=True)), scale))
+        try:
+            mechanism.check(values)
+            for specification in specifications if mechanism.acts_on_body else ():
+                solid = mechanism.simulate(specification, values)
+                largest = contact_range(solid.specimen, solid.indenter, solid.protocol)[1]
+                check_size(solid.specimen, solid.indenter, RESOLUTIONS[solid.accuracy], largest)
+        except InputError as error:
+            place = f"diagnosis.ranges.{mechanism.key}"
+            raise InputError(error.problem, remedy=error.remedy, place=place) from None
+
+
+def extremes(study: Study) -> list[dict[str, float]]:
+    """Return the softest and the hardest material among the corners of the study's grid."""
+    corners = factorial({name: tuple(sorted({min(levels), max(levels)})) for name, levels in study.levels.items()})
+    longest = max(float(condition.protocol.knot_time[-1]) for condition in study.conditions)
+
+    def pressure(cell: Mapping[str, float]) -> float:
+        return mean_pressure(study.specification(cell, study.conditions[0]).coefficients, SLOPE, longest)
+
+    return [min(corners, key=pressure), max(corners, key=pressure)]

@@ -1,0 +1,172 @@
+"""Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
+
+A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. Of the first two,
+what creep does there is taken off. A hold at any load bounds the drift, because creep only adds to the depth. Laws are
+data beside the curves (`palpate.diagnosis.amplitude_constraint`), as long as the two agree: an explanation to which the
+curves alone give another amplitude, beyond both intervals, is wrong, however well it fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
+from palpate.classical.reference_sample import Reference, frame_of_reference
+from palpate.configuration.study_file import Study
+from palpate.diagnosis.amplitude_constraint import UNNAMED, Law
+from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
+from palpate.errors import InputError
+from palpate.recordings.recording import Recording
+from palpate.recordings.sharp_origin import sharp_origin
+from palpate.recordings.survey import Survey, survey
+from palpate.study.area_function import AreaFunction
+
+UNEVEN = ("film_on_substrate", "size_effect", "adhesion")  # hardness or modulus depend on the depth
+SLOW = ("second_voigt",)  # creep that the base model does not have
+
+
+@lru_cache(maxsize=256)
+def surveyed(recording: Recording) -> Survey | None:
+    """Survey a recording, once for the laws of a study and for its own; None where it cannot be surveyed."""
+    try:
+        return survey(recording)
+    except InputError:
+        return None
+
+
+def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None = None) -> list[Law]:
+    """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
+
+    The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
+    no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
+    span a factor of three are taken together.
+
+    Parameters
+    ----------
+    solid
+        Of a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_constraints`.
+        What holds at low load and tops of unloadings show there is taken off, and makes the intervals wider by as much
+        both ways, since it is known no better than the material; where they show nothing, these laws are silent.
+    """
+    seen = [found for found in map(surveyed, recordings) if found is not None]
+    alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
+    laws = []
+    if drift := _beyond(_drift_in_holds, seen, alone):
+        laws.append(drift)
+    elif fastest := [found.fastest for found in seen if found.fastest]:
+        rate, upper = np.mean(fastest, axis=0).tolist()
+        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
+    return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
+
+
+def _beyond(
+    measure: Callable[[Sequence[Survey]], Law | None], seen: Sequence[Survey], alone: Sequence[Survey] | None
+) -> Law | None:
+    """Return what a law says beyond that which the solid shows alone, where it creeps."""
+    found = measure(seen)
+    if found is None or alone is None:
+        return found
+    own = measure(alone)
+    if own is None:
+        return None
+    value, slack = own.estimate, abs(own.estimate)
+    return replace(
+        found, estimate=found.estimate - value, lower=found.lower - value - slack, upper=found.upper - value + slack
+    )
+
+
+def _drift_in_holds(seen: Sequence[Survey]) -> Law | None:
+    drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
+    if not drifts:
+        return None
+    rate, lower, upper = np.mean(drifts, axis=0).tolist()
+    return Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", SLOW)
+
+
+def _frame_by_tops(seen: Sequence[Survey]) -> Law | None:
+    """Return the law of the tops of unloadings, a test's own drift taken off where a hold shows it."""
+    drifting = () if all(found.drift for found in seen) else ("thermal_drift",)
+    frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
+    void_with = (*UNEVEN, *SLOW, "controller_lag", *drifting)
+    return _law_of(frame, "tops of unloadings", void_with) if frame else None
+
+
+def _without_drift(found: Survey) -> np.ndarray:
+    return found.recording.depth - (found.drift.rate * found.recording.time if found.drift else 0.0)
+
+
+def _frame_by_oscillation(seen: Sequence[Survey]) -> Law | None:
+    tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
+    frame = frame_by_oscillation(tests)
+    return _law_of(frame, "stiffness by oscillation, levels of load", UNEVEN) if frame else None
+
+
+def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
+    """Return what unloadings say of the frame where the study's solid and tip are a reference; else nothing."""
+    given = study.diagnosis.get("reference")
+    if given is None:
+        return []
+    solid = (1.0 - given["poisson_ratio"] ** 2) / given["youngs_modulus"]
+    reduced = 1.0 / (solid + study.indenter.compliance)
+    reference = Reference(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
+    frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
+    return [_law_of(frame, "unloadings of a solid of known modulus")]
+
+
+def _law_of(frame: FrameCompliance, words: str, void_with: tuple[str, ...] = ()) -> Law:
+    source = f"{words}, {frame.unloadings}"
+    return Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source, void_with)
+
+
+def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
+    """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
+
+    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several
+    do, is taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval.
+    Differences between tests on one material are free of all that.
+    """
+    shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
+    shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
+    rows = []
+    for condition, tests in recordings.items():
+        for number, test in enumerate(tests, 1):
+            origin = sharp_origin(test.load, test.depth)
+            if not np.isfinite(origin[0]):
+                continue
+            row = {"condition": condition, "number": number}
+            rows.append(row | dict(zip(("estimate", "lower", "upper"), origin, strict=True)))
+            for law in shown:
+                frames = (law.estimate, law.lower, law.upper)
+                found = np.array([sharp_origin(test.load, test.depth - frame * test.load) for frame in frames])
+                ends = {"frame_off_lower": found[:, 1].min(), "frame_off_upper": found[:, 2].max()}
+                rows[-1] |= {"frame_off": float(found[0, 0])} | {name: float(end) for name, end in ends.items()}
+    return rows
+
+
+def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
+    """Return the laws that the amplitudes which the curves give an explanation contradict."""
+    return [law for law in laws if law.holds_under(fit.explanation) and not law.allows(*_amplitude(fit, law))]
+
+
+def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
+    """Return the amplitude that the curves alone give a mechanism, and its standard deviation.
+
+    Where laws took part in the fit, theirs is taken out again to first order. Without the mechanism the amplitude is
+    zero, to within what counts as background.
+    """
+    if law.key not in fit.explanation:
+        return 0.0, UNNAMED[law.key]
+    problem, z = fit.problem, fit.z
+    white = fit.whiten(fit.tangent)
+    covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
+    if fit.laws:
+        z = z + covariance @ white.T @ fit.white
+    value, slope = problem.amplitude(fit.explanation, z, law.key)
+    (place,) = problem.places(fit.explanation)[law.key]
+    return value, slope * float(np.sqrt(covariance[place, place]))

@@ -1,0 +1,248 @@
+"""A diagnosis as `diagnosis.json` holds it, with the errors before and after on conditions that took no part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from palpate.configuration.study_file import Condition, Study
+from palpate.diagnosis.accepted import not_told_from_none
+from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.between_tests import p_between_tests
+from palpate.diagnosis.covariance import components_under
+from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.locate import location
+from palpate.diagnosis.next_test import discriminating_test
+from palpate.diagnosis.outside import outside
+from palpate.diagnosis.own_values import in_mean, recording_values
+from palpate.diagnosis.posterior import draws_to_first_order, posterior_draws
+from palpate.diagnosis.problem import Problem
+from palpate.diagnosis.scaling_check import similarity
+from palpate.inference.observation import Observation
+from palpate.mechanisms import MECHANISMS
+from palpate.study.protocol import LOAD
+
+COARSE = 0.01
+SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
+
+
+def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
+    """Return median and 95 % interval of each parameter, as ``key.name``; of one that varies, of its mean."""
+    drawn = pd.DataFrame([flat_amplitudes(fit, z) for z in draws])
+    return {str(name): summary(drawn[name].to_numpy()) for name in drawn}
+
+
+def material_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
+    """Return median and 95 % interval of every free material parameter."""
+    free = fit.coordinates.free[: fit.problem.material]
+    return {each.name: summary(each.physical(column)) for each, column in zip(free, draws.T, strict=False)}
+
+
+def material_at(fit: Fit) -> dict[str, float]:
+    """Return every material parameter at the best point."""
+    return {name: value for name, value in fit.coordinates.named(fit.z).items() if "." not in name}
+
+
+def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
+    """Return the mechanisms' parameters at coordinates z (k,), as ``key.name``."""
+    found = fit.problem.amplitudes(fit.explanation, z)
+    return {f"{key}.{name}": value for key, values in found.items() for name, value in values.items()}
+
+
+def summary(values: np.ndarray) -> dict[str, float]:
+    """Return the median of draws and the interval that holds 95 % of them."""
+    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
+    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
+
+
+def curves(
+    study: Study, observed: Mapping[str, Observation], before: Fit, after: Fit
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the forward model's curves before and after beside the recorded means, for every condition.
+
+    A mechanism that varies has a value of its own for each condition: the likeliest, given noise and scatter. Held-out
+    conditions under which the forward model fails are left out; the second value says why, by their names.
+    """
+    tables, failed = [], {}
+    for condition in study.conditions:
+        found = [fit.everywhere[condition.name] for fit in (before, after)]
+        simulated = [curve for curve in found if not isinstance(curve, str)]
+        if reasons := [curve for curve in found if isinstance(curve, str)]:
+            failed[condition.name] = reasons[0]
+            continue
+        item = observed[condition.name]
+        columns: dict[str, Any] = {"condition": condition.name, "role": item.role, "time_s": item.time}
+        protocol = condition.protocol
+        columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
+        for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
+            columns[name] = curve + in_mean(study, fit, condition, curve, item)
+        columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
+        tables.append(pd.DataFrame(columns))
+    return pd.concat(tables, ignore_index=True), failed
+
+
+def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:
+    """Return the variance (n_points,) [nm^2] of a condition's mean curve."""
+    parts = components_under(fit.problem, (), condition, item.mean)
+    return np.diag(fit.errors.noise.typical(parts)) / len(item.response)
+
+
+def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:
+    """Return the root mean square misfits of calibrate and validate conditions, and the noise floor."""
+    found: dict[str, Any] = {}
+    for role in ("calibrate", "validate"):
+        part = table[table["role"] == role]
+        found[role] = {
+            f"{when}_rmse_nm": _rms(part[f"{when}_nm"] - part["recorded_nm"]) if len(part) else None
+            for when in ("before", "after")
+        }
+    judged = table[table["role"] == "validate"] if (table["role"] == "validate").any() else table
+    return found | {"noise_nm": _rms(judged["noise_nm"])}
+
+
+def _rms(values: pd.Series) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def limits(study: Study, problem: Problem) -> list[str]:
+    """Say what cannot be known from these recordings."""
+    count, said = len(problem.conditions), []
+    if not problem.replicated:
+        said.append(
+            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not known, so no "
+            "effect is named alone."
+        )
+    elif len(problem.repeated) < count:
+        said.append("Some conditions have no replicates: their noise is taken from the others.")
+    if count == 1:
+        said.append(
+            "There is a single condition: effects of load, rate and time cannot be told apart by comparison, so no "
+            "effect but the instrument's is named alone."
+        )
+    displaced = any(condition.protocol.control != LOAD for condition in problem.conditions)
+    if displaced:
+        said.append(
+            "A displacement is prescribed: misfits are loads, given as the depths that they amount to. Of such tests "
+            "exact laws about single recordings say nothing, what adds to the depth by no linear law of the load is "
+            "not considered, and no further test is proposed."
+        )
+    drives = [condition.protocol.largest_drive for condition in problem.conditions]
+    kinds = {condition.protocol.control for condition in problem.conditions}
+    if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
+        said.append(
+            f"All tests reach the same {kinds.pop()}: an effect with a length (rounding, "
+            "film, size effect) or of the frame can hide in the material's parameters."
+        )
+    if study.calibration["solver_error"] >= COARSE:
+        said.append(
+            f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "
+            "within that counts as explained, though it may be far above the noise."
+        )
+    if not any(item.role == "validate" for item in problem.observed.values()):
+        said.append("No condition was held out: the gain cannot be shown on tests that took no part.")
+    return said
+
+
+def far_out(diagnosis: Diagnosis) -> list[str]:
+    """Say what of the likeliest that was tried lies outside its range."""
+    fits = [candidate.fit for candidate in diagnosis.standing or diagnosis.tried[:1]]
+    found = outside(fits[0])
+    if not found:
+        return []
+    return [
+        f"Outside the ranges of the study (`parameters`, `diagnosis: ranges`), which count as plausible, lie: "
+        f"{', '.join(found)}."
+    ]
+
+
+def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
+    """Say which effect of single recordings fits only with a value for each test, when nothing tried explains them."""
+    if diagnosis.verdict != "unexplained":
+        return []
+    found = p_between_tests(diagnosis.tried[0].fit, rng)
+    titles = [MECHANISMS[key].title for key, p in found.items() if p < level]
+    if not titles:
+        return []
+    return [
+        f"The likeliest that was tried needs another value of {' and '.join(titles)} for each test, though replicates "
+        "agree: no matter of single recordings. Either the instrument changed between the tests, or something follows "
+        "the test that is not in the library."
+    ]
+
+
+def to_mapping(
+    study: Study,
+    observed: Mapping[str, Observation],
+    diagnosis: Diagnosis,
+    rng: np.random.Generator,
+    own_laws: Mapping[str, Sequence[Sequence[Law]]] | None = None,
+) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Return the content of `diagnosis.json` and the table of curves before and after.
+
+    Parameters
+    ----------
+    own_laws
+        What exact laws say about each recording of each condition.
+    """
+    base = diagnosis.base
+    best = diagnosis.standing[0].fit if diagnosis.standing else base.fit
+    table, failed = curves(study, observed, base.fit, best)
+    verdict = diagnosis.verdict
+    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.standing]
+    before = material_parameters(
+        base.fit, draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
+    )
+    after = material_parameters(best, draws[0]) if draws else before
+    candidates = [
+        {
+            "mechanisms": sorted(candidate.fit.explanation),
+            "probability": probability,
+            "log_evidence": candidate.fit.log_evidence,
+            "parameters": mechanism_parameters(candidate.fit, drawn),
+            "p_value": candidate.p_value,
+            "recordings": recording_values(study, observed, candidate.fit, own_laws),
+        }
+        for candidate, probability, drawn in zip(diagnosis.standing, diagnosis.probabilities, draws, strict=True)
+    ]
+    content = {
+        "verdict": verdict,
+        "p_value": base.p_value,
+        "location": location(base.fit),
+        "similarity": similarity(base.fit) if study.indenter.sharp else [],
+        "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
+        "candidates": candidates,
+        "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.standing], draws)
+        if len(draws) > 1 and all(c.protocol.control == LOAD for c in study.conditions)
+        else None,
+        "fit": errors_before_after(table),
+        "parameters": {"before": before, "after": after},
+        "tried": [
+            {
+                "mechanisms": sorted(candidate.fit.explanation),
+                "log_evidence": candidate.fit.log_evidence,
+                "p_value": candidate.p_value,
+                "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
+                "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
+                "material": material_at(candidate.fit),
+            }
+            for candidate in diagnosis.tried
+        ],
+        "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
+        | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
+        "limits": limits(study, base.fit.problem)
+        + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
+        + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
+        + [
+            f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
+            "differ, and it is not named alone."
+            for candidate in diagnosis.standing[:1]
+            for key in not_told_from_none(candidate.fit)
+        ]
+        + far_out(diagnosis)
+        + follows_tests(diagnosis, study.diagnosis["significance"], rng),
+    }
+    return content, table

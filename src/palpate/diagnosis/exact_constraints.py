@@ -1,0 +1,85 @@
+"""Exact laws about a study's recordings, less what a solid that creeps shows by itself where they look.
+
+It creeps on in a hold at low load, which looks like drift, and at the top of an unloading, which looks like a frame. So
+the base model's curves are examined as if they had been recorded: what the laws say of them is the solid's doing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+
+from palpate.configuration.study_file import Condition, Study
+from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.constraints import law_of_reference, laws_of
+from palpate.diagnosis.explanation import Fit
+from palpate.recordings.recording import Recording
+from palpate.solver.simulation import simulate_batch
+
+MOST_POINTS = 400
+
+
+class ExactLaws:
+    """What exact laws say about one set of recordings, beyond what the solid shows by itself where it creeps.
+
+    Parameters
+    ----------
+    recorded
+        Recordings of every condition under load control, the only one that these laws know.
+    """
+
+    def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
+        self._study, self._recorded = study, recorded
+        self._creeps = "steady_coefficient" in study.declared
+        self._solid: dict[str, Recording] = {}
+
+    def beside(self, base: Fit) -> list[Law]:
+        """Return what they say about the recordings that take part in a fit of the base model, together."""
+        names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
+        if not names:
+            return []
+        every = [recording for name in names for recording in self._recorded[name]]
+        found = laws_of(every)
+        if self._creeps and any(np.isfinite(law.lower) for law in found):
+            self._solid = undisturbed(base, self._recorded)
+            alone = [self._alone(name) * len(self._recorded[name]) for name in names]
+            found = laws_of(every, chain.from_iterable(alone))
+        return [*found, *law_of_reference(every, self._study)]
+
+    def of_each(self) -> dict[str, list[list[Law]]]:
+        """Return what they say about each recording by itself, by condition; first ask for those `beside`."""
+        return {
+            name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]
+            for name, tests in self._recorded.items()
+        }
+
+    def _alone(self, name: str) -> list[Recording]:
+        return [self._solid[name]] if name in self._solid else []
+
+
+def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
+    """Return what would be recorded without any effect, by condition; none under which the forward model fails.
+
+    Parameters
+    ----------
+    base
+        A fit of the base model; the conditions that take part in it are simulated.
+    recorded
+        Recordings of each condition; the first says when points are taken, of which there are at most 400.
+    """
+    conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
+    outcomes = simulate_batch(base.problem.forward.specification(base.z, condition) for condition in conditions)
+    return {
+        condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)
+        for condition, outcome in zip(conditions, outcomes, strict=True)
+        if outcome.status == "ok"
+    }
+
+
+def _sampled_as(condition: Condition, recording: Recording) -> Condition:
+    times = recording.time[(recording.time > 0.0) & (recording.time <= condition.protocol.knot_time[-1])]
+    taken = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int))
+    return replace(condition, protocol=replace(condition.protocol, sample_time=times[taken]))

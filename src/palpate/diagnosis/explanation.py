@@ -1,0 +1,136 @@
+"""One explanation at its best parameters: its curves and derivatives there, and the evidence for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+
+from palpate.diagnosis.amplitude_constraint import Law, departures
+from palpate.diagnosis.covariance import Errors
+from palpate.diagnosis.problem import Explanation, Problem
+from palpate.inference.coordinates import Coordinates
+from palpate.inference.forward import Forward, under_each
+from palpate.inference.least_squares import central_slopes
+
+PRIOR_VARIANCE = 1.0 / 12.0
+DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The best parameters of one explanation.
+
+    Attributes
+    ----------
+    explanation
+        Its mechanisms.
+    model
+        The forward model, whose points are coordinates of the explanation.
+    z : ndarray, shape (k,)
+        Coordinates, see `palpate.diagnosis.problem`.
+    errors
+        Errors of the mean curves.
+    curve : ndarray, shape (n_all,)
+        The forward model's curves at z [nm].
+    tangent : ndarray, shape (n_all, k)
+        Their slopes [nm].
+    laws
+        What exact laws say about amplitudes: data, too.
+    """
+
+    problem: Problem
+    explanation: Explanation
+    model: Forward
+    z: np.ndarray
+    errors: Errors
+    curve: np.ndarray
+    tangent: np.ndarray
+    laws: tuple[Law, ...] = ()
+
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        """Of its parameters."""
+        return self.model.coordinates
+
+    @cached_property
+    def everywhere(self) -> dict[str, np.ndarray | str]:
+        """Curves (n_points,) under every condition that was tested [nm], or why the forward model failed there."""
+        others = [name for name in self.problem.observed if name not in self.problem.names]
+        found: dict[str, np.ndarray | str] = {**self.problem.split(self.curve)}
+        for name, curve in under_each(self.model, others, self.z).items():
+            found[name] = curve if isinstance(curve, str) else self.problem.nm.get(name, 1.0) * curve
+        return found
+
+    @cached_property
+    def factor(self) -> np.ndarray:
+        """Lower Cholesky factor of the covariance."""
+        return cholesky(self.errors.covariance, lower=True)
+
+    def whiten(self, values: np.ndarray) -> np.ndarray:
+        """Return L^-1 values."""
+        return solve_triangular(self.factor, values, lower=True)
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Mean recorded less simulated depth (n_all,) [nm]."""
+        return self.problem.mean - self.curve
+
+    @cached_property
+    def tangent_space(self) -> np.ndarray:
+        """Orthonormal basis (n_all, k) of the whitened slopes of the parameters."""
+        return np.linalg.qr(self.whiten(self.tangent))[0]
+
+    def off_tangent(self, white: np.ndarray) -> np.ndarray:
+        """Return what whitened values (n_all, ...) have off the tangent space."""
+        return white - self.tangent_space @ (self.tangent_space.T @ white)
+
+    @cached_property
+    def white(self) -> np.ndarray:
+        """Whitened residual (n_all,)."""
+        return self.whiten(self.residual)
+
+    def from_laws(self, z: np.ndarray) -> np.ndarray:
+        """Return by how many standard deviations the amplitudes at z (k,) depart from the laws."""
+        return departures(self.laws, self.model.amplitudes(z))
+
+    @cached_property
+    def law_tangent(self) -> np.ndarray:
+        """Slope (n_laws, k) of the departures from the laws."""
+        return central_slopes(self.from_laws, self.z)
+
+    @property
+    def misfit(self) -> float:
+        """Chi-square of the mean curves, of the laws and of what lies outside its range."""
+        off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
+        return float(self.white @ self.white + off @ off + beyond @ beyond)
+
+    @cached_property
+    def log_likelihood(self) -> float:
+        """Of means, laws and, where there are replicates, what distinguishes them."""
+        noise = self.errors.noise
+        return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume
+
+    @cached_property
+    def posterior(self) -> np.ndarray:
+        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand."""
+        return np.linalg.inv(self.information + np.eye(len(self.z)) / PRIOR_VARIANCE)
+
+    @cached_property
+    def information(self) -> np.ndarray:
+        """What curves and laws tell about the coordinates (k, k), to first order."""
+        white = self.whiten(self.tangent)
+        return white.T @ white + self.law_tangent.T @ self.law_tangent
+
+    @cached_property
+    def log_evidence(self) -> float:
+        """Laplace's approximation with priors of density one over the ranges."""
+        sharpened = np.eye(len(self.z)) + DENSITY_ONE * self.information
+        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
+
+    @property
+    def log_volume(self) -> float:
+        """Half the logarithm of the determinant of the covariance."""
+        return float(np.log(np.diag(self.factor)).sum())

@@ -1,0 +1,164 @@
+"""A diagnosis in the words of a colleague."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from scipy.stats import norm
+
+from palpate.base.parameters import Parameter, in_words
+from palpate.diagnosis.locate import CERTAIN
+from palpate.mechanisms import MECHANISMS
+
+RISEN = 1.05  # ratio of errors from which one says that they rise
+CLEARLY = 0.01  # p-value below which what is left is called more than noise
+
+
+def sentence(content: Mapping[str, Any]) -> str:
+    """Say what a diagnosis found, from the content of `diagnosis.json`."""
+    verdict, p = content["verdict"], content["p_value"]
+    probability = _probability(p)
+    if verdict == "adequate":
+        return f"The base model explains the recordings to their noise ({probability}); nothing is claimed."
+    start = f"The base model does not explain the recordings ({probability}){_where(content)}."
+    if verdict == "unexplained":
+        none = "No set of known mechanisms that was tried explains it: something else is missing."
+        return f"{start} {none}{_nearest(content)}"
+    if verdict == "identified":
+        claim = _claim(content["candidates"][0])
+        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
+    if verdict == "suspected":
+        best = f"What explains it best: {_claim(content['candidates'][0])}"
+        doubtful = _may_be_none(content["candidates"][0])
+        why = f", as the {doubtful} may be none on average" if doubtful else ""
+        return f"{start} {best}. From these recordings alone it stays a suspicion{why}; {_gain(content)}."
+    names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
+    test = content["discriminating_test"]
+    further = (
+        f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
+        f"{test['expected_power']:.0%}."
+        if test
+        else ""
+    )
+    return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
+
+
+def _may_be_none(candidate: Mapping[str, Any]) -> str:
+    """Return the effects of the instrument whose interval holds none, in words."""
+    found = []
+    for key in candidate["mechanisms"]:
+        spans = [candidate["parameters"][f"{key}.{parameter.name}"] for parameter in MECHANISMS[key].parameters]
+        if not MECHANISMS[key].acts_on_body and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
+            found.append(MECHANISMS[key].title)
+    return " and the ".join(found)
+
+
+def _percent(probability: float) -> str:
+    if 0.0 < probability < 0.005 or 0.995 < probability < 1.0:
+        return "< 1%" if probability < 0.5 else "> 99%"
+    return f"{probability:.0%}"
+
+
+def rounded(value: float, digits: int = 3) -> str:
+    """Return a number to some digits, without an exponent where it has up to six."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def _amount(value: float, parameter: Parameter, digits: int = 3) -> str:
+    unit = "" if parameter.unit == "-" else f" {parameter.unit}"
+    return f"{rounded(value, digits)}{unit}"
+
+
+def _claim(candidate: Mapping[str, Any]) -> str:
+    """Name an explanation with its amplitudes."""
+    claims = []
+    for key in candidate["mechanisms"]:
+        title, values = MECHANISMS[key].title, []
+        for parameter in MECHANISMS[key].parameters:
+            name, entry = parameter.name.replace("_", " "), candidate["parameters"][f"{key}.{parameter.name}"]
+            interval = f"({rounded(entry['lower'])} to {rounded(entry['upper'])})"
+            named = " of" if title.endswith(name) else f", {name}"
+            values.append(f"{named} {_amount(entry['estimate'], parameter)} {interval}")
+        claims.append(title + "".join(values))
+    return " with ".join(claims)
+
+
+def _nearest(content: Mapping[str, Any]) -> str:
+    """Say which explanation came nearest, where that is one and clearly leaves more than noise."""
+    best = content["tried"][0]
+    if not best["mechanisms"] or best["p_value"] is None or best["p_value"] >= CLEARLY:
+        return ""
+    claims = []
+    for key in best["mechanisms"]:
+        mechanism = MECHANISMS[key]
+        found = ((p, best["parameters"][f"{key}.{p.name}"]) for p in mechanism.parameters)
+        values = (f"{p.name.replace('_', ' ')} {_amount(value, p)}" for p, value in found)
+        claims.append(f"{mechanism.title} ({', '.join(values)})")
+    return f" Nearest comes {' with '.join(claims)}, but more than noise is left ({_probability(best['p_value'])})."
+
+
+def _probability(p: float) -> str:
+    return f"p < {0.002:g}" if p < 0.0021 else f"p = {p:.2g}"
+
+
+def _in_all(content: Mapping[str, Any]) -> str:
+    """Say which effects every explanation that stands has in common."""
+    shared = set.intersection(*(set(candidate["mechanisms"]) for candidate in content["candidates"]))
+    titles = " and ".join(MECHANISMS[key].title for key in sorted(shared))
+    return f" All of them need {titles}." if shared else ""
+
+
+def _suspected(content: Mapping[str, Any]) -> str:
+    """Say which effects are not needed, yet would differ from zero if they joined, at a family-wise 1 %.
+
+    The intervals are wider where few recordings tell the noise; at 1 % they are taken to be so by the same factor.
+    """
+    said = []
+    least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
+    for name, entry in content["may_hide"].items():
+        mechanism = MECHANISMS[name.split(".")[0]]
+        if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
+            interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
+            said.append(f"{mechanism.title}, {_amount(entry['estimate'], mechanism.parameters[0], 2)} {interval}")
+    return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
+
+
+def _where(content: Mapping[str, Any]) -> str:
+    """Say where the misfit is clearest."""
+    found = [row for row in content["location"] if row["q_value"] < CERTAIN]
+    if not found:
+        return ""
+    row = found[0]
+    part = "" if row["part"] == "whole" else f"{row['part']} "
+    sign = "+" if row["residual_nm"] > 0.0 else ""
+    return f", most clearly in {part}{row['segment']} of {row['condition']} ({sign}{rounded(row['residual_nm'], 2)} nm)"
+
+
+def _gain(content: Mapping[str, Any]) -> str:
+    """Say how the errors fall."""
+    fit = content["fit"]
+    role, words = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
+    before, after = fit[role]["before_rmse_nm"], fit[role]["after_rmse_nm"]
+    change = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
+    if after > RISEN * before:
+        change = f"rises from {before:.1f} to {after:.1f} nm"
+    return f"the {words} error {change}, where noise and scatter alone make {fit['noise_nm']:.1f} nm"
+
+
+def _bias(content: Mapping[str, Any]) -> str:
+    """Say which material parameter the effect had moved furthest, in half-widths of its interval."""
+    before, after = content["parameters"]["before"], content["parameters"]["after"]
+
+    def moved(name: str) -> float:
+        width = 0.5 * (after[name]["upper"] - after[name]["lower"])
+        return abs(before[name]["estimate"] - after[name]["estimate"]) / max(width, 1e-12)
+
+    name = max(after, key=moved)
+    if moved(name) < 1.0:
+        return ""
+    was, is_now = before[name]["estimate"], after[name]["estimate"]
+    if abs(was - is_now) > abs(is_now):
+        return f" Without it, {in_words(name)} came out at {rounded(was, 2)} in place of {rounded(is_now, 2)}."
+    direction = "high" if was > is_now else "low"
+    return f" Without it, {in_words(name)} came out {abs(was / is_now - 1.0):.0%} too {direction}."

@@ -1,0 +1,71 @@
+"""What files say of tip and sample: taken where all say it alike, else told with the reason why it is not taken."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from palpate.draft.solid import POISSON_RATIO
+from palpate.draft.stated import Stated, coefficients, poisson_ratio
+from palpate.errors import InputError
+from palpate.study.indenter import Indenter
+
+BERKOVICH, NEAR = 24.5, 0.05
+Said = Sequence[tuple[str, Mapping[str, Any]]]
+
+
+def not_taken(tests: Said, stated: Stated, radius: float | None) -> list[str]:
+    """Return one remark for each of tip and Poisson's ratio that is stated and not taken.
+
+    Parameters
+    ----------
+    tests
+        Name and metadata of each.
+    stated
+        What was taken.
+    radius
+        Of a sphere that was given [nm]; nothing is said of the files' tips then.
+    """
+    remarks = []
+    if stated.poisson_ratio is None:
+        ratios = {name: poisson_ratio(each) for name, each in tests}
+        said = {name: "" if ratio is None else f"{ratio:g}" for name, ratio in ratios.items()}
+        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{POISSON_RATIO} is guessed")
+    if not stated.area and radius is None:
+        tips = {name: coefficients(each) for name, each in tests}
+        if not all(_ideal(tip) for tip in tips.values()):
+            shown = {name: ", ".join(f"{value:g}" for value in tip) for name, tip in tips.items()}
+            reason = _no_tip(next(iter(tips.values())))
+            remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
+    return remarks
+
+
+def _remark(what: str, said: Mapping[str, str], reason: str, instead: str) -> list[str]:
+    """Return what tests say, each value with the first test that says it; nothing where none says anything."""
+    tests_of: dict[str, list[str]] = {}
+    for name, value in said.items():
+        tests_of.setdefault(value, []).append(name)
+    if not any(tests_of):
+        return []
+    if len(tests_of) == 1:
+        return [f"{what} is stated as {next(iter(tests_of))} and not taken, as {reason}; {instead}"]
+    shown = []
+    for value, names in tests_of.items():
+        others = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        shown.append(f"{value or 'nothing'} by {names[0]}{others}")
+    return [f"{what} is stated unlike and not taken: {'; '.join(shown)}; {instead}"]
+
+
+def _ideal(area: tuple[float, ...]) -> bool:
+    """Return whether no tip is stated, or the ideal Berkovich tip that is taken anyway."""
+    return not area or (len(area) == 1 and math.isclose(area[0], BERKOVICH, rel_tol=NEAR))
+
+
+def _no_tip(area: tuple[float, ...]) -> str:
+    """Return why an area function cannot be taken."""
+    try:
+        Indenter.from_mapping({"shape": "area_function", "area": list(area)})
+    except InputError as error:
+        return error.problem
+    return f"a single coefficient other than {BERKOVICH} is an ideal tip that is no Berkovich's"

@@ -1,8 +1,0 @@
-"""Input for other finite element programs: every module of this folder that defines ``FORMAT`` is found by itself."""
-
-from palpate.discovery import discover
-from palpate.export.format import Format
-
-FORMATS: dict[str, Format] = {found.key: found for found in discover(__name__, __path__, "FORMAT")}
-
-__all__ = ["FORMATS", "Format"]

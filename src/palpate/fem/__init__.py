@@ -1,5 +1,0 @@
-"""Axisymmetric finite elements for indentation: mesh, element, contact, Newton, load history."""
-
-from palpate import kernel_cache
-
-kernel_cache.require()

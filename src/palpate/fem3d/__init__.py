@@ -1,5 +1,0 @@
-"""Finite elements in three dimensions, for indenters that are no bodies of revolution: one sixth of the half-space."""
-
-from palpate import kernel_cache
-
-kernel_cache.require()

@@ -1,0 +1,128 @@
+"""The outcome of a calibration and its place in `calibration.json`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A calibrated parameter, in its physical unit.
+
+    Parameters
+    ----------
+    estimate
+        Best value.
+    lower, upper
+        95 % interval, within the bounds.
+    identified
+        Whether the data fix it (see `palpate.inference.intervals`).
+    held
+        Whether it was held constant; then all values are equal and it is not identified.
+    at_bound
+        Whether the estimate lies on a bound: of the surrogates', or a limit of the law.
+    outside
+        Whether it lies outside its range.
+    """
+
+    estimate: float
+    lower: float
+    upper: float
+    identified: bool
+    held: bool = False
+    at_bound: bool = False
+    outside: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What a calibration found.
+
+    Attributes
+    ----------
+    parameters
+        `Estimate` of each parameter.
+    conditions
+        For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or
+        ``surrogate``, whichever the errors were taken of.
+    surrogate_curves
+        Curves (n_points,) of the surrogates at their own optimum, of depth [nm] or load [mN].
+    fe_curves
+        Curves of the forward model at the estimate; empty without one.
+    confirmed_by
+        ``fe`` when the estimate rests on the forward model, else ``surrogate``.
+    on_surrogates
+        Parameters at the optimum of the genetic search, polished on the surrogates.
+    iterations
+        What the search on the forward model told.
+    settled
+        Whether that search arrived; None without a forward model.
+    misfit_ratio
+        chi^2 per degree of freedom at the estimate.
+    correlation
+        Correlations of the free parameters, by name.
+    noise
+        For each calibrated condition: sigma_nm (or sigma_mN, where the load answers), correlation, site_scatter,
+        replicates.
+    pareto
+        `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.
+    history
+        One entry for each generation: `generation`, `evaluations`, `best`, `best_sum`.
+    evaluations
+        Surrogate evaluations of the genetic search.
+    settings
+        Everything that was set.
+    seed
+        Entropy of the random generator's seed, where it has one.
+    """
+
+    parameters: Mapping[str, Estimate]
+    conditions: Mapping[str, Mapping[str, Any]]
+    surrogate_curves: Mapping[str, np.ndarray]
+    fe_curves: Mapping[str, np.ndarray]
+    confirmed_by: str
+    on_surrogates: Mapping[str, float]
+    iterations: list[str]
+    settled: bool | None
+    misfit_ratio: float
+    correlation: Mapping[str, Mapping[str, float]]
+    noise: Mapping[str, Mapping[str, float]]
+    pareto: Mapping[str, Mapping[str, list[float]]]
+    history: list[dict[str, Any]]
+    evaluations: int
+    settings: Mapping[str, Any]
+    seed: int | list[int] | None
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Best values by name."""
+        return {name: found.estimate for name, found in self.parameters.items()}
+
+    def to_mapping(self, **extra: Any) -> dict[str, Any]:
+        """Contents of `calibration.json`, for the json module; curves are left out.
+
+        Parameters
+        ----------
+        extra
+            Further entries, such as the name of the condition set.
+        """
+        return {
+            "parameters": {name: vars(found).copy() for name, found in self.parameters.items()},
+            "conditions": {name: dict(row) for name, row in self.conditions.items()},
+            "confirmed_by": self.confirmed_by,
+            "on_surrogates": dict(self.on_surrogates),
+            "iterations": self.iterations,
+            "settled": self.settled,
+            "misfit_ratio": self.misfit_ratio,
+            "correlation": {name: dict(row) for name, row in self.correlation.items()},
+            "noise": {name: dict(row) for name, row in self.noise.items()},
+            "evaluations": self.evaluations,
+            "seed": self.seed,
+            "settings": dict(self.settings),
+            "pareto": {key: dict(table) for key, table in self.pareto.items()},
+            "history": self.history,
+        } | extra

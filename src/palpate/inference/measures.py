@@ -1,0 +1,68 @@
+"""How far a simulated curve lies from a measured one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.inference.observation import Observation
+from palpate.study.quantity import DEPTH, Quantity
+
+
+def mean_square(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Objective of the thesis' chapter 5, mean((h_exp - h_sim)^2) over the points, the last axis [nm^2]."""
+    return np.mean((simulated - measured) ** 2, axis=-1)
+
+
+def relative(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Objective of the thesis' chapter 4, sqrt(mean(((h_sim - h_exp)/h_exp)^2)) over the last axis [-]."""
+    return np.sqrt(np.mean(((simulated - measured) / measured) ** 2, axis=-1))
+
+
+OBJECTIVES = {"mean_square": mean_square, "relative": relative}
+
+
+def check_measurable(name: str, measured: np.ndarray, objective: str) -> None:
+    """Raise `InputError` where the relative objective would divide by what is not positive."""
+    if objective == "relative" and np.any(measured <= 0):
+        raise InputError(
+            f"the mean curve of {name} is not positive at point {int(np.argmin(measured)) + 1}, "
+            "so that its relative error is undefined",
+            remedy="use the objective mean_square",
+            place="objective",
+        )
+
+
+def check_indents(name: str, item: Observation) -> None:
+    """Raise `InputError` where what answers never changes or is nowhere positive: nothing is measured against it."""
+    measured, answer = item.mean, item.quantity
+    if np.ptp(measured) == 0.0 or measured.max() <= 0.0:
+        raise InputError(
+            f"the mean {answer.name} of {name} is {measured.min():g} to {measured.max():g} {answer.unit}, which is no "
+            "indentation",
+            remedy=f"check the column {answer.name}_{answer.unit} of its recordings, and its sign",
+            place=name,
+        )
+
+
+def error_measures(measured: np.ndarray, simulated: np.ndarray, quantity: Quantity = DEPTH) -> dict[str, float]:
+    """Error table of the thesis' chapter 5 for one curve, which passes `check_indents`.
+
+    Returns
+    -------
+    dict
+        `rmse_nm`; `r2`, 1 - sum of squared errors / sum of squares about the mean; `mean_abs_error_nm`;
+        `percent_error`, the mean of 100 |error| / value over points above 1 % of the largest value. Where the load
+        answers, `rmse_mN` and `mean_abs_error_mN`, too, and the errors in nm are those changed into depths under the
+        same load, see `palpate.study.quantity`.
+    """
+    error = simulated - measured
+    deep = measured > 0.01 * measured.max()
+    rms, mean = float(np.sqrt(np.mean(error**2))), float(np.mean(np.abs(error)))
+    found = {
+        "rmse_nm": quantity.nm * rms,
+        "r2": float(1.0 - np.sum(error**2) / np.sum((measured - measured.mean()) ** 2)),
+        "mean_abs_error_nm": quantity.nm * mean,
+        "percent_error": float(100.0 * np.mean(np.abs(error[deep]) / measured[deep])),
+    }
+    return found | ({"rmse_mN": rms, "mean_abs_error_mN": mean} if quantity.unit == "mN" else {})

@@ -1,0 +1,1 @@
+"""A virtual laboratory, whose recordings hide what is known."""

@@ -1,0 +1,139 @@
+"""A virtual laboratory: synthetic recordings of a known material, for studies whose real recordings are not public.
+
+It simulates on a finer mesh and a finer time grid than the snapshots, with nodes between those of the mesh on which an
+estimate is confirmed, gives each recording its own depth factor (scatter between sites on the specimen) and adds noise
+that is correlated in time (a stationary Ornstein-Uhlenbeck process). Under displacement control factor and noise are
+those of the load that they amount to, see `palpate.study.quantity`, and the recorded depth is what the transducer
+leaves of its displacement.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.configuration.study_file import Condition, Study
+from palpate.errors import PalpateError
+from palpate.recordings.recording import Recording
+from palpate.solver.simulation import Simulation, simulate_batch
+from palpate.study.protocol import Protocol
+from palpate.study.quantity import Quantity
+from palpate.study.specification import Specification
+
+DENSER = 4
+SHIFTS = (0.5, 1 / 6, 5 / 6)  # of a ring's spacing, off the mesh of a fit; the further ones where plasticity fails
+
+
+def correlated_noise(time: np.ndarray, deviation: float, memory: float, rng: np.random.Generator) -> np.ndarray:
+    """Return a stationary Gaussian process with covariance deviation^2 exp(-|t - t'| / memory) at `time` (n,)."""
+    shocks = rng.standard_normal(len(time))
+    noise = np.empty(len(time))
+    noise[0] = shocks[0]
+    decay = np.exp(-np.diff(time) / memory)
+    for i, keep in enumerate(decay, 1):
+        noise[i] = keep * noise[i - 1] + np.sqrt(1 - keep**2) * shocks[i]
+    return deviation * noise
+
+
+def denser(protocol: Protocol, factor: int) -> Protocol:
+    """Return the protocol with `factor` samples in place of each one."""
+    ends = protocol.sample_time
+    starts = np.concatenate([[0.0], ends[:-1]])
+    parts = np.arange(1, factor + 1) / factor
+    sample = (starts[:, None] + (ends - starts)[:, None] * parts).ravel()
+    sample[factor - 1 :: factor] = ends
+    return replace(protocol, sample_time=sample)
+
+
+def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
+    """Return synthetic recordings of every condition by file name (without ending).
+
+    Parameters
+    ----------
+    settings
+        `parameters` (the truth), `mechanisms` (what is concealed), `seed`, `replicates`, `noise_nm`,
+        `noise_time` [s], `site_scatter`.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation of the truth fails.
+    """
+    rng = np.random.default_rng(settings["seed"])
+    recordings = {}
+    for condition, simulation in zip(study.conditions, exact_curves(study, settings), strict=True):
+        for replicate in range(1, settings["replicates"] + 1):
+            site = settings["site_scatter"] * rng.standard_normal()
+            noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
+            name = f"{condition.name}_{replicate}"
+            load, depth = disturbed(study, condition, simulation, site, noise)
+            recordings[name] = Recording(
+                simulation.time,
+                load,
+                depth,
+                name=name,
+                notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
+            )
+    return recordings
+
+
+def disturbed(
+    study: Study, condition: Condition, simulation: Simulation, site: float, noise: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return load [mN] and depth [nm] (n,) as recorded where a `site` is so much deeper, under `noise` (n,) [nm]."""
+    protocol = replace(condition.protocol, sample_time=simulation.time)
+    quantity = Quantity.of(protocol, study.indenter, simulation.response)
+    answer = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
+    if quantity.name == "depth":
+        return simulation.load, answer
+    return answer, simulation.depth - protocol.compliance * (answer - simulation.load)
+
+
+def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
+    """Return the curves of all conditions as the laboratory knows them; those that differ in size are solved once.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation fails on every mesh.
+    """
+    specifications = []
+    for condition in study.conditions:
+        exact = replace(condition, protocol=denser(condition.protocol, DENSER))
+        specification = study.specification(settings["parameters"], exact, accuracy="fine")
+        specifications.append(replace(specification, mechanisms=settings.get("mechanisms", {})))
+    return off_the_mesh(specifications, [f"virtual laboratory, {condition.name}" for condition in study.conditions])
+
+
+def off_the_mesh(specifications: Sequence[Specification], names: Sequence[str]) -> list[Simulation]:
+    """Return curves simulated together on meshes whose nodes lie between those of a fit's.
+
+    Plasticity that fails on one mesh is tried on another, with its nodes elsewhere between them.
+
+    Raises
+    ------
+    PalpateError
+        When a simulation fails on every mesh, with its name.
+    """
+    found = simulate_batch(specifications, SHIFTS[0])
+    for place, (specification, name) in enumerate(zip(specifications, names, strict=True)):
+        for shift in SHIFTS[1:]:
+            if found[place].status != "ok":
+                (found[place],) = simulate_batch([specification], shift)
+        if found[place].status != "ok":
+            raise PalpateError(f"{name}: {found[place].reason}")
+    return found
+
+
+def write(study: Study, name: str, folder: Path) -> None:
+    """Write the recordings of laboratory `name` and, beside them, the truth in ``truth.json``."""
+    settings = study.laboratory[name]
+    folder.mkdir(parents=True, exist_ok=True)
+    for recording in record(study, settings).values():
+        recording.write(folder / f"{recording.name}.csv")
+    (folder / "truth.json").write_text(json.dumps(dict(settings), indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,74 @@
+"""One recording: load and depth in time and against each other, segments coloured, contact marked with its interval."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from palpate.recordings.survey import Survey
+
+COLOURS = {
+    "approach": "#9a9a9a",
+    "loading": "#c1432e",
+    "hold": "#d9a13b",
+    "unloading": "#2f6fa7",
+    "reloading": "#8a5aa3",
+    "drift_hold": "#3f8f4f",
+}
+NEAR = 0.03
+
+
+def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
+    """Draw four panels: load and depth against time, load against depth, and the surroundings of contact.
+
+    Parameters
+    ----------
+    chosen
+        Depth [nm] of the contact that the recording was given, where it is not the one found.
+    """
+    r, contact = found.recording, found.contact
+    figure, axes = plt.subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.6))
+    (in_load, curve), (in_depth, near) = axes
+    for part in found.parts:
+        inside = slice(part.first, part.last + 1)
+        style = {"color": COLOURS[part.kind], "label": part.kind.replace("_", " ")}
+        in_load.plot(r.time[inside], r.load[inside], **style)
+        in_depth.plot(r.time[inside], r.depth[inside], **style)
+        curve.plot(r.depth[inside], r.load[inside], **style)
+        near.plot(r.depth[inside], r.load[inside], ".", ms=2.5, **style)
+    _around_contact(near, found)
+    for axis in (curve, near):
+        axis.axvspan(contact.lower, contact.upper, color="0.85", lw=0)
+        axis.axvline(contact.depth, color="0.15", lw=0.8, label="contact found, 95 %")
+        if chosen is not None:
+            axis.axvline(chosen, color="0.15", lw=0.8, ls=":", label="contact of the file")
+        axis.set_xlabel("depth [nm]")
+        axis.set_ylabel("load [mN]")
+    for axis, name in ((in_load, "load [mN]"), (in_depth, "depth [nm]")):
+        axis.set_xlabel("time [s]")
+        axis.set_ylabel(name)
+    if found.drift:
+        drift = found.drift
+        in_depth.set_title(f"drift hold: {drift.rate:.4f} nm/s ({drift.lower:.4f} to {drift.upper:.4f})")
+    near.set_title(f"contact at {contact.depth:.1f} nm ({contact.lower:.1f} to {contact.upper:.1f})")
+    labelled = {
+        label: handle
+        for axis in (in_load, near)
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(labelled.values(), labelled.keys(), loc="outside lower center", ncols=4, fontsize=6.5)
+    figure.suptitle(r.name, fontsize=9, x=0.01, ha="left")
+    save(figure, path)
+
+
+def _around_contact(axis, found: Survey) -> None:
+    """Limit a panel to the loads up to 3 % of the largest, on the way in."""
+    r, contact = found.recording, found.contact
+    span = NEAR * (r.load.max() - contact.load)
+    beyond = np.flatnonzero(r.load[contact.index :] > contact.load + span)
+    end = contact.index + (int(beyond[0]) if len(beyond) else len(r) - contact.index - 1)
+    reach = max(r.depth[end] - contact.depth, contact.upper - contact.lower)
+    axis.set_xlim(contact.depth - reach, contact.depth + 1.1 * reach)
+    axis.set_ylim(contact.load - 0.3 * span, contact.load + 1.1 * span)

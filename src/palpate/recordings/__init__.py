@@ -1,0 +1,1 @@
+"""What was measured: recordings, contact point, segments and drift, and the files of instruments."""

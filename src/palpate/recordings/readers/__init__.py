@@ -1,0 +1,227 @@
+"""Vendors' files: every module of this folder that defines ``READER`` is found by itself; files are told by content."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from palpate.base.discovery import discover
+from palpate.errors import InputError
+from palpate.recordings.readers.column_map import ColumnMap
+from palpate.recordings.readers.columns import lacking, read_columns
+from palpate.recordings.readers.source import Source, number_of
+from palpate.recordings.readers.units import CHANNELS, mended
+from palpate.recordings.readers.vendor import (
+    CORRECTIONS,
+    PLACES,
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    all_sound,
+    refuse_corrections,
+    sound,
+)
+from palpate.recordings.readers.zero import zeroed_each
+
+READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
+
+__all__ = [
+    "CORRECTIONS",
+    "READERS",
+    "ColumnMap",
+    "Reader",
+    "Unreadable",
+    "VendorTest",
+    "locate",
+    "read_each",
+    "read_source",
+    "read_vendor_file",
+    "select",
+    "sound",
+    "zeroed_each",
+]
+
+
+def read_vendor_file(
+    path: str | Path,
+    sha256: str | None = None,
+    corrections: Corrections = None,
+    contact: str | float = "file",
+    columns: ColumnMap | None = None,
+) -> list[VendorTest]:
+    """Read all tests of a vendor's file.
+
+    Parameters
+    ----------
+    sha256
+        Expected checksum; not checked when None.
+    corrections
+        Those to be in the depth: None for the vendor's own, otherwise a set of ``drift`` and ``frame``.
+    contact
+        Where the tests begin: see `palpate.recordings.readers.zero.zeroed`.
+    columns
+        Where a table of no known format holds time, load and depth; the file is then read by it alone.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, of no known format, cut off, or not the one expected, or one of its tests cannot be
+        read.
+    """
+    return all_sound(read_each(path, sha256, corrections, contact, columns))
+
+
+def read_each(
+    path: str | Path,
+    sha256: str | None = None,
+    corrections: Corrections = None,
+    contact: str | float = "file",
+    columns: ColumnMap | None = None,
+) -> list[VendorTest | Unreadable]:
+    """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.
+
+    Raises
+    ------
+    InputError
+        When no test can be read.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    if sha256 is not None and hashlib.sha256(content).hexdigest() != sha256:
+        raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again", file=path)
+    if not content.strip():
+        raise InputError("is empty", remedy="export or copy it again", file=path)
+    source = Source(path, content)
+    try:
+        tests = [_printable(test) for test in _whole(source, corrections, columns)]
+        return zeroed_each(path, tests, contact)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def locate(named: str, data: str | None) -> str:
+    """Return the vendor's file: `data`, or what lies below the folder `data` under the path that a study gives.
+
+    Where nothing lies under the whole path, the name alone counts.
+
+    Raises
+    ------
+    InputError
+        When several files below the folder answer to the path or to the name.
+    """
+    if data is None or not named or not Path(data).is_dir():
+        return data or named
+    path = Path(named)
+    of_name = sorted(Path(data).rglob(glob.escape(path.name)))
+    found = [file for file in of_name if file.parts[-len(path.parts) :] == path.parts] or of_name
+    if Path(data) / path in found:
+        return str(Path(data) / path)
+    if len(found) > 1:
+        raise InputError(
+            f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}",
+            remedy="give its path below the folder of data",
+            place="source.file",
+        )
+    return str(found[0] if found else Path(data) / path.name)
+
+
+def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
+    """Read the tests of each condition from a study's section ``source``.
+
+    Raises
+    ------
+    InputError
+        When a test is missing, cannot be read or is named twice.
+    """
+    if "units" in source and "columns" not in source:
+        raise InputError(
+            "units are given without columns", remedy="add columns, or leave units off", place="source.units"
+        )
+    columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
+    chosen = frozenset(source["corrections"]) if "corrections" in source else None
+    tests = read_each(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
+    if "condition" in source:
+        return {source["condition"]: all_sound(tests)}
+    found: dict[str, list[VendorTest]] = {}
+    owners: dict[str, str] = {}
+    for condition, names in source["conditions"].items():
+        found[condition] = []
+        for name in names:
+            place = f"source.conditions.{condition}"
+            test = select(tests, str(name), source["file"], place)
+            if test.name in owners:
+                raise InputError(
+                    f"{name} is test {test.name!r}, which counts in {owners[test.name]} already",
+                    remedy="name each test once",
+                    place=place,
+                )
+            owners[test.name] = condition
+            found[condition].append(test)
+    return found
+
+
+def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
+    """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
+    if columns is not None:
+        refuse_corrections(source, corrections)
+        return read_columns(source, columns)
+    for reader in READERS.values():
+        if reader.matches(source):
+            return reader.read(source, corrections)
+    missing = lacking(source)
+    if missing:
+        others = " and ".join(key for key in CHANNELS if key != missing)
+        raise InputError(
+            f"its table names {others}, but no {missing}, which cannot be guessed",
+            remedy=f"export the {missing} too, or name its column (--columns time=...,load=...,depth=...)",
+            file=source.path,
+        )
+    first = " ".join(source.first.split())
+    begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
+    raise InputError(
+        f"is of no format that palpate knows{begins}",
+        remedy="name the columns of its table (--columns time=...,load=...,depth=...); "
+        "`palpate read --formats` lists formats and units",
+        file=source.path,
+    )
+
+
+def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
+    """Return a test that can be printed: bytes of its file's name that are no letters are written as numbers.
+
+    What the file says of it is mended where it was read in another encoding than it was written in.
+    """
+    if isinstance(test, Unreadable):
+        return test
+    name, *notes = (text.encode(errors="backslashreplace").decode() for text in (test.name, *test.recording.notes))
+    recording = replace(test.recording, name=name, notes=tuple(notes))
+    facts = {mended(key): mended(value) for key, value in test.metadata.items()}
+    return replace(test, name=name, recording=recording, metadata=facts)
+
+
+def select(
+    tests: Sequence[VendorTest | Unreadable], wanted: str, path: str | Path, place: str = "--test"
+) -> VendorTest:
+    """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
+
+    Raises
+    ------
+    InputError
+        When there is none, or it cannot be read.
+    """
+    named = {test.name: test for test in tests}
+    numbered = {number_of(test.name) or count: test for count, test in enumerate(tests, 1)}
+    if wanted in named:
+        return sound(named[wanted])
+    if wanted.isdecimal() and int(wanted) in numbered:
+        return sound(numbered[int(wanted)])
+    names = ", ".join(named)
+    raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

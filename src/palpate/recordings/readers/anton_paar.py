@@ -1,0 +1,84 @@
+"""Anton Paar (CSM) indentation exports ``.TXT``: one test with a header of settings and results."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+
+from palpate.errors import InputError
+from palpate.recordings.readers.anton_paar_columns import KEYS
+from palpate.recordings.readers.numbers_in_text import number, require_tabs, table
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.units import CHANNELS, scale
+from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, unfinished, usable
+from palpate.recordings.recording import Recording
+
+HEADING = re.compile(rf"\s*({'|'.join(KEYS)})\s*[(\[](.+)[)\]]\s*")
+LARGEST = {"load": "Fmax", "depth": "hmax"}  # among the results above the values
+SHORT = 0.02  # of these
+
+
+def matches(source: Source) -> bool:
+    """Return whether the file begins with the word Indentation."""
+    return source.first.startswith("Indentation")
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+    """Read the one test of the file; depth and load are the vendor's, from contact on."""
+    refuse_corrections(source, corrections)
+    lines, path = source.lines, source.path
+    start = next((k for k, line in enumerate(lines) if len(columns(line)) == len(KEYS)), None)
+    if start is None:
+        for line in filter(names_all, lines):
+            require_tabs(line, path)
+        raise InputError(
+            "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
+            remedy="export the test again, with data",
+            file=path,
+        )
+    places = columns(lines[start])
+    values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
+    time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in KEYS.values())
+    kept, warnings = usable(source, "measured values", time, load, depth)
+    recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
+    facts = metadata(lines[:start])
+    told = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
+    return [VendorTest(path.stem, recording, facts, told)]
+
+
+def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a warning for each of load and depth whose largest value falls short of the file's own."""
+    told = []
+    for key, values in (("load", recording.load), ("depth", recording.depth)):
+        name = LARGEST[key]
+        with suppress(InputError, ValueError):
+            value, unit = facts.get(name, "").rsplit(maxsplit=1)
+            if values.max() < (1 - SHORT) * number(value) * scale(key, unit):
+                found = f"the largest {key} is {values.max():.4g} {CHANNELS[key]}"
+                told.append(f"{found}, the file states {name} = {facts[name]}; the file may be cut off")
+    return tuple(told)
+
+
+def names_all(line: str) -> bool:
+    """Return whether a line names all channels, whatever stands between them."""
+    return all(re.search(rf"\b{key} *[(\[]", line) for key in KEYS)
+
+
+def columns(line: str) -> dict[str, tuple[int, str]]:
+    """Return the place and the unit of each channel that a line of headings such as ``Pd (nm)`` names."""
+    headings = enumerate(map(HEADING.fullmatch, line.split("\t")))
+    return {KEYS[found[1]]: (place, found[2]) for place, found in headings if found}
+
+
+def metadata(lines: list[str]) -> dict[str, str]:
+    """Return the header's entries ``name : value`` and ``name= value`` as text."""
+    entries = {}
+    for line in lines:
+        found = re.match(r"\s*([^:=]+?)\s*[:=]\s*(.*\S)", line)
+        if found:
+            entries[found[1]] = " ".join(found[2].split())
+    return entries
+
+
+READER = Reader("anton_paar", "Anton Paar indentation export", matches, read)

@@ -1,0 +1,73 @@
+"""Fischer (Fischerscope HM, Picodentor) text exports: all tests of a series, one below another."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+from palpate.errors import InputError
+from palpate.recordings.readers.anton_paar import metadata
+from palpate.recordings.readers.numbers_in_text import table
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.units import SCALES
+from palpate.recordings.readers.vendor import (
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    attempt,
+    refuse_corrections,
+    unfinished,
+    unless_all_fail,
+    usable,
+)
+from palpate.recordings.recording import Recording
+
+APPLICATION = "\tName of the application"
+COLUMNS = ["F", "h", "t"]
+BLOCK = re.compile(r"Block\s*:\s*(\d+)\s+Value\s*:\s*(\d+)")
+UNIT_OF_DEPTH = "um"
+
+
+def matches(source: Source) -> bool:
+    """Return whether the first line names the application."""
+    return source.first.endswith(APPLICATION)
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+    """Read all tests; each begins with a line of the application's name and the date.
+
+    The file states no unit for its columns F, h and t; they are mN, um and s, as the largest load and depth show that
+    are written above them with theirs.
+    """
+    refuse_corrections(source, corrections)
+    application = source.first.removesuffix(APPLICATION).strip()
+    dated = re.compile(rf"{re.escape(application)}\s+\d+[./-]\d+[./-]\d+\s+\d+:\d+")
+    starts = [k for k, line in enumerate(source.lines) if dated.match(line)]
+    program = metadata(source.lines[: starts[0]]) if starts else {}
+    tests = []
+    for number, (start, end) in enumerate(pairwise([*starts, len(source.lines)]), 1):
+        found = next(filter(None, map(BLOCK.match, source.lines[start:end])), None)
+        name = f"Block {found[1]} Value {found[2]}" if found else f"Test {number}"
+        tests.append(attempt(source.path, name, _test, source, name, start, end, program))
+    return unless_all_fail(tests)
+
+
+def _test(source: Source, name: str, start: int, end: int, program: dict[str, str]) -> VendorTest:
+    """Return the test on the lines from `start` up to `end`, with the series' `program` among its facts."""
+    lines = source.lines[start:end]
+    header = next((k for k, line in enumerate(lines) if line.split("\t")[: len(COLUMNS)] == COLUMNS), None)
+    if header is None:
+        raise InputError(f"lacks its line of columns {', '.join(COLUMNS)}", remedy="export the test again, with data")
+    values = table(lines[header + 1 :], start + header + 2, len(COLUMNS), source.path)
+    load, depth, time = values.T
+    kept, warnings = usable(source, name, time, load, depth)
+    depth = depth[kept] * SCALES["depth"][UNIT_OF_DEPTH]
+    recording = Recording(time[kept], load[kept], depth, name, (f"from {source.path.name}",))
+    entries = [[cell.strip() for cell in line.split("\t")] for line in lines[:header]]
+    results = {f"{entry[0]} {entry[1]}": entry[2] for entry in entries if len(entry) > 2}
+    facts = program | {"test": lines[0].strip()} | results
+    return VendorTest(name, recording, facts, (*warnings, *unfinished(recording.load)))
+
+
+READER = Reader("fischer", "Fischer HM2000/Picodentor export", matches, read)

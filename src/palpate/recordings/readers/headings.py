@@ -1,0 +1,95 @@
+"""Units that a table states in words: beside the name of a column, or in a row of their own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from palpate.errors import InputError
+from palpate.recordings.readers.decimals import MISSING
+from palpate.recordings.readers.units import CHANNELS, SCALES, plain
+
+BRACKETS = "()[]{}<> "
+BRACKETED = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]+?)\s*[)\]}>]")
+LETTERS = re.compile(r"(?<![^\W_])[^\W\d_]+(?![^\W_])")
+LIKE_A_UNIT = re.compile(
+    r"V|cm|[pnumk][NgmsV]|[numkMG]?(?:gf|lbf?|Pa)"
+    r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
+    r"|(?:milli|micro|nano)?seconds)"
+)
+CHANNEL_WORDS = {
+    "time": {"time", "zeit", "temps", "t"},
+    "load": {"load", "force", "kraft", "fn", "p", "f"},
+    "depth": {"depth", "displacement", "disp", "indentation", "penetration", "eindringtiefe", "pd", "h"},
+}
+
+
+def channel_of(heading: str) -> str | None:
+    """Return the channel whose name a heading holds, such as ``load`` for ``Load On Sample``; None for any other."""
+    words = {word.casefold() for word in LETTERS.findall(BRACKETED.sub(" ", plain(heading)))}
+    return next((key for key, known in CHANNEL_WORDS.items() if words & known), None)
+
+
+def is_word(cell: str) -> bool:
+    """Return whether a cell is text, neither a number nor what stands for a missing one."""
+    return LETTERS.search(cell) is not None and cell.lower() not in MISSING
+
+
+def is_row_of_units(cells: Sequence[str]) -> bool:
+    """Return whether at least two of the cells for time, load and depth (in this order) are units and nothing else."""
+    units = [plain(cell).strip(BRACKETS) for cell in cells]
+    known = [unit in SCALES[key] or _like_a_unit(key, unit) for key, unit in zip(CHANNELS, units, strict=True)]
+    return sum(known) >= 2
+
+
+def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
+    """Return the unit that the table states for a column, or None where it says nothing of any.
+
+    What stands in brackets, behind a slash or alone in a cell is a unit: ``Load (uN)``, ``P / uN``. Without these, a
+    word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``. A single letter in it may also belong
+    to the name, as in ``F_N``.
+
+    Parameters
+    ----------
+    column
+        What the user calls the column, for messages.
+    heading
+        Its name in the table; empty where the table names none.
+    alone
+        Other texts about the column: cells of rows of units and of remarks.
+
+    Raises
+    ------
+    InputError
+        When the unit is not known, may be part of the name, or is stated twice and differently.
+    """
+    known = SCALES[key]
+    texts = [plain(text) for text in (*alone, heading)]
+    bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
+    name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
+    marked = [unit.strip(BRACKETS) for unit in (*texts, *bracketed, *behind) if unit.strip(BRACKETS)]
+    words = LETTERS.findall(name)
+    units = [unit for unit in marked if unit in known]
+    units = units or [word for word in words if word in known and (len(word) > 1 or word == CHANNELS[key])]
+    doubtful = marked or [word for word in words if word in known or _like_a_unit(key, word)]
+    if len({known[unit] for unit in units}) == 1:
+        return units[0]
+    if not units and not doubtful:
+        return None
+    if units:
+        problem = f"the {key}'s unit is stated as {' and '.join(dict.fromkeys(units))}"
+    elif doubtful[0] in known:
+        problem = f"{doubtful[0]!r} may be the {key}'s unit or part of the name"
+    else:
+        problem = f"the {key}'s unit {doubtful[0]!r} is not known"
+    raise InputError(
+        problem,
+        remedy=f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(known)}",
+        place=f"column {column}",
+    )
+
+
+def _like_a_unit(key: str, word: str) -> bool:
+    """Return whether a word is written like a unit: of any quantity, or of this channel's in other capitals."""
+    same = word.casefold() in {unit.casefold() for unit in SCALES[key] if len(unit) > 1}
+    return same or LIKE_A_UNIT.fullmatch(word) is not None

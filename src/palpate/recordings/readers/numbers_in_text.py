@@ -1,0 +1,88 @@
+"""Numbers in instruments' text files: decimal comma or point, tabs between columns."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.recordings.readers.decimals import LARGEST, numbers
+
+
+def number(cell: str) -> float:
+    """Return the number in `cell`, written with a decimal comma or point; NaN for an empty cell and for "invalid"."""
+    cell = cell.strip()
+    value = float(cell.replace(",", ".")) if cell else float("nan")
+    return value if abs(value) <= LARGEST else float("nan")
+
+
+def require_tabs(headings: str, path: Path) -> None:
+    """Raise `InputError` on a line of headings without tabs: another program has saved the vendor's file anew."""
+    if "\t" not in headings:
+        raise InputError(
+            f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew",
+            remedy="export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)",
+            file=path,
+        )
+
+
+def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.ndarray:
+    """Return tab-separated numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
+
+    The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``.
+
+    Parameters
+    ----------
+    first_line
+        Number of the first of `lines` in the file, for messages.
+
+    Raises
+    ------
+    InputError
+        When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
+        decimal sign.
+    """
+    filled = {f"line {place}": line for place, line in enumerate(lines, first_line) if line.strip()}
+    if not filled:
+        raise InputError("holds no measured values", remedy="export the test again", file=path)
+    rows = [line.split("\t")[:columns] for line in filled.values()]
+    places = list(filled)
+    short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
+    values = numbers(rows[:short], lambda row: places[row])
+    words = np.flatnonzero(np.isnan(values).any(axis=1))
+    if len(words):
+        raise InputError(
+            f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
+            remedy="export the test again",
+            file=path,
+            place=places[words[0]],
+        )
+    if short < len(rows):
+        raise InputError(
+            f"{len(rows[short])} columns where {columns} were announced; the file is cut off",
+            remedy="export the test again",
+            file=path,
+            place=places[short],
+        )
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
+    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``."""
+    count = re.sub(r"(?<=\d)[,.](?=\d{3})", "", announced.strip())
+    if not count.isdecimal():
+        raise InputError(
+            f"announces {announced.strip()[:40]!r} points, expected a whole number",
+            remedy="copy or export it again",
+            file=path,
+        )
+    values = table(lines, first_line, columns, path)
+    if len(values) != int(count):
+        raise InputError(
+            f"holds {len(values)} points, {int(count)} were announced; the file is cut off",
+            remedy="copy or export it again",
+            file=path,
+        )
+    return values

@@ -1,0 +1,80 @@
+"""Optics11 (Piuma, Chiaro, Pavone) exports: a piezo moves a cantilever whose bending is the load.
+
+The column Indentation is piezo less cantilever, counted from the contact that the instrument found, and zero before it.
+The two columns give the depth before contact too::
+
+    depth = piezo - cantilever - (its value at the instrument's contact)
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from palpate.recordings.readers.numbers_in_text import table
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.units import scale
+from palpate.recordings.readers.vendor import (
+    Corrections,
+    Reader,
+    VendorTest,
+    contact,
+    refuse_corrections,
+    unfinished,
+    usable,
+)
+from palpate.recordings.recording import Recording
+
+COLUMNS = {"Time": "time", "Load": "load", "Indentation": "depth", "Cantilever": "depth", "Piezo": "depth"}
+HEADING = re.compile(r"\s*(\w+)\s*\((.+)\)\s*")
+DEEP = 0.1  # of the largest indentation: only what leads there is the contact
+LEVEL = 10  # points that give the load without contact
+UNMARKED = "the instrument found no contact; the test begins where the load does (--contact auto finds the touch)"
+
+
+def matches(source: Source) -> bool:
+    """Return whether a line names the columns of piezo and cantilever."""
+    return any("Cantilever" in line and "Piezo" in line and {*COLUMNS} <= {*columns(line)} for line in source.lines)
+
+
+def columns(line: str) -> dict[str, tuple[int, str]]:
+    """Return the place and the unit of each column that a line of headings such as ``Piezo (nm)`` names."""
+    headings = enumerate(map(HEADING.fullmatch, line.split("\t")))
+    return {found[1]: (place, found[2]) for place, found in headings if found}
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+    """Read the one test; time is counted from the instrument's contact, load from what the cantilever shows there."""
+    refuse_corrections(source, corrections)
+    lines, path = source.lines, source.path
+    start = next(k for k, line in enumerate(lines) if {*COLUMNS} <= {*columns(line)})
+    places = columns(lines[start])
+    values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
+    channels = [values[:, places[name][0]] * scale(key, places[name][1]) for name, key in COLUMNS.items()]
+    kept, warnings = usable(source, "measured values", *channels)
+    time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)
+    depth = piezo - cantilever
+    pressed = indentation > 0
+    if pressed.any():
+        deep = int(np.argmax(indentation > DEEP * indentation.max()))
+        begin = max([0, *np.flatnonzero(~pressed[:deep])])
+        zero = float(np.median((depth - indentation)[pressed]))
+    else:
+        begin, warnings = contact(load - float(np.median(load[:LEVEL])), depth), (*warnings, UNMARKED)
+        zero = float(depth[begin])
+    free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
+    recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))
+    return [VendorTest(path.stem, recording, metadata(lines[:start]), (*warnings, *unfinished(recording.load)))]
+
+
+def metadata(lines: list[str]) -> dict[str, str]:
+    """Return the header's entries, ``name<tab>value`` (several on a line) or ``name: value``, as text."""
+    entries: dict[str, str] = {}
+    for line in lines:
+        cells = [cell.strip(" :") for cell in re.split(r"\t|: ", line)]
+        entries |= {name: value for name, value in zip(cells[::2], cells[1::2], strict=False) if name and value}
+    return entries
+
+
+READER = Reader("optics11", "Optics11 Piuma, Chiaro or Pavone export", matches, read)

@@ -1,0 +1,23 @@
+"""The project's own recording CSV."""
+
+from __future__ import annotations
+
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
+from palpate.recordings.recording import HEADER, WITH_STIFFNESS, recording_in
+
+
+def matches(source: Source) -> bool:
+    """Return whether the first line that is no comment is the recording's header."""
+    body = (line.strip() for line in source.lines if line.strip() and not line.startswith("#"))
+    return next(body, "") in (HEADER, WITH_STIFFNESS)
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+    """Read the recording; there is nothing to leave off in it."""
+    refuse_corrections(source, corrections)
+    recording = recording_in(source.lines, source.path)
+    return [VendorTest(recording.name, recording)]
+
+
+READER = Reader("palpate_csv", "palpate recording", matches, read)

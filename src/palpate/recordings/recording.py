@@ -1,0 +1,303 @@
+"""A recording: time, load and depth of one test, and the CSV it is kept in."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.study.protocol import DISPLACEMENT, LOAD
+
+HEADER = "time_s,load_mN,depth_nm"
+LOAD_HISTORY = "time_s,load_mN"
+DISPLACEMENT_HISTORY = "time_s,displacement_nm"
+WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
+APART = "stiffness"
+BARELY_LOADED = 1e-3
+DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not tell apart
+RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Time, load and depth of one indentation test.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s] strictly increasing, [mN], [nm]. Load and depth are zero at contact.
+    name
+        Such as ``P1.00_T030_1``.
+    notes
+        Lines kept as comments at the head of the CSV.
+    stiffness : ndarray, shape (n,), optional
+        dP/dh [mN/nm] that the instrument measured by a small oscillation, with the corrections that the depth has; NaN
+        where it measured none.
+    """
+
+    time: np.ndarray
+    load: np.ndarray
+    depth: np.ndarray
+    name: str = ""
+    notes: tuple[str, ...] = field(default=())
+    stiffness: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("time", "load", "depth"):
+            object.__setattr__(self, key, np.asarray(getattr(self, key), dtype=float))
+        if not len(self.time) == len(self.load) == len(self.depth):
+            raise InputError("time, load and depth differ in length", remedy="give one value of each a point")
+        if self.stiffness is not None and len(self.stiffness) != len(self.time):
+            raise InputError("time and stiffness differ in length", remedy="give one value of each a point")
+        for key, values in (("time_s", self.time), ("load_mN", self.load), ("depth_nm", self.depth)):
+            if not np.all(np.isfinite(values)):
+                row = int(np.flatnonzero(~np.isfinite(values))[0])
+                raise InputError(
+                    f"{key} is not a number at point {row + 1}", remedy="remove the point or fill it in", place=key
+                )
+        if len(self.time) == 0:
+            raise InputError("the recording is empty", remedy="export the test again")
+        steps = np.diff(self.time)
+        if np.any(steps <= 0):
+            row = int(np.flatnonzero(steps <= 0)[0])
+            raise InputError(
+                f"time does not increase from point {row + 1} ({self.time[row]:g} s) to point {row + 2} "
+                f"({self.time[row + 1]:g} s)",
+                remedy="sort the points and drop repeated times",
+                place="time_s",
+            )
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def at(self, kept: slice | np.ndarray) -> Recording:
+        """Return the recording at some of its points."""
+        stiffness = None if self.stiffness is None else self.stiffness[kept]
+        return replace(self, time=self.time[kept], load=self.load[kept], depth=self.depth[kept], stiffness=stiffness)
+
+    def from_contact(self, drive: np.ndarray | None = None) -> Recording:
+        """Return the recording with time zero where loading began, and zero load there.
+
+        What stands before the clock's zero without load is the approach, and is left out. A recording that begins under
+        load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
+        its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
+        within one sampling interval of it, and no point under load stands there. Where a displacement is prescribed,
+        that is the `drive` (n,) by which all this is told, in place of the load.
+
+        Raises
+        ------
+        InputError
+            When the recording begins under load that does not rise.
+        """
+        drive = self.load if drive is None else drive
+        peak = int(np.argmax(drive))
+        approach = self.time < 0.0
+        if 0 < approach.sum() < len(self) and np.all(drive[approach] <= BARELY_LOADED * drive[peak]):
+            return self.at(~approach).from_contact(drive[~approach])
+        begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
+        loaded = drive[0] > BARELY_LOADED * drive[peak]
+        if loaded:
+            risen = (drive[: peak + 1] - drive[0]) / drive[peak]
+            last = max(int(np.argmax(risen > RATE_SPAN)) - 1, 1) if risen[-1] > RATE_SPAN else peak
+            first = min(int(np.flatnonzero(risen[: last + 1] <= RATE_START)[-1]), last - 1) if last else 0
+            rise = slice(first, last + 1)
+            rate = np.polyfit(self.time[rise] - begin, drive[rise], 1)[0] if last else 0.0
+            if rate <= 0:
+                raise InputError(
+                    f"the recording begins under {self.load[0]:.4g} mN that does not rise",
+                    remedy="export the test from contact on",
+                    place="load_mN",
+                )
+            begin -= drive[0] / rate
+        if abs(begin) <= interval and not (loaded and self.time[0] <= 0.0):
+            begin = 0.0
+        time, load, depth, stiffness = self.time - begin, self.load, self.depth, self.stiffness
+        if time[0] > 0:
+            time, load, depth = (np.append(0.0, values) for values in (time, load, depth))
+            stiffness = None if stiffness is None else np.append(np.nan, stiffness)
+        return replace(self, time=time, load=load, depth=depth, stiffness=stiffness)
+
+    def write(self, path: str | Path) -> None:
+        """Write the recording as CSV; the file appears whole or not at all.
+
+        Raises
+        ------
+        InputError
+            When something stands there that is no file.
+        """
+        path = Path(path)
+        if path.exists() and not path.is_file():
+            raise InputError("the output is no file", remedy="name a file", file=path)
+        path = path.resolve()
+        text = io.StringIO()
+        for note in self.notes:
+            text.write(f"# {' '.join(note.split())}\n")
+        channels = [self.time, self.load, self.depth]
+        text.write((HEADER if self.stiffness is None else WITH_STIFFNESS) + "\n")
+        channels += [] if self.stiffness is None else [self.stiffness]
+        digits = [DIGITS if _told_apart(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
+        partial = path.with_name(path.name + ".partial")
+        partial.write_text(text.getvalue(), encoding="utf-8")
+        partial.replace(path)
+
+    def write_apart(self, path: str | Path) -> None:
+        """Write the recording in three columns, and once more with its stiffness, if it has one, in a folder beside.
+
+        `read_recording` puts the two together again.
+        """
+        path = Path(path)
+        replace(self, stiffness=None).write(path)
+        beside = path.parent / APART / path.name
+        beside.unlink(missing_ok=True)
+        if self.stiffness is not None:
+            beside.parent.mkdir(exist_ok=True)
+            self.write(beside)
+
+
+def _told_apart(time: np.ndarray) -> bool:
+    """Return whether times (n,) [s] still increase as they are usually written."""
+    return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
+
+
+def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:
+    """Return each recording that repeats an earlier one point by point, and that one."""
+    seen: dict[bytes, Recording] = {}
+    found = []
+    for recording in recordings:
+        curve = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
+        first = seen.setdefault(curve, recording)
+        if first is not recording:
+            found.append((recording, first))
+    return found
+
+
+def recording_files(folder: Path) -> list[Path]:
+    """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
+
+
+def condition_of(file: Path) -> str:
+    """Return the condition that the name of a recording's file begins with."""
+    return file.stem.rpartition("_")[0]
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read a recording CSV and check it; its stiffness may stand in a folder beside (`Recording.write_apart`).
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
+        beside it is that of other times.
+    """
+    path = Path(path)
+    recording = _recording_at(path)
+    beside = path.parent / APART / path.name
+    if recording.stiffness is not None or not beside.is_file():
+        return recording
+    measured = _recording_at(beside)
+    if not np.array_equal(measured.time, recording.time):
+        raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
+    return replace(recording, stiffness=measured.stiffness)
+
+
+def read_history(path: Path, control: str = LOAD) -> Recording:
+    """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
+
+    A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
+    `InputError` as `read_recording`, and when a file holds the other of the two.
+    """
+    body = _body(_lines_of(path))
+    heading = body[0][1].strip() if body else ""
+    alone = {LOAD: LOAD_HISTORY, DISPLACEMENT: DISPLACEMENT_HISTORY}
+    if heading not in alone.values():
+        return read_recording(path)
+    if heading != alone[control]:
+        raise InputError(
+            f"header is {heading!r}, but the {control} is prescribed",
+            remedy=f"give {alone[control]!r}, or a recording",
+            file=path,
+        )
+    time, drive = _numbers(body[1:], 2, path).T
+    load, depth = (drive, np.zeros_like(drive)) if control == LOAD else (np.zeros_like(drive), drive)
+    try:
+        return Recording(time, load, depth, path.stem)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _recording_at(path: Path) -> Recording:
+    """Return the recording in one CSV, checked."""
+    return recording_in(_lines_of(path), path)
+
+
+def _lines_of(path: Path) -> list[str]:
+    """Return the lines of a text file; raises `InputError`."""
+    try:
+        return path.read_text(encoding="utf-8-sig").split("\n")
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
+        ) from error
+
+
+def _body(lines: Sequence[str]) -> list[tuple[int, str]]:
+    """Return the numbered lines that are neither empty nor comments."""
+    return [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+
+
+def _numbers(body: Sequence[tuple[int, str]], width: int, path: Path) -> np.ndarray:
+    """Return the numbers (n, width) in numbered lines; raises `InputError` with the first line that holds others."""
+    rows = []
+    for number, line in body:
+        try:
+            row = [float(cell) for cell in line.split(",")]
+        except ValueError:
+            row = []
+        if len(row) != width:
+            columns = {2: "time and load", 3: "time, load and depth"}.get(width, "time, load, depth and stiffness")
+            raise InputError(
+                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[width - 2]} numbers",
+                remedy=f"write {columns} with decimal points",
+                file=path,
+                place=f"line {number}",
+            )
+        rows.append(row)
+    return np.reshape(rows, (-1, width))
+
+
+def recording_in(lines: Sequence[str], path: Path) -> Recording:
+    """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
+    notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
+    body = _body(lines)
+    if not body:
+        raise InputError("the recording is empty", remedy="export the test again", file=path)
+    number, header = body[0]
+    if re.split(r"[;\t]", header.strip()) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+        raise InputError(
+            "the columns are not separated by commas",
+            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
+            file=path,
+            place=f"line {number}",
+        )
+    if header.strip() not in (HEADER, WITH_STIFFNESS):
+        raise InputError(
+            f"header is {header.strip()[:60]!r}, expected {HEADER!r}",
+            remedy="rename the columns, with these units",
+            file=path,
+            place=f"line {number}",
+        )
+    time, load, depth, *stiffness = _numbers(body[1:], len(header.split(",")), path).T
+    try:
+        return Recording(time, load, depth, path.stem, notes, stiffness[0] if stiffness else None)
+    except InputError as error:
+        raise error.located(file=path) from None

@@ -1,0 +1,82 @@
+"""What a recording shows by itself, before any model: contact, segments, and drift in its hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from palpate.recordings.contact_point import ContactPoint, first_touch
+from palpate.recordings.drift_rate import DriftRate, fastest_in, measured_in
+from palpate.recordings.recording import Recording
+from palpate.recordings.segments import Segment, segments
+from palpate.recordings.sharp_origin import sharp_origin
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """A recording with what was found in it.
+
+    Attributes
+    ----------
+    recording
+        Whole, with its approach.
+    contact
+        First touch.
+    origin
+        Depth where a sharp tip's law begins, with its interval [nm].
+    parts
+        Segments in the order of time.
+    drift
+        None without a drift hold.
+    """
+
+    recording: Recording
+    contact: ContactPoint
+    origin: tuple[float, float, float]
+    parts: list[Segment]
+    drift: DriftRate | None
+
+    @property
+    def load(self) -> np.ndarray:
+        """Load (n,) beyond that at contact [mN]."""
+        return self.recording.load - self.contact.load
+
+    @cached_property
+    def fastest(self) -> tuple[float, float] | None:
+        """What its holds under load bound the drift by, see `palpate.recordings.drift_rate.fastest_in`."""
+        return fastest_in(self.recording.time, self.load, self.recording.depth, self.parts)
+
+
+def survey(recording: Recording) -> Survey:
+    """Find contact, segments and drift; raises `InputError` on a recording too short for it."""
+    time, load, depth = recording.time, recording.load, recording.depth
+    contact = first_touch(time, load, depth)
+    beyond = slice(contact.index, None)
+    origin = sharp_origin(load[beyond] - contact.load, depth[beyond])
+    parts = segments(time, load - contact.load, contact.index)
+    return Survey(recording, contact, origin, parts, measured_in(time, depth, parts))
+
+
+def table(surveys: Iterable[Survey]) -> pd.DataFrame:
+    """Return one row a recording: contact, origin and drift with intervals, and the segments' durations."""
+    rows = []
+    for item in surveys:
+        row = {
+            "test": item.recording.name,
+            "points": len(item.recording),
+            "max_load_mN": item.load.max(),
+            "contact_time_s": item.contact.time,
+            "contact_nm": item.contact.depth,
+            "contact_lower_nm": item.contact.lower,
+            "contact_upper_nm": item.contact.upper,
+        }
+        row |= dict(zip(("origin_nm", "origin_lower_nm", "origin_upper_nm"), item.origin, strict=True))
+        drift = (item.drift.rate, item.drift.lower, item.drift.upper) if item.drift else (np.nan,) * 3
+        row |= dict(zip(("drift_nm_per_s", "drift_lower_nm_per_s", "drift_upper_nm_per_s"), drift, strict=True))
+        row["segments"] = "; ".join(f"{part.kind} {part.start:.4g} to {part.end:.4g} s" for part in item.parts)
+        rows.append(row)
+    return pd.DataFrame(rows)

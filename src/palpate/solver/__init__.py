@@ -1,0 +1,1 @@
+"""Finite elements: one indentation or many simulated, and the store of their curves."""

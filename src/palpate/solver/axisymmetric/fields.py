@@ -1,0 +1,179 @@
+"""Stress in the body at one moment.
+
+At small strains the deviator is a state variable, and the pressure follows from the mean dilatation of each element. At
+large strains the state holds the law's stress T, turned to r and z. With the squared stretches l_a along the axes of
+the right stretch, d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)) and the mean J of the element,
+
+    S_aa = T_aa / l_a,   S_12 = 2 d T_12,   sigma = (J / det F) F S F^T.
+
+Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425, section 3; for J see
+`palpate.solver.axisymmetric.hencky`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from palpate.solver.axisymmetric.mesh import Mesh
+
+if TYPE_CHECKING:
+    from palpate.solver.axisymmetric.march import States
+
+COMPONENTS = ("rr", "zz", "tt", "rz")
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A body at the end of a time step.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Lengths in um.
+    large : bool
+        Whether strains are.
+    time, depth, load : float
+        [s], [um], [mN]
+    displacement : ndarray, shape (n, 2)
+        [um]
+    deviator : ndarray, shape (m, 4, 4)
+        Deviator of the law's stress at the Gauss points: rr, zz, hoop, rz [GPa].
+    pressure : ndarray, shape (m,)
+        Of each element [GPa].
+    """
+
+    mesh: Mesh
+    large: bool
+    time: float
+    depth: float
+    load: float
+    displacement: np.ndarray
+    deviator: np.ndarray
+    pressure: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: Mesh, large: bool, states: States, time: float, unit: float) -> Moment:
+        """Return the body of the first lane, whose unit of length is so many um."""
+        points, count = states.points, len(mesh.elements)
+        displacement = states.displacement[mesh.equations, 0]  # those that are held share the last row, which is zero
+        stress = (points.rho * points.secant)[:, None, 0] * points.direction[:, :, 0]
+        return cls(
+            replace(mesh, nodes=unit * mesh.nodes, gradients=mesh.gradients / unit, weights=unit**3 * mesh.weights),
+            large,
+            time,
+            unit * float(states.depth[0]),
+            unit**2 * float(states.reaction[0]),
+            unit * displacement,
+            stress.reshape(count, 4, 4),
+            points.pressure[:, 0].copy(),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """Displacement and stress in a body.
+
+    Attributes
+    ----------
+    mesh : Mesh or palpate.solver.pyramid.mesh_3d.Mesh
+    time, depth, load : float
+        [s], [nm], [mN]
+    displacement : ndarray, shape (n, 2) or (n, 3)
+        Of the nodes, along r and z or x, y and z [nm].
+    stress : ndarray, shape (m, g, c)
+        Cauchy stress at the Gauss points of each element: three normal components, then those of shear [GPa].
+    touching : ndarray of bool, shape (n,)
+        Nodes in contact.
+    components
+        Names of the components of stress.
+    """
+
+    mesh: Any
+    time: float
+    depth: float
+    load: float
+    displacement: np.ndarray
+    stress: np.ndarray
+    touching: np.ndarray
+    components: tuple[str, ...] = COMPONENTS
+
+    @classmethod
+    def of(cls, moment: Moment) -> Fields:
+        """Return the fields of a body of revolution; nodes touch that bear a contact pressure."""
+        stress = cauchy_stress(moment)
+        return cls(
+            moment.mesh,
+            moment.time,
+            1e3 * moment.depth,
+            moment.load,
+            1e3 * moment.displacement,
+            stress,
+            touching(moment.mesh, stress),
+        )
+
+    @property
+    def element_stress(self) -> np.ndarray:
+        """Mean stress of each element by volume (m, c) [GPa]."""
+        weights = self.mesh.weights
+        return np.einsum("eg,egi->ei", weights, self.stress) / weights.sum(axis=1)[:, None]
+
+    @property
+    def element_von_mises(self) -> np.ndarray:
+        """Mean von Mises stress of each element by volume (m,) [GPa]."""
+        return np.average(von_mises(self.stress), axis=1, weights=self.mesh.weights)
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """Return sqrt(3/2 s:s) of stresses (..., c), three normal components before those of shear [GPa]."""
+    deviator = stress.copy()
+    deviator[..., :3] -= stress[..., :3].mean(axis=-1, keepdims=True)
+    return np.sqrt(1.5 * (deviator[..., :3] ** 2).sum(axis=-1) + 3.0 * (deviator[..., 3:] ** 2).sum(axis=-1))
+
+
+def cauchy_stress(moment: Moment) -> np.ndarray:
+    """Return the Cauchy stress (m, 4, 4) at the Gauss points: rr, zz, hoop, rz [GPa]."""
+    gradient, hoop = displacement_gradient(moment.mesh, moment.displacement)
+    stress = moment.deviator.copy()
+    stress[..., :3] -= moment.pressure[:, None, None]
+    if not moment.large:
+        return stress
+    deformation = np.eye(2) + gradient
+    volume_ratio = np.linalg.det(deformation) * (1.0 + hoop)
+    mean = np.average(np.log(volume_ratio), axis=1, weights=moment.mesh.weights)
+    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None])
+
+
+def touching(mesh: Mesh, stress: np.ndarray) -> np.ndarray:
+    """Return which nodes (n,) touch: on the surface, between elements pressed along z by a tenth of the hardest."""
+    pressed = -stress[:, :, 1].mean(axis=1)
+    found = np.zeros(len(mesh.nodes), dtype=bool)
+    found[mesh.elements[pressed > 0.1 * pressed.max()]] = True
+    surface = np.zeros_like(found)
+    surface[mesh.surface] = True
+    return found & surface
+
+
+def displacement_gradient(mesh: Mesh, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return du_i/dX_j (m, 4, 2, 2) in r and z, and u_r / r (m, 4), at the Gauss points."""
+    u = displacement[mesh.elements]
+    gradient = np.einsum("eai,egja->egij", u, mesh.gradients[:, :, :2])
+    return gradient, np.einsum("ea,ega->eg", u[:, :, 0], mesh.gradients[:, :, 2])
+
+
+def _pushed(conjugate: np.ndarray, deformation: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Return the Cauchy stress (..., 4) of the law's stress, given as rr, zz, hoop, rz; `spread` is det F / J."""
+    squared, axes = np.linalg.eigh(np.swapaxes(deformation, -1, -2) @ deformation)
+    plane = conjugate[..., [0, 3, 3, 1]].reshape(*conjugate.shape[:-1], 2, 2)
+    one, two = squared[..., 0], squared[..., 1]
+    apart = np.abs(two - one) > 1e-6 * one
+    difference = np.where(apart, np.log(two / one) / np.where(apart, 2.0 * (two - one), 1.0), 1.0 / (one + two))
+    scale = np.empty_like(plane)
+    scale[..., 0, 0], scale[..., 1, 1] = 1.0 / one, 1.0 / two
+    scale[..., 0, 1] = scale[..., 1, 0] = 2.0 * difference
+    turned = np.swapaxes(axes, -1, -2) @ plane @ axes
+    second = axes @ (scale * turned) @ np.swapaxes(axes, -1, -2)
+    cauchy = deformation @ second @ np.swapaxes(deformation, -1, -2) / spread[..., None, None]
+    return np.stack([cauchy[..., 0, 0], cauchy[..., 1, 1], conjugate[..., 2] / spread, cauchy[..., 0, 1]], axis=-1)

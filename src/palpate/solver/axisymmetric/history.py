@@ -1,0 +1,37 @@
+"""What a simulated indentation leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Outcome of one simulated indentation.
+
+    Attributes
+    ----------
+    depth : ndarray, shape (n,)
+        Depth at the protocol's sampling times [nm]; NaN from a failure on.
+    load : ndarray, shape (n,)
+        Load there [mN]; likewise.
+    reason
+        Why the history is incomplete; empty when it is whole.
+    seconds
+        Wall time spent in the solver.
+    iterations, steps
+        Newton iterations and time steps done.
+    depths_beside, loads_beside : ndarray, shape (p, n)
+        Likewise of neighbours, see `palpate.solver.axisymmetric.neighbours`.
+    """
+
+    depth: np.ndarray
+    load: np.ndarray
+    reason: str
+    seconds: float
+    iterations: int
+    steps: int
+    depths_beside: np.ndarray
+    loads_beside: np.ndarray

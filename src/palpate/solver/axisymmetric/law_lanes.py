@@ -1,0 +1,162 @@
+"""The state of the material in `LANES` bodies, and how it passes from one time step to the next.
+
+The radial equation is that of `palpate.materials.flow.radial`, at `LANES` laws at once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from palpate.materials.flow.arithmetic import whole
+from palpate.materials.flow.dispatch import fluidity_of
+from palpate.materials.flow.radial import NOTHING, UNKNOWN, compliance, solve_radial, threshold
+from palpate.materials.flow.row import (
+    BULK,
+    CLOSING,
+    CREEP,
+    DECAY,
+    FACTORS,
+    FIRST,
+    FUNCTION,
+    INVERSE_RESISTANCE,
+    KIND,
+    LINEAR,
+    LOG_RESISTANCE,
+    NUMBERS,
+    OPENING,
+    PER_TERM,
+    PLASTIC,
+    PRESSED,
+    SHARE,
+    SIZE,
+    YIELD,
+)
+from palpate.solver.axisymmetric.lanes import LANES, greatest, load, magnitude, splat, store, where_less
+
+__all__ = ["BULK", "NOTHING", "PRESSED", "UNKNOWN", "YIELD", "Points", "region_of", "solve_radial", "turn"]
+STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
+FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
+
+
+class Points(NamedTuple):
+    """What changes at the p Gauss points, `LANES` columns each.
+
+    Attributes
+    ----------
+    past : ndarray, shape (p, 4, LANES)
+        Strain that the history fixes.
+    permanent : ndarray, shape (p, 4, LANES)
+        Creep and plastic strain, with the part of the next step that the present stress decides.
+    transient : ndarray, shape (p, elements, 4, LANES)
+        Voigt strains, likewise.
+    direction : ndarray, shape (p, 4, LANES)
+        R / rho.
+    rho, log_q, secant, order, push : ndarray, shape (p, LANES)
+        Solution of the radial equation; q/rho; d ln q / d ln rho; and dq/dp.
+    alpha : ndarray, shape (p, LANES)
+        Accumulated plastic strain at the start of the step.
+    pressure : ndarray, shape (p / 4, LANES)
+        Of each element [GPa], positive in compression.
+    """
+
+    past: np.ndarray
+    permanent: np.ndarray
+    transient: np.ndarray
+    direction: np.ndarray
+    rho: np.ndarray
+    log_q: np.ndarray
+    secant: np.ndarray
+    order: np.ndarray
+    push: np.ndarray
+    alpha: np.ndarray
+    pressure: np.ndarray
+
+    @classmethod
+    def unloaded(cls, count: int, elements: int) -> Points:
+        """Return `count` points at rest, of laws with so many Voigt elements."""
+        past, permanent, direction = (np.zeros((count, 4, LANES)) for _ in range(3))
+        transient = np.zeros((count, elements, 4, LANES))
+        rho, secant, order, push, alpha = (np.zeros((count, LANES)) for _ in range(5))
+        pressure = np.zeros((count // 4, LANES))
+        log_q = np.full((count, LANES), 2 * UNKNOWN)
+        return cls(past, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
+
+
+@njit(cache=True, inline="always")
+def region_of(element, laws):
+    """Return which of the `laws` (1 or m, rows, LANES) an element takes: the only one, or its own."""
+    return element if len(laws) > 1 else 0
+
+
+@njit(cache=True)
+def driving(law, at, step, q, log_q, pressure):
+    """Return phi q of a term whose block begins at `at`, at the stress over the resistance."""
+    inverse = load(step, INVERSE_RESISTANCE)
+    log_q = log_q - load(step, LOG_RESISTANCE)
+    value, _, _, _ = fluidity_of(whole(law, at + FUNCTION), law, at + NUMBERS, q * inverse, log_q, pressure * inverse)
+    return value * q
+
+
+@njit(cache=True)
+def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
+    """Return the length of the plastic strain deviator of a step."""
+    if whole(law, YIELD) > 0:
+        least, _, _ = threshold(alpha, pressure, law, step)
+        if greatest(q - least) > 0.0:
+            total, _, _, _ = compliance(q, log_q, pressure, law, step)
+            slip = where_less(least, q, rho - total * q, splat(0.0))
+            return where_less(slip, splat(0.0), splat(0.0), slip)
+    return splat(0.0)
+
+
+@njit(cache=True)
+def turn(points, laws, done, following):
+    """Close a step of `laws` and weights `done` at all points and open the one of weights `following`.
+
+    Both halves of a rate are parallel to the stress that the two steps share, and so is plastic flow.
+    """
+    elements = points.transient.shape[1]
+    for p in range(points.rho.shape[0]):
+        region = region_of(p // 4, laws)
+        law, before, after = laws[region], done[region], following[region]
+        rho, log_q, alpha = load(points.rho, p), load(points.log_q, p), load(points.alpha, p)
+        q, pressure = rho * load(points.secant, p), load(points.pressure, p // 4)
+        growing = greatest(magnitude(load(after, LOG_RESISTANCE) - load(before, LOG_RESISTANCE))) > 0.0
+        flown = plastic_strain(rho, q, log_q, alpha, pressure, law, before)
+        share = where_less(load(law, SHARE), splat(1e-12), splat(1.0), FLOWING * load(law, SHARE))
+        store(points.alpha, p, alpha + flown / share)
+        for i in range(4):
+            store(points.past, 4 * p + i, splat(0.0))
+        at, k, element = FIRST, FACTORS, 0
+        while at < law.shape[0]:
+            kind = whole(law, at + KIND)
+            if kind != PLASTIC:
+                closing = q
+                if kind != LINEAR:
+                    closing = driving(law, at, before, q, log_q, pressure)
+                opening = closing
+                if growing and kind != LINEAR:
+                    opening, limit = driving(law, at, after, q, log_q, pressure), STEEPEST * closing
+                    opening = where_less(limit, opening, limit, opening)
+                closing, opening = load(before, k + CLOSING) * closing, load(after, k + OPENING) * opening
+                if kind == CREEP:
+                    flown = flown + closing + opening
+                else:
+                    decay, row = load(after, k + DECAY), 4 * (elements * p + element)
+                    amplitude = decay * closing + opening
+                    for i in range(4):
+                        strain = decay * load(points.transient, row + i)
+                        strain = strain + amplitude * load(points.direction, 4 * p + i)
+                        store(points.transient, row + i, strain)
+                        store(points.past, 4 * p + i, load(points.past, 4 * p + i) + strain)
+                    element += 1
+                k += PER_TERM
+            at += whole(law, at + SIZE)
+        for i in range(4):
+            strain = load(points.permanent, 4 * p + i) + flown * load(points.direction, 4 * p + i)
+            store(points.permanent, 4 * p + i, strain)
+            store(points.past, 4 * p + i, load(points.past, 4 * p + i) + strain)

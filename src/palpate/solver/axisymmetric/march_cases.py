@@ -1,0 +1,313 @@
+"""Many indentations at once: those that share the shape of mesh and load history run through the SIMD lanes together.
+
+Under a sharp cone, meshes for different homogeneous materials differ by a factor on all lengths alone, and so do not
+differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
+
+Where the load history has a corner, and how many steps it takes, may differ from lane to lane. At large strains each
+step of the graded onset, and the one after it, begins where the last one ended: carried on, it could turn an element
+inside out. A lane that finds no equilibrium from where its last change carried it tries again from where the last step
+ended, and then in parts.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from palpate.materials.flow.row import structure
+from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
+from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load
+from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times
+from palpate.solver.axisymmetric.drive import NO_LOAD, Drives
+from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.fields import Moment
+from palpate.solver.axisymmetric.folding import merged, mergings
+from palpate.solver.axisymmetric.history import History
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.law_lanes import Points
+from palpate.solver.axisymmetric.march import March, States
+from palpate.solver.axisymmetric.mesh import Mesh, Resolution, polar_mesh
+from palpate.solver.axisymmetric.neighbours import Neighbours
+from palpate.solver.axisymmetric.newton import TIGHT, TOLERANCE, System
+from palpate.solver.axisymmetric.profile import Profile
+from palpate.solver.axisymmetric.regions import resolved
+from palpate.solver.axisymmetric.regularisation import contact_of, elastic_excess, first_contact
+from palpate.solver.axisymmetric.specimens import Specimens
+from palpate.solver.axisymmetric.trend import Trend
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol
+from palpate.study.specimen import Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One indentation by a tip of revolution, and its mesh.
+
+    All nodes have a `shift` outwards, in rings; the innermost rings are `merged` so many times. The radii of the
+    `rings` may be given [um].
+    """
+
+    specimen: Specimen
+    indenter: Indenter
+    protocol: Protocol
+    resolution: Resolution
+    large: bool = False
+    shift: float = 0.0
+    merged: int = 0
+    rings: np.ndarray | None = None
+
+    @property
+    def largest(self) -> float:
+        """Largest contact radius [um]."""
+        return contact_range(self.specimen, self.indenter, self.protocol)[1]
+
+    @property
+    def smallest(self) -> float:
+        """Smallest contact radius that counts [um]."""
+        return contact_range(self.specimen, self.indenter, self.protocol)[0]
+
+    @cached_property
+    def radii(self) -> np.ndarray:
+        """Radii of the rings of nodes [um]."""
+        usual = self.rings
+        if usual is None:
+            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
+        rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
+        return rings * self.resolution.growth**self.shift
+
+    @property
+    def mergeable(self) -> bool:
+        """Whether its innermost rings may be merged once more."""
+        return self.merged < mergings(self.specimen, self.large)
+
+    @property
+    def and_merged(self) -> Iterator[Case]:
+        """The case, and as it is with its innermost rings merged, once more each time."""
+        for times in range(self.merged, 1 + mergings(self.specimen, self.large)):
+            yield replace(self, merged=times)
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Ends of the time steps [s]."""
+        return step_times(self.protocol, self.resolution, self.specimen.yields)
+
+    @property
+    def unloaded_steps(self) -> int:
+        """Number of steps before the first that loads the contact; the body rests, unless adhesion pulls at it."""
+        drive = self.protocol.drive_at(self.times)
+        return int(np.argmax(drive > NO_LOAD * self.protocol.largest_drive))
+
+    @property
+    def carries(self) -> np.ndarray:
+        """Whether each step may carry the last change on: not from a corner of the load history, nor at the onset."""
+        corners = np.isin(self.times, self.protocol.knot_time)
+        steps_loaded = np.cumsum(self.protocol.drive_at(self.times) > 0.0)
+        return ~np.append(True, corners[:-1]) & (steps_loaded > (len(GRADED_START) + 2 if self.large else 0))
+
+    @property
+    def kind(self) -> tuple:
+        """What cases that run together have in common."""
+        radii = self.radii
+        shape = np.round(np.log(radii / radii[0]), 6).tobytes()
+        body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
+        surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
+        return self.resolution, shape, body, surface
+
+
+def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
+    """Simulate several indentations by indenters of revolution, those of a kind together in SIMD lanes.
+
+    One that finds no equilibrium in the smallest parts of a step is simulated again with its innermost rings merged,
+    where that may help.
+
+    Parameters
+    ----------
+    beside
+        For each case the same with each of some parameters changed a little, see
+        `palpate.solver.axisymmetric.neighbours`.
+
+    Raises
+    ------
+    InputError
+        When a mesh cannot hold the specimen or the tip, see `palpate.solver.axisymmetric.contact_size.check_size`.
+    """
+    histories: dict[int, History] = {}
+    kinds: dict[tuple, list[int]] = {}
+    for number, case in enumerate(cases):
+        kinds.setdefault(case.kind, []).append(number)
+    for members in kinds.values():
+        members.sort(key=lambda number: len(cases[number].times))
+        for first in range(0, len(members), LANES):
+            chosen = members[first : first + LANES]
+            others = [beside[number] for number in chosen] if beside else []
+            histories |= zip(chosen, _with_neighbours([cases[number] for number in chosen], others), strict=True)
+    again = [number for number, case in enumerate(cases) if histories[number].reason and case.mergeable]
+    if again:
+        wider = [replace(cases[number], merged=cases[number].merged + 1) for number in again]
+        others = [
+            [replace(other, merged=case.merged) for other in beside[number]]
+            for number, case in zip(again, wider, strict=True)
+            if beside
+        ]
+        histories |= zip(again, indent_batch(wider, others), strict=True)
+    return [history for _, history in sorted(histories.items())]
+
+
+def _with_neighbours(cases: Sequence[Case], beside: Sequence[Sequence[Case]]) -> list[History]:
+    """Simulate 1 to `LANES` cases of one kind with their neighbours, which share out the lanes that are left."""
+    count = max(map(len, beside), default=0)
+    if not count:
+        return run_lanes(cases)
+    copies = LANES // len(cases)
+    rows = -(-count // copies)
+    lanes = [case for case in cases for _ in range(copies)]
+    others = [[*row, *[case] * (rows * copies - len(row))] for case, row in zip(cases, beside, strict=True)]
+    ran = run_lanes(lanes, [[o for row in others for o in row[k * copies : (k + 1) * copies]] for k in range(rows)])
+    histories = []
+    for first, row in zip(range(0, len(lanes), copies), beside, strict=True):
+        places = [divmod(parameter, copies) for parameter in range(len(row))]
+        own, points = ran[first], len(ran[first].depth)
+        depths = [ran[first + lane].depths_beside[place] for place, lane in places]
+        loads = [ran[first + lane].loads_beside[place] for place, lane in places]
+        histories.append(
+            replace(
+                own,
+                seconds=copies * own.seconds,
+                depths_beside=np.reshape(depths, (len(row), points)),
+                loads_beside=np.reshape(loads, (len(row), points)),
+            )
+        )
+    return histories
+
+
+def run_lanes(
+    cases: Sequence[Case], beside: Sequence[Sequence[Case]] = (), observe: Callable[[Moment], None] | None = None
+) -> list[History]:
+    """Simulate 1 to `LANES` indentations of one kind.
+
+    Parameters
+    ----------
+    beside
+        For each of some parameters the same indentations with that parameter changed a little, which are carried along
+        on the same meshes and in the same steps, see `palpate.solver.axisymmetric.neighbours`.
+    observe
+        Called with the body of the first case at the end of each of its steps.
+    """
+    began = clock.perf_counter()
+    for case in cases:
+        check_size(case.specimen, case.indenter, case.resolution, case.largest)
+    lanes, others = padded(cases), [padded(row) for row in beside]
+    units = np.array([case.radii[0] for case in lanes])
+    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    body = Body.of(mesh)
+    system = System.of(body, not any(case.indenter.friction for case in lanes))
+    tolerance = TIGHT if beside else TOLERANCE
+    march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
+    neighbours = Neighbours.of(march, [begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
+    counts = np.array([len(case.times) for case in lanes])
+    resting = np.array([0 if case.specimen.adhesion else case.unloaded_steps for case in lanes])
+    ends = np.stack([_prolonged(case.times, counts.max()) for case in lanes])
+    times = np.column_stack([np.zeros(LANES), ends])
+    carries = np.stack([np.resize(case.carries, counts.max()) for case in lanes], axis=1)
+    start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
+    depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
+    trend, reasons = Trend.none(len(states.unknowns)), [""] * LANES
+    for k, (begin, end) in enumerate(pairwise(times.T)):
+        start.take(states)
+        before = states.unknowns
+        alive &= k < counts
+        going = alive & (k >= resting)
+        found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), going)
+        if beside:
+            neighbours.follow(start, states, begin, end, found)
+        lost = going & ~found
+        if lost.any():
+            parts = np.where(carries[k], 1, 2)
+            found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
+        for failed in np.flatnonzero(going & ~found):
+            reasons[failed] = f"no equilibrium beyond {begin[failed]:.4g} s"
+        states.take(start, alive & ~going)
+        alive &= found | ~going
+        if not alive.any():
+            break
+        if observe and alive[0]:
+            observe(Moment.of(mesh, lanes[0].large, states, float(end[0]), float(units[0])))
+        trend = trend.followed(states.unknowns - before, end - begin, carries[k])
+        for curve, reached in enumerate([states, *neighbours.states]):
+            depths[curve, alive, k] = (reached.depth * units * 1e3)[alive]
+            loads[curve, alive, k] = (reached.reaction * units**2)[alive]
+    seconds = (clock.perf_counter() - began) / len(cases)
+    histories = []
+    for lane, case in enumerate(cases):
+        places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
+        depth, load = depths[:, lane, places], loads[:, lane, places]
+        for number, corners in enumerate(neighbours.corners):
+            own = np.array([corners[lane].get(time, time) for time in case.times])
+            moved = own[places] != case.times[places]
+            for found, curve in ((depth, depths), (load, loads)):
+                steps = curve[1 + number, lane, : len(own)]
+                found[1 + number, moved] = np.interp(case.times[places][moved], own, steps)
+        tried, taken = int(march.iterations[lane]), int(march.steps[lane])
+        histories.append(History(depth[0], load[0], reasons[lane], seconds, tried, taken, depth[1:], load[1:]))
+    return histories
+
+
+def _prolonged(times: np.ndarray, count: int) -> np.ndarray:
+    """Return the ends of `count` steps, of which those past the last of the `times` (n,) are as long as it was [s]."""
+    step = times[-1] - (times[-2] if len(times) > 1 else 0.0)
+    return np.append(times, times[-1] + step * np.arange(1, count - len(times) + 1))
+
+
+def padded(cases: Sequence[Case]) -> list[Case]:
+    """Return the cases, the last one repeated until there are `LANES`."""
+    return [*cases, *[cases[-1]] * (LANES - len(cases))]
+
+
+def begun(
+    lanes: Sequence[Case], hosts: Sequence[Case], mesh: Mesh, body: Body, units: np.ndarray, system: System,
+    tolerance: float,
+) -> tuple[March, States]:  # fmt: skip
+    """Return how `LANES` cases advance, and where they begin, on the mesh and with the first step of their hosts."""
+    large, resolution = hosts[0].large, hosts[0].resolution
+    specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
+    bodies = Specimens.of(specimens, mesh, units)
+    area = nodal_areas(mesh.nodes[mesh.surface, 0])
+    sticking = [attraction(c.specimen, resolution, host.largest, area) for c, host in zip(lanes, hosts, strict=True)]
+    expected = [expected_load(c.specimen, c.indenter, c.protocol) for c in hosts]
+    protocols = [case.protocol for case in lanes]
+    drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
+    profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
+    smallest = np.array([case.smallest for case in hosts]) / units
+    contact = contact_of(
+        profiles, np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes]),
+        [case.indenter.friction for case in lanes], sticking, units, body.distance, area, smallest,
+        np.array([case.largest for case in hosts]) / units, resolution.growth,
+    )  # fmt: skip
+    first = np.array([case.times[0] for case in hosts])
+    loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
+    adhesive = np.array([a is not None for a in sticking])
+    touching = first_contact(
+        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
+        np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
+    )  # fmt: skip
+    radii = np.sqrt(touching.area / np.pi)
+    depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
+    onset = np.stack([touching.area, depth])
+    march = March(
+        large, body, bodies, contact, drives, units, system, tolerance, onset, *np.zeros((2, LANES), dtype=np.int64)
+    )  # fmt: skip
+    states = States(
+        Points.unloaded(4 * len(mesh.elements), bodies.elements),
+        touching,
+        *bodies.at(np.zeros(LANES), first),
+        np.zeros((mesh.size + 1, LANES)),
+        np.zeros(LANES),
+        np.zeros(LANES),
+    )
+    return march, states

@@ -1,0 +1,94 @@
+"""Indentations a little beside others, carried along with them: exact derivatives by any parameter.
+
+The equations of equilibrium hold at every value of a parameter p. Their total derivative by p is linear in that of the
+displacements, with the tangent of Newton's method, so that a converged step whose matrix is factored already costs one
+more solution for each parameter (Michaleris, Tortorelli & Vidal, Int. J. Numer. Meth. Engng 37 (1994) 2471-2499,
+section 3). Here the right-hand side is not derived term by term: a neighbour, whose parameter is changed by a
+ten-thousandth, has a history of its own, and its residual where its host has just arrived is that right-hand side
+times the change. Newton's correction with the factor of the host then brings it to its own equilibrium. Whatever a
+law, a tip, a film, friction, adhesion or the drive does, its derivative follows without a line of its own.
+
+A neighbour keeps the mesh and the steps of its host, so its curve is that of the same discretisation. Only a step that
+ends at a corner of the host's load history ends at that of the neighbour's own, where the parameter moves it: between
+steps its largest load would be missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.solver.axisymmetric.contact import end_step
+from palpate.solver.axisymmetric.march import March, States
+from palpate.solver.axisymmetric.newton import correct, refactor
+from palpate.study.protocol import Protocol
+
+CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
+CORRECTIONS_WITH_FRICTION = 8  # between sticking and slipping the matrix changes more
+NEAR = 1e-3  # of the test, within which a corner is the same one, moved
+
+
+@dataclass(eq=False)
+class Neighbours:
+    """Neighbours of `LANES` indentations, one for each of some parameters.
+
+    Parameters
+    ----------
+    host : March
+    marches
+        How each advances.
+    states
+        Where each has arrived.
+    corners
+        Of each, in each lane, corners of the host's load history that it has elsewhere, and where [s].
+    """
+
+    host: March
+    marches: Sequence[March]
+    states: list[States]
+    corners: list[list[dict[float, float]]]
+
+    @classmethod
+    def of(cls, host: March, begun: Sequence[tuple[March, States]]) -> Neighbours:
+        """Return neighbours that have just begun."""
+        hosts = host.drives.protocols
+        corners = [list(map(moved_corners, hosts, march.drives.protocols)) for march, _ in begun]
+        return cls(host, [march for march, _ in begun], [states for _, states in begun], corners)
+
+    def times(self, k: int, times: np.ndarray) -> np.ndarray:
+        """Return where neighbour number k stands at `times` of its hosts (LANES,) [s]."""
+        return np.array([moved.get(time, time) for moved, time in zip(self.corners[k], times.tolist(), strict=True)])
+
+    def follow(self, start: States, arrived: States, begin: np.ndarray, end: np.ndarray, lanes: np.ndarray) -> None:
+        """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s."""
+        refactor(
+            self.host.large, self.host.body, arrived.points, self.host.contact, arrived.contact, arrived.laws,
+            arrived.displacement, arrived.depth, self.host.system,
+        )  # fmt: skip
+        for k, march in enumerate(self.marches):
+            rubs = march.contact.friction.any()
+            states = self.states[k] if lanes.all() else deepcopy(self.states[k])
+            away, deeper = states.displacement - start.displacement, states.depth - start.depth
+            wider = states.contact.area - start.contact.area
+            own_begin, own_end = self.times(k, begin), self.times(k, end)
+            march.open(states, own_begin, own_end)
+            states.displacement, states.depth = arrived.displacement + away, arrived.depth + deeper
+            states.contact.area[:] = arrived.contact.area + wider
+            correct(
+                march.large, march.body, states.points, march.contact, states.contact, states.laws, states.weights,
+                march.drives.equation(own_end), states.displacement, states.depth, states.reaction, march.system, lanes,
+                CORRECTIONS_WITH_FRICTION if rubs else CORRECTIONS,
+            )  # fmt: skip
+            end_step(march.large, march.body, march.contact, states.contact, states.displacement, states.depth)
+            if states is not self.states[k]:
+                self.states[k].take(states, lanes)
+
+
+def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
+    """Return the corners of a load history that another, nearly the same, has elsewhere, and where [s]."""
+    nearest = other.knot_time[np.abs(host.knot_time[:, None] - other.knot_time).argmin(axis=1)]
+    moved = (nearest != host.knot_time) & (np.abs(nearest - host.knot_time) < NEAR * host.knot_time[-1])
+    return dict(zip(host.knot_time[moved].tolist(), nearest[moved].tolist(), strict=True))

@@ -1,0 +1,59 @@
+"""What an instrument's own errors make of a displacement that it prescribes.
+
+Recorded depth h_r and load F belong to the prescribed displacement, z = h_r + C F. Where the instrument adds g(t, F) to
+the depth, such as drift or the frame's compliance, the body's depth h = h_r - g meets another displacement,
+
+    h + C F + g(t, F) = z(t).
+
+With g = g_0(t) + c F that is a drive of z - g_0 through a compliance of C + c: what disturbs the depth at a given load
+changes the load that answers. Where the body is touched before the clock starts, as contact was found too late, the
+drive rises to where it is then within a fifth of the time to the first sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.mechanisms import Mechanism
+from palpate.mechanisms.mechanism import Values, unchanged_depth
+from palpate.study.protocol import Protocol
+
+LINEAR = 1e-9
+AT_ONCE = 0.2  # of the time to the first sample
+
+
+def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values) -> Protocol:
+    """Return the drive that the body feels where a mechanism adds to the recorded depth.
+
+    Raises
+    ------
+    InputError
+        When what it adds is not linear in the load.
+    """
+    if mechanism.record is unchanged_depth:
+        return protocol
+    time = np.union1d(protocol.knot_time, protocol.sample_time)
+
+    def added(load: float) -> np.ndarray:
+        return mechanism.record(time, np.full(len(time), load), np.zeros(len(time)), values)
+
+    none, *slopes = added(0.0), *(added(load) - added(0.0) for load in (1.0, 2.0))
+    compliance = slopes[0][0]
+    if not np.allclose(slopes, np.outer((1.0, 2.0), np.full(len(time), compliance)), rtol=LINEAR, atol=LINEAR):
+        raise InputError(
+            f"{mechanism.title} under displacement control: what it adds to the depth is not linear in the load",
+            remedy="leave it out, or use tests under load control",
+            place=f"mechanisms.{mechanism.key}",
+        )
+    drive = protocol.drive_at(time) - none
+    kept = np.isin(time, protocol.knot_time)
+    if not np.allclose(np.interp(time, time[kept], drive[kept]), drive, rtol=0.0, atol=LINEAR * protocol.largest_drive):
+        kept[:] = True
+    time, drive = time[kept], drive[kept]
+    if drive[0] > 0.0:
+        risen = AT_ONCE * min(protocol.sample_time[0], time[1])
+        time, drive = np.insert(time, 1, risen), np.concatenate([[0.0, np.interp(risen, time, drive)], drive[1:]])
+    return replace(protocol, knot_time=time, knot_drive=drive, compliance=protocol.compliance + float(compliance))

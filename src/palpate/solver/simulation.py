@@ -1,0 +1,354 @@
+"""Specification in, simulated curve out: material, contact, and whatever else the mechanisms add."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from palpate.errors import InputError, PalpateError
+from palpate.mechanisms import checked_mechanisms
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as RESOLUTIONS_3D
+from palpate.solver.axisymmetric.fields import Fields, Moment
+from palpate.solver.axisymmetric.history import History
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
+from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, room
+from palpate.solver.pyramid.fields_3d import fields_of
+from palpate.solver.pyramid.indent_3d import RESOLUTIONS, indent_3d
+from palpate.solver.variation import Variation, acting, recorded
+from palpate.study.indenter import Indenter
+from palpate.study.load_history import protocol_from
+from palpate.study.protocol import LOAD, Protocol
+from palpate.study.specification import Specification, axisymmetric_only
+
+SECTIONS = {
+    "material": "{model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}",
+    "indenter": "{shape: cone, half_angle: 70.3}",
+    "protocol": "{max_load: 1.0, loading_time: 30, unloading_time: 30}",
+}
+KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
+
+
+def specification_from(values: Mapping[str, Any]) -> Specification:
+    """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`."""
+    if not isinstance(values, Mapping):
+        raise InputError("the specification is not a table of keys", remedy=f"give {', '.join(SECTIONS)}")
+    for key in values:
+        if key not in KEYS:
+            raise InputError(f"unknown key {key!r}", remedy=f"use one of: {', '.join(KEYS)}", place=str(key))
+    for key, example in SECTIONS.items():
+        if not isinstance(values.get(key), Mapping | Protocol):
+            problem = f"is {values[key]!r}, expected a table of keys" if key in values else "is missing"
+            raise InputError(f"{key} {problem}", remedy=f"write such as {key}: {example}", place=key)
+    material = dict(values["material"])
+    model = material.pop("model", None)
+    try:
+        indenter = Indenter.from_mapping(values["indenter"])
+    except InputError as error:
+        place = f"indenter.{error.place}" if error.place else "indenter"
+        raise InputError(error.problem, remedy=error.remedy, place=place) from None
+    protocol = values["protocol"]
+    if not isinstance(protocol, Protocol):
+        protocol = protocol_from(protocol)
+    return Specification(
+        str(model),
+        material,
+        indenter,
+        protocol,
+        kinematics=str(values.get("kinematics", "small")),
+        accuracy=str(values.get("accuracy", "standard")),
+        mechanisms=checked_mechanisms(values.get("mechanisms")),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A simulated curve.
+
+    Attributes
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm]; what answers is NaN from a failure on, under displacement control load and depth.
+    status
+        ``ok`` or ``failed``.
+    reason
+        Why it failed; empty otherwise.
+    solver_seconds
+        Wall time spent in the solver [s].
+    quantity
+        What answers to the drive: ``depth`` or ``load``.
+    """
+
+    time: np.ndarray
+    load: np.ndarray
+    depth: np.ndarray
+    status: str
+    reason: str
+    solver_seconds: float
+    quantity: str = "depth"
+
+    @property
+    def response(self) -> np.ndarray:
+        """What answers to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
+        return self.load if self.quantity == LOAD else self.depth
+
+
+def simulate(specification: Specification, radii: np.ndarray | None = None) -> Simulation:
+    """Simulate one indentation with its mechanisms; a solver failure is reported in the result, never raised.
+
+    Parameters
+    ----------
+    radii : ndarray, optional
+        Rings of one mesh [um], in place of those that suit the specification, see
+        `palpate.solver.axisymmetric.discretisation.mesh_radii`.
+
+    Raises
+    ------
+    InputError
+        When a mechanism cannot act on this material or indenter.
+    """
+    solid = acting(specification)
+    if solid.indenter.of_revolution:
+        return _simulation(specification, indent_batch([_case(solid, radii)])[0])
+    return _simulation(specification, _pyramid(solid, radii))
+
+
+def _pyramid(
+    solid: Specification, radii: np.ndarray | None = None, observe: Callable[[Any, Any], None] | None = None
+) -> History:
+    if solid.protocol.control != LOAD:
+        raise axisymmetric_only("displacement control", "indenter.shape")
+    resolution, large = RESOLUTIONS_3D[solid.accuracy], solid.kinematics == "large"
+    return indent_3d(solid.specimen, solid.indenter, solid.protocol, resolution, large, radii, observe)
+
+
+def _simulation(specification: Specification, history: History) -> Simulation:
+    """Return what is recorded of one simulated indentation."""
+    protocol = specification.protocol
+    time, depth, reason = protocol.sample_time, history.depth, history.reason
+    load = protocol.sample_load if protocol.control == LOAD else history.load
+    indenter = specification.indenter
+    sunk = np.fmax.accumulate(depth) > indenter.radius
+    if indenter.shape == "sphere" and sunk.any():
+        reason = (
+            f"the sphere sinks in beyond its radius after {time[sunk.argmax()]:.4g} s; press less, or a larger sphere"
+        )
+        depth = np.where(sunk, np.nan, depth)
+        load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
+    depth = recorded(specification, depth, load)
+    return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
+
+
+def sensitivities(
+    specification: Specification, parameters: Iterable[str], radii: np.ndarray | None = None
+) -> tuple[Simulation, np.ndarray]:
+    """Simulate one indentation together with the derivatives of its curve, see `sensitivities_batch`."""
+    return sensitivities_batch([specification], list(parameters), radii)[0]
+
+
+def sensitivities_batch(
+    specifications: Sequence[Specification], parameters: Sequence[str], radii: np.ndarray | None = None
+) -> list[tuple[Simulation, np.ndarray]]:
+    """Simulate several indentations together with the derivatives of what answers to their drives.
+
+    They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`.
+
+    Parameters
+    ----------
+    parameters
+        Of the material by name, of a mechanism of the specifications as ``key.name``.
+    radii : ndarray, optional
+        As for `simulate`.
+
+    Returns
+    -------
+    list of (Simulation, ndarray of shape (n, p))
+        Derivatives of the recorded depth, under displacement control of the load, by each parameter [nm or mN per unit
+        of the parameter]; NaN from a failure on.
+
+    Raises
+    ------
+    InputError
+        When there is no such parameter, or the indenter is a pyramid.
+    """
+    beside = [[Variation.of(specification, name) for name in parameters] for specification in specifications]
+    return differentiated(specifications, beside, radii)
+
+
+def differentiated(
+    specifications: Sequence[Specification], beside: Sequence[Sequence[Variation]], radii: np.ndarray | None = None
+) -> list[tuple[Simulation, np.ndarray]]:
+    """Simulate several indentations together with the derivatives by what their neighbours vary.
+
+    What the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
+
+    Parameters
+    ----------
+    beside
+        Neighbours of each indentation, as many as there are derivatives.
+    radii : ndarray, optional
+        As for `simulate`.
+
+    Returns
+    -------
+    list of (Simulation, ndarray of shape (n, p))
+        See `sensitivities_batch`.
+
+    Raises
+    ------
+    InputError
+        When the indenter is a pyramid.
+    """
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        raise axisymmetric_only("derivatives of the curve", "indenter.shape")
+    solids = [acting(specification) for specification in specifications]
+    others = [[acting(variation.neighbour) for variation in row] for row in beside]
+    felt = [
+        [k for k, other in enumerate(row) if not _same_body(solid, other)]
+        for solid, row in zip(solids, others, strict=True)
+    ]
+    histories = indent_distinct(
+        [_case(solid, radii) for solid in solids],
+        [[_case(row[k], radii) for k in own] for row, own in zip(others, felt, strict=True)],
+    )
+    outcomes = []
+    for specification, history, row, own in zip(specifications, histories, beside, felt, strict=True):
+        simulation, columns = _simulation(specification, history), []
+        for k, variation in enumerate(row):
+            other = history
+            if k in own:
+                place = own.index(k)
+                other = replace(history, depth=history.depths_beside[place], load=history.loads_beside[place])
+            moved = _simulation(variation.neighbour, other)
+            columns.append((moved.response - simulation.response) / variation.step)
+        outcomes.append((simulation, np.stack(columns, axis=1)))
+    return outcomes
+
+
+def _same_body(solid: Specification, other: Specification) -> bool:
+    """Return whether two indentations differ in nothing that the body feels."""
+    return solid.protocol is other.protocol and all(
+        getattr(solid, name) == getattr(other, name)
+        for name in (
+            "model", "parameters", "indenter", "kinematics", "film_thickness", "substrate_modulus", "size_length",
+            "adhesion",
+        )
+    )  # fmt: skip
+
+
+def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
+    """Simulate one indentation for displacement and stress at some times [s].
+
+    Raises
+    ------
+    InputError
+        When a time lies outside the test.
+    PalpateError
+        When the solver fails.
+    """
+    if not specification.indenter.of_revolution:
+        problem, states = states_at(specification, times)
+        return [fields_of(problem, state) for state in states]
+    solid, wanted = _sampled_at(specification, times)
+    moments: list[Moment] = []
+    for case in _case(solid).and_merged:
+        moments.clear()
+        history = run_lanes([case], observe=moments.append)[0]
+        if not history.reason:
+            break
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return [Fields.of(moment) for moment in moments if _among(moment.time, wanted)]
+
+
+def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any, list[Any]]:
+    """Simulate the indentation by a pyramid for the states of the body at some times [s].
+
+    Returns
+    -------
+    problem
+        What does not change, such as the mesh: that of `palpate.solver.pyramid.newton_3d`.
+    states
+        One for each of the times, which are sorted.
+
+    Raises
+    ------
+    InputError
+        When a time lies outside the test.
+    PalpateError
+        When the solver fails.
+    """
+    solid, wanted = _sampled_at(specification, times)
+    found: list[tuple[Any, Any]] = []
+
+    def keep(problem: Any, state: Any) -> None:
+        if _among(state.time, wanted):
+            found.append((problem, state))
+
+    history = _pyramid(solid, observe=keep)
+    if history.reason:
+        raise PalpateError(f"the simulation failed: {history.reason}")
+    return found[0][0], [state for _, state in found]
+
+
+def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[Specification, np.ndarray]:
+    """Return what is simulated, with some times [s] among those of its samples, and these in order."""
+    solid = acting(specification)
+    wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
+    if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
+        raise InputError(
+            f"a time lies outside the test, which lasts {protocol.knot_time[-1]:g} s",
+            remedy="give times above zero, up to its end",
+            place="time",
+        )
+    samples = np.union1d(protocol.sample_time, wanted)
+    return replace(solid, protocol=replace(protocol, sample_time=samples)), wanted
+
+
+def _among(time: float, wanted: np.ndarray) -> bool:
+    return bool(np.abs(wanted - time).min() <= 1e-9 * wanted[-1])
+
+
+def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) -> list[Simulation]:
+    """Simulate several indentations, those that share the shape of mesh and load history together.
+
+    Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding as long as both
+    converge in the same steps; where one of them divides a step they differ as steps do, which at single points of a
+    body that yields was up to 0.2 % of the largest depth. The solver's wall time is shared evenly. Where a pyramid is
+    among the indenters, they are simulated one after another.
+
+    Parameters
+    ----------
+    shift
+        Part of the spacing of rings [-] by which all nodes lie further out: another mesh of the same accuracy, for
+        curves that must not share the mesh of a fit. A pyramid keeps its mesh.
+    """
+    specifications = list(specifications)
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        return [simulate(specification) for specification in specifications]
+    histories = indent_distinct([replace(_case(acting(each)), shift=shift) for each in specifications])
+    return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
+
+
+def together(specifications: Sequence[Specification]) -> int:
+    """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
+    if not all(specification.indenter.of_revolution for specification in specifications):
+        return 1
+    return room([_case(acting(each)) for each in specifications])
+
+
+def alike(specification: Specification, other: Specification) -> bool:
+    """Return whether two indentations differ in size at most, so that `simulate_batch` solves them once."""
+    if specification is other:
+        return True
+    if not (specification.indenter.of_revolution and other.indenter.of_revolution):
+        return False
+    return length_ratio(_case(acting(specification)), _case(acting(other))) is not None
+
+
+def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:
+    resolution = RESOLUTIONS[solid.accuracy]
+    large = solid.kinematics == "large"
+    return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, rings=radii)

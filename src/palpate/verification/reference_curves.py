@@ -1,0 +1,69 @@
+"""Reference curves that CalculiX computed beforehand, kept in a folder of recordings with stated refinement errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.recordings.recording import read_recording
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
+from palpate.verification.case import Case, Outcome, Plot, Series, Settings, depth, rms, worst
+from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE, STEADY_CREEP
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A curve's file name, the test that it belongs to, and its refinement error, relative.
+
+    That of the plastic curve is the largest difference of its depths at peak on three meshes: 672.9 to 680.9 nm.
+    """
+
+    name: str
+    law: str
+    values: dict[str, float]
+    load: float
+    duration: float
+    refinement: float
+
+
+REFERENCES = (
+    Reference("elastic", "elastic", HOOKE, 1.0, 1.0, 0.004),
+    Reference("norton_creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0, 0.004),
+    Reference("burgers", "nonlinear_burgers", BURGERS, 1.0, 30.0, 0.004),
+    Reference("bilinear_plasticity", "bilinear_plasticity", ALUMINIUM, 4.9, 15.0, 0.012),
+)
+
+
+def run(settings: Settings) -> Outcome:
+    """Compare with every curve that the folder holds, from 15 % of the load on."""
+    if settings.reference is None:
+        return Outcome([], notes=["No folder of reference curves was given."])
+    rows, plots = [], []
+    for reference in REFERENCES:
+        file = settings.reference / f"{reference.name}.csv"
+        if not file.is_file():
+            continue
+        curve = read_recording(file)
+        kept = curve.time > 0
+        time, expected = curve.time[kept], curve.depth[kept]
+        knots = reference.duration * np.array([0.0, 1.0, 2.0])
+        protocol = Protocol(knots, reference.load * np.array([0.0, 1.0, 0.0]), time)
+        found = depth(Specification(reference.law, reference.values, CONE, protocol, accuracy="fine"))
+        counts = curve.load[kept] >= 0.15 * reference.load
+        quantity, note = f"{reference.name}: depth, worst sample [nm]", "allowed: the curve's own refinement error"
+        rows.append(worst(quantity, expected[counts], found[counts], reference.refinement, note))
+        rows.append(rms(f"{reference.name}: depth, root mean square [nm]", expected[counts], found[counts], None))
+        series = [
+            Series("reference", time.tolist(), expected.tolist(), True),
+            Series("fine", time.tolist(), found.tolist()),
+        ]
+        deviation = 100 * (found[counts] / expected[counts] - 1)
+        lower = [Series("deviation", time[counts].tolist(), deviation.tolist())]
+        plots.append(Plot(f"reference_{reference.name}", "time [s]", f"depth, {reference.name} [nm]", series, lower))
+    notes = ["Compared from 15 % of the load on."]
+    return Outcome(rows, plots, notes if rows else [f"{settings.reference} holds no reference curve."])
+
+
+CASE = Case("reference", "Reference curves", run)

@@ -1,0 +1,68 @@
+"""The linear Burgers solid under a shallow cone and under a sphere, loading and hold, against the closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from palpate.analytic import viscoelastic_cone, viscoelastic_sphere
+from palpate.analytic.linear_viscoelastic import LinearBurgers
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import Protocol
+from palpate.study.specification import Specification
+from palpate.verification.case import Case, Outcome, Plot, Series, Settings, depth, worst
+
+MODULUS, RATIO = 3.28, 0.499
+VOIGT = ((0.24, 5.0), (0.10, 40.0))
+VALUES = {
+    "youngs_modulus": MODULUS,
+    "poisson_ratio": RATIO,
+    "steady_coefficient": 0.09,
+    "steady_exponent": 0.0,
+    "transient_coefficient": VOIGT[0][0],
+    "transient_exponent": 0.0,
+    "retardation_time": VOIGT[0][1],
+    "transient_coefficient_2": VOIGT[1][0],
+    "transient_exponent_2": 0.0,
+    "retardation_time_2": VOIGT[1][1],
+}
+SOLID = LinearBurgers(MODULUS / (2 * (1 + RATIO)), 0.09, VOIGT)
+ALLOWED = 0.01
+
+
+def run(settings: Settings) -> Outcome:
+    """Compare both shapes over a ramp of 30 s and a hold of 30 s, from 10 % of the load on."""
+    accuracy = "standard" if settings.quick else "fine"
+    rows, plots = [], []
+    for shape, load, indenter, exact in (
+        ("cone of 88 degrees", 1e-3, Indenter("cone", 88.0), lambda p: viscoelastic_cone.depth(SOLID, p, 88.0)),
+        ("sphere of 100 um", 0.05, Indenter("sphere", 0.0, 1e5), lambda p: viscoelastic_sphere.depth(SOLID, p, 1e5)),
+    ):
+        protocol = Protocol(np.array([0.0, 30.0, 60.0]), np.array([0.0, load, load]), np.linspace(0.6, 60.0, 100))
+        found = depth(Specification("nonlinear_burgers", VALUES, indenter, protocol, accuracy=accuracy))
+        rows.append(_row(shape, protocol, exact, found, accuracy))
+        time, expected = protocol.sample_time, exact(protocol)
+        plots.append(
+            Plot(
+                f"viscoelastic_{shape.split()[0]}",
+                "time [s]",
+                "depth [nm]",
+                [
+                    Series("closed form", time.tolist(), expected.tolist()),
+                    Series(f"finite elements, {accuracy}", time[::4].tolist(), found[::4].tolist(), marks=True),
+                ],
+                [Series(accuracy, time.tolist(), (100 * (found / expected - 1)).tolist())],
+            )
+        )
+    note = "The closed forms are those of nu = 0.5; the simulations have nu = 0.499, which changes depth by 0.05 %."
+    return Outcome(rows, plots, [note])
+
+
+def _row(shape: str, protocol: Protocol, exact: Callable[[Protocol], np.ndarray], found: np.ndarray, accuracy: str):
+    later = protocol.sample_load >= 0.1 * protocol.max_load
+    quantity = f"depth under a {shape}, worst sample of ramp and hold, {accuracy} [nm]"
+    return worst(quantity, exact(protocol)[later], found[later], ALLOWED)
+
+
+CASE = Case("viscoelastic", "Linear viscoelastic half-space: Lee and Radok", run)

@@ -1,0 +1,1 @@
+"""What the workflow's scripts share: steps between files, tracking, and how a job ends."""

@@ -1,0 +1,98 @@
+"""A study held to all that can be known before anything is simulated; the command line and the workflow begin here."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.configuration.study_file import Study, load_study
+from palpate.diagnosis.candidates import candidates
+from palpate.errors import InputError
+from palpate.inference.study_recordings import check_given, written_by_workflow
+from palpate.solver.variation import acting
+from palpate.study.area_function import AreaFunction
+from palpate.workflow_support.steps import settings_of
+
+UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
+
+
+def checked_study(path: str | Path, data: str | None = None) -> Study:
+    """Read a study, and check its recordings, the settings of its calibration and what its diagnosis considers.
+
+    Parameters
+    ----------
+    path, data
+        As for `palpate.configuration.study_file.load_study`.
+
+    Raises
+    ------
+    InputError
+        With file, place and remedy, on the first mistake.
+    """
+    study = load_study(path, data=data)
+    _check_folders(study)
+    _check_concealed(study)
+    _check_reference(study)
+    check_given(study)
+    try:
+        settings_of(study)
+    except InputError as error:
+        place = f"calibration.{error.place}"
+        raise InputError(error.problem, remedy=error.remedy, file=study.file, place=place) from None
+    if study.diagnosis["enabled"]:
+        candidates(study)
+    return study
+
+
+def _check_folders(study: Study) -> None:
+    """Refuse to write recordings into a folder of the user's, or two sets into one; raises `InputError`.
+
+    The workflow empties the folder of a set that it writes: files that stood there would be lost.
+    """
+    results = Path("results").resolve()
+    written: dict[Path, str] = {}
+    for name, folder in study.recordings.items():
+        if written_by_workflow(study, name) and written.setdefault(folder.resolve(), name) != name:
+            raise InputError(
+                f"the workflow writes this set and {written[folder.resolve()]} into one folder, {folder}",
+                remedy=f"give it results/{study.name}/recordings/{name}",
+                file=study.file,
+                place=f"recordings.{name}",
+            )
+        own = results in folder.resolve().parents and "recordings" in folder.resolve().relative_to(results).parts[1:-1]
+        if written_by_workflow(study, name) and not own:
+            raise InputError(
+                f"the workflow writes this set, and would empty {folder} first",
+                remedy=f"give it results/{study.name}/recordings/{name}, or leave out what writes it",
+                file=study.file,
+                place=f"recordings.{name}",
+            )
+
+
+def _check_concealed(study: Study) -> None:
+    """Refuse what a virtual laboratory conceals where it cannot act; raises `InputError`."""
+    for name, settings in study.laboratory.items():
+        for condition in study.conditions:
+            specification = study.specification(settings["parameters"], condition)
+            try:
+                acting(replace(specification, mechanisms=settings.get("mechanisms", {})))
+            except InputError as error:
+                where = ".".join(filter(None, (f"laboratory.{name}", error.place or "mechanisms")))
+                problem = f"{error.problem} ({condition.name})"
+                raise InputError(problem, remedy=error.remedy, file=study.file, place=where) from None
+
+
+def _check_reference(study: Study) -> None:
+    """Refuse a reference whose tip has no area where tests unload; raises `InputError`."""
+    if given := study.diagnosis.get("reference"):
+        depth = np.geomspace(*UNLOADED, 100)
+        area = AreaFunction(tuple(given["area"])).area(depth)
+        if area[0] <= 0.0 or np.any(np.diff(area) <= 0.0):
+            raise InputError(
+                f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
+                remedy="give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm",
+                file=study.file,
+                place="diagnosis.reference.area",
+            )

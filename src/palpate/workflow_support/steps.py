@@ -1,0 +1,246 @@
+"""The steps between files: snapshots to surrogates, surrogates and recordings to calibrations, and those to tables."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import joblib
+import numpy as np
+import pandas as pd
+
+from palpate.configuration.study_file import Study
+from palpate.inference.calibrate import CalibrationSettings, calibrate
+from palpate.inference.calibration_result import Calibration
+from palpate.inference.forward import FiniteElements
+from palpate.inference.genetic import GeneticSettings
+from palpate.inference.observation import Observation
+from palpate.inference.study_recordings import observations
+from palpate.output import html_report
+from palpate.solver import store
+from palpate.study.quantity import UNITS
+from palpate.surrogate import PODRBF
+
+
+def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
+    """Fit the surrogate of one condition to its snapshots.
+
+    Returns
+    -------
+    model, parameters, curves, summary
+        The estimator, what it was fitted to, and its figures of merit.
+    """
+    files = list(files)
+    parameters, curves, failures = store.matrix(files, study.levels)
+    unit = UNITS[store.read(files[0])["quantity"]]
+    model = PODRBF(**study.surrogate).fit(parameters, curves)
+    summary = {
+        "snapshots": len(curves),
+        "failed_snapshots": len(failures),
+        "modes": int(model.n_modes_),
+        "energy_of_first_mode": float(model.energy_[0]),
+        "shape": float(model.shape_),
+        "condition_number": float(model.condition_number_),
+        "unit": unit,
+        f"loo_rmse_{unit}": float(np.sqrt(np.mean(model.loo_error_**2))),
+        f"loo_largest_point_rms_{unit}": float(model.loo_rms_.max()),
+        "loo_relative_percent": relative_percent(model.loo_error_, curves),
+        f"loo_rms_{unit}": model.loo_rms_.tolist(),
+        "spectrum": np.diff(model.energy_, prepend=0.0).tolist(),
+        "failures": failures,
+    }
+    return model, parameters, curves, summary
+
+
+def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
+    """Return the root mean square over the snapshots of error / curve, in the mean along the curve, in per cent.
+
+    As in `palpate.inference.measures.error_measures`, values below 1 % of their curve's largest are left out: what is
+    left of a recovered body's depth is rounding.
+
+    Parameters
+    ----------
+    error, curves : ndarray, shape (n_snapshots, n_points)
+    """
+    deep = curves > 0.01 * curves.max(axis=1, keepdims=True)
+    told = deep.any(axis=0)
+    squares = np.divide(error, curves, out=np.zeros_like(curves), where=deep)[:, told] ** 2
+    return float(100 * np.sqrt(squares.sum(axis=0) / deep[:, told].sum(axis=0)).mean())
+
+
+def settings_of(study: Study) -> CalibrationSettings:
+    """Return the calibration settings of a study."""
+    given = dict(study.calibration)
+    own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
+    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
+    return CalibrationSettings(genetic=GeneticSettings(**given), **own)
+
+
+def estimate_of(file: str | Path) -> dict[str, float]:
+    """Return the estimate that the file of a calibration holds, by parameter."""
+    content = json.loads(Path(file).read_text(encoding="utf-8"))
+    return {name: row["estimate"] for name, row in content["parameters"].items()}
+
+
+def calibrate_study(
+    study: Study,
+    models: Mapping[str, PODRBF],
+    observed: Mapping[str, Observation],
+    report: Callable[[str], None] = print,
+) -> Calibration:
+    """Calibrate a study's parameters: on its surrogates first, then on the finite elements."""
+    return calibrate(
+        models,
+        observed,
+        {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
+        rng=np.random.default_rng(study.seed),
+        settings=settings_of(study),
+        surrogate_error={name: model.loo_error_ for name, model in models.items()},
+        forward=FiniteElements.of(study, list(observed)),
+        report=report,
+    )
+
+
+def run_calibration(
+    study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
+) -> tuple[Calibration, pd.DataFrame]:
+    """Calibrate one condition set on one set of recordings, judged by the solver on every condition.
+
+    The estimate rests on the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
+
+    Returns
+    -------
+    calibration, curves
+        The outcome, and a table of all curves: condition, role, time_s, load_mN, recorded_nm (mean), spread_nm
+        (standard deviation over replicates), surrogate_nm, simulated_nm. Under displacement control displacement_nm
+        takes the place of load_mN, and what is recorded, surrogate's and simulated is a load, such as recorded_mN.
+    """
+    members = study.condition_sets[condition_set]
+    models: dict[str, PODRBF] = {name: joblib.load(surrogate_files[name]) for name in members}
+    measured = observations(study, recordings)
+    judged = {
+        name: item if name in members or item.role == "validate" else replace(item, role="validate")
+        for name, item in measured.items()
+    }
+
+    result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
+    tables = []
+    for condition in study.conditions:
+        item = judged[condition.name]
+        count, unit = len(item.response), item.quantity.unit
+        blank = np.full(len(item.time), np.nan)
+        tables.append(
+            pd.DataFrame(
+                {
+                    "condition": condition.name,
+                    "role": item.role,
+                    "time_s": item.time,
+                    f"{condition.protocol.control}_{condition.protocol.unit}": condition.protocol.sample_drive,
+                    f"recorded_{unit}": item.mean,
+                    f"spread_{unit}": item.response.std(axis=0, ddof=1) if count > 1 else blank,
+                    f"surrogate_{unit}": result.surrogate_curves.get(condition.name, blank),
+                    f"simulated_{unit}": result.fe_curves.get(condition.name, blank),
+                }
+            )
+        )
+    return result, pd.concat(tables, ignore_index=True)
+
+
+def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the thesis' error table, one row a condition, from the content of a calibration's JSON."""
+    rows = [{"condition": name, **entry} for name, entry in calibration["conditions"].items()]
+    found = pd.DataFrame(rows)
+    columns = [
+        "condition",
+        "role",
+        "rmse_nm",
+        "rmse_mN",
+        "r2",
+        "mean_abs_error_nm",
+        "mean_abs_error_mN",
+        "percent_error",
+    ]
+    return found[[name for name in columns if name in found]]
+
+
+def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mapping[str, float] | None) -> pd.DataFrame:
+    """Return the parameters of all condition sets side by side, beside the truth where it is known."""
+    rows = []
+    for condition_set, calibration in calibrations.items():
+        for name, entry in calibration["parameters"].items():
+            row = {"parameter": name, "condition_set": condition_set}
+            row |= {key: entry[key] for key in ("estimate", "lower", "upper", "identified", "held")}
+            if truth is not None:
+                row["truth"] = truth.get(name)
+            rows.append(row)
+    return pd.DataFrame(rows).sort_values("parameter", kind="stable")
+
+
+def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
+    """Return a table of parameters with the unit of each."""
+    table = table.copy()
+    table.insert(1, "unit", [study.declared[name].unit for name in table["parameter"]])
+    return table
+
+
+def write_report(study: Study, folder: Path, path: Path) -> None:
+    """Write the report of a study from what its `folder` holds."""
+    index = pd.read_csv(folder / "snapshots.csv")
+    failed = int((index["status"] != "ok").sum())
+    summary = (
+        f"<p>{len(index)} snapshots, {failed} failed, {index['solver_seconds'].sum():.0f} s of solver time "
+        f"({index['solver_seconds'].mean():.2f} s each).</p>"
+    )
+    sections: list[tuple[str, list[str]]] = [
+        ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
+    ]
+    notes = []
+    for recordings in study.recordings:
+        found = folder / recordings
+        if recordings in study.laboratory:
+            notes.append(
+                f"Recordings “{recordings}” are synthetic: a virtual laboratory wrote them, nobody measured them."
+            )
+        calibration = read_json(found / "calibration.json")
+        pieces = [
+            f"<p>{html_report.misfit_sentence(calibration)}</p>",
+            html_report.paragraph(html_report.search_sentences(calibration)),
+            html_report.paragraph(html_report.bound_sentence(calibration)),
+            html_report.table(pd.read_csv(found / "errors.csv")),
+            html_report.table(
+                with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})
+            ),
+            html_report.image(found / "figures/parameters.png", "calibrated parameters"),
+            *(html_report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
+            html_report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),
+        ]
+        if study.diagnosis["enabled"]:
+            diagnosis = read_json(found / "diagnosis.json")
+            link = f'<p>More in <a href="{recordings}/diagnosis.html">the diagnosis</a>.</p>'
+            picture = html_report.image(found / "figures/diagnosis.png", "diagnosis")
+            without = "What follows is the base model's fit, without what the diagnosis found."
+            apart = [html_report.paragraph(without)] if diagnosis["candidates"] else []
+            pieces = [html_report.paragraph(diagnosis["sentence"]), picture, link, *apart, *pieces]
+        sections.append((f"Recordings: {recordings}", pieces))
+    if study.source:
+        facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
+        sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
+    html_report.build(study.title, sections, notes, path)
+
+
+def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
+    """Write JSON; the file appears whole or not at all."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """Read JSON."""
+    return json.loads(Path(path).read_text(encoding="utf-8"))

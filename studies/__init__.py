@@ -1,0 +1,1 @@
+"""Code of particular studies, which the workflow knows and an installed package does without."""

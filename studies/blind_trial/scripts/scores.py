@@ -1,0 +1,26 @@
+"""Open the seal for some cases and score their diagnoses."""
+
+import json
+from pathlib import Path
+
+from palpate.configuration.study_file import load_study
+from palpate.workflow_support import job
+from palpate.workflow_support.steps import write_json
+from studies.blind_trial.cases import Case
+from studies.blind_trial.trial import score_case
+
+
+def main(snakemake):
+    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
+    rows = []
+    for folder in map(Path, snakemake.input.recordings):
+        case = Case(**next(truth for truth in truths if truth["name"] == folder.name))
+        diagnosis = Path(snakemake.input.diagnoses) / f"{folder.name}.json"
+        rows.append(score_case(study, case, diagnosis, folder))
+    write_json(snakemake.output[0], rows)
+
+
+if "snakemake" in globals():
+    with job.logged(snakemake.log[0]):  # noqa: F821
+        main(snakemake)  # noqa: F821

@@ -1,0 +1,1 @@
+"""Studies of real recordings, diagnosed in one process each."""

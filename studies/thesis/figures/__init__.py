@@ -1,0 +1,1 @@
+"""Figures of the thesis' studies, one a file, drawn from saved outcomes."""

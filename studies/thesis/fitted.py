@@ -1,0 +1,68 @@
+"""What a study fitted, for MLflow: a surrogate with its snapshots, or the outcome of any other fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from palpate.inference.calibration_result import Calibration
+from palpate.surrogate import PODRBF
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """One fit.
+
+    Parameters
+    ----------
+    name
+        Of its run.
+    kind
+        ``surrogate``, ``calibration`` or ``fit``.
+    settings
+        How it was fitted, by name.
+    metrics
+        What came out, by name.
+    series
+        What came out of repeated fits, such as one value a seed.
+    model, parameters, curves
+        A surrogate to be kept, and the snapshots (n, p) and (n, points) it was fitted to.
+    calibration
+        The content of a calibration's JSON.
+    """
+
+    name: str
+    kind: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    metrics: Mapping[str, float] = field(default_factory=dict)
+    series: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    model: PODRBF | None = None
+    parameters: np.ndarray | None = None
+    curves: np.ndarray | None = None
+    calibration: Mapping[str, Any] | None = None
+
+    @classmethod
+    def surrogate(cls, name: str, model: PODRBF, parameters: np.ndarray, curves: np.ndarray) -> Fitted:
+        """Return a surrogate to be kept, with its leave-one-out error."""
+        metrics = {
+            "snapshots": float(len(curves)),
+            "modes": float(model.n_modes_),
+            "shape": float(model.shape_),
+            "condition_number": float(model.condition_number_),
+            "loo_rmse_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
+        }
+        return cls(name, "surrogate", metrics=metrics, model=model, parameters=parameters, curves=curves)
+
+    @classmethod
+    def row(cls, name: str, kind: str, row: Mapping[str, Any]) -> Fitted:
+        """Return a fit from a row of a table: its words are settings, its numbers metrics."""
+        metrics = {key: float(value) for key, value in row.items() if isinstance(value, int | float)}
+        return cls(name, kind, {key: value for key, value in row.items() if isinstance(value, str)}, metrics)
+
+    @classmethod
+    def of_calibration(cls, name: str, found: Calibration, **about: str) -> Fitted:
+        """Return a calibration."""
+        return cls(name, "calibration", settings=dict(found.settings), calibration=found.to_mapping(**about))
