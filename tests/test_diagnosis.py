@@ -117,6 +117,15 @@ def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
     assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
 
 
+def test_a_law_that_is_stated_to_lack_something_may_differ_in_shape_as_well():
+    """What is stated beyond grid convergence varies by a third of itself along a test, and fades over a tenth of it."""
+    curve = np.full(100, 1000.0)
+    covariance = model_covariance({"a": curve}, 0.03)
+    change = covariance[0, 0] + covariance[60, 60] - 2.0 * covariance[0, 60]
+    assert np.sqrt(covariance[0, 0]) == pytest.approx(30.0, rel=0.06)
+    assert np.sqrt(change / 2.0) == pytest.approx(10.0, rel=0.03)
+
+
 def test_what_a_screen_promises_is_what_a_fit_gains():
     """A drift is linear: to first order in the material all is known of it. What may fall is at least what does."""
     task = problem(recordings(np.random.default_rng(2), lambda c, r: 0.25 * c.protocol.sample_time))
