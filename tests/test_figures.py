@@ -1,6 +1,5 @@
 """Figures name what they show, with its unit."""
 
-import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +7,7 @@ from matplotlib.colors import to_rgb
 
 from palpate.materials import LAWS
 from palpate.output.figures import estimates_figure, search_history
+from palpate.output.figures.style import SERIES
 
 RANGES = {"youngs_modulus": [3.0, 4.0], "steady_coefficient": [0.1, 0.2], "transient_exponent_2": [0.3, 0.5]}
 
@@ -46,8 +46,7 @@ def test_convergence_is_drawn_with_its_unit(monkeypatch, objective, unit):
 def test_series_are_told_apart_by_who_confuses_red_and_green():
     """As a deuteranope sees them: G. M. Machado et al., IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1."""
     seen = np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]])
-    series = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    light = np.array([to_rgb(colour) for colour in series]) ** 2.2
+    light = np.array([to_rgb(colour) for colour in SERIES]) ** 2.2
     colours = (light @ seen.T).clip(0.0, 1.0) ** (1 / 2.2)
     apart = np.linalg.norm(colours[:, None] - colours, axis=2)
-    assert apart[np.triu_indices(len(series), 1)].min() > 0.15
+    assert apart[np.triu_indices(len(SERIES), 1)].min() > 0.15

@@ -8,7 +8,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, TRUTH, mark_synthetic, plt, save
+from palpate.output.figures.style import (
+    DOUBLE_COLUMN,
+    RECORDED,
+    SIMULATED,
+    SURROGATE,
+    TRUTH,
+    mark_synthetic,
+    save,
+    styled,
+    subplots,
+)
 
 ANSWERS = {
     "named": (TRUTH, "o"),
@@ -31,9 +41,10 @@ def answer(row: pd.Series) -> str:
     return said.get(row["verdict"], "wrong name")
 
 
+@styled
 def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str | Path) -> None:
     """Draw the answers to single effects by their strength, and the reliability of two named kinds of cases."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 3.2), gridspec_kw={"width_ratios": [2, 1]})
+    figure, (left, right) = subplots(1, 2, figsize=(DOUBLE_COLUMN, 3.2), gridspec_kw={"width_ratios": [2, 1]})
     one = table[table["kind"] == "one"].copy()
     keys = sorted(one["truth"].unique())
     one["answer"] = one.apply(answer, axis=1) if len(one) else []

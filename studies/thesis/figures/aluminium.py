@@ -7,17 +7,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, TRUTH, mark_synthetic, plt, save
+from palpate.output.figures.style import (
+    DOUBLE_COLUMN,
+    RECORDED,
+    SIMULATED,
+    SURROGATE,
+    TRUTH,
+    mark_synthetic,
+    save,
+    styled,
+)
 
 COLOURS = {"64": SIMULATED, "36": SURROGATE}
 SYMBOLS = {"youngs_modulus": "E [GPa]", "yield_stress": r"$\sigma_Y$ [GPa]", "hardening": "H [GPa]"}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw the fit of both surrogates on the left, parameters on the right, over the ranges searched."""
     series, rows = outcome["series"], outcome["tables"]["parameters"]
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 3.2))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 3.2))
     left, right = figure.subfigures(1, 2, squeeze=False)[0]
     upper, lower = left.subplots(2, 1, gridspec_kw={"height_ratios": [2, 1]})
     recorded = np.array(series["recorded"])

@@ -6,15 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from matplotlib.figure import Figure
+
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled
 from studies.thesis.figures.effects import contributions, main_effects
 
 SYMBOLS = {"youngs_modulus": "E", "yield_stress": r"$\sigma_Y$", "hardening": "H"}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw contributions on the left, main effects on both responses on the right."""
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 3.6))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 3.6))
     left, right = figure.subfigures(1, 2, width_ratios=[1, 1.6], squeeze=False)[0]
     contributions(left.subplots(), outcome["series"], SYMBOLS)
     main_effects(right.subplots(2, 3, sharey="row"), outcome["series"], SYMBOLS, ("error [-]", "largest depth [nm]"))

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from matplotlib.figure import Figure
+
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled
 from studies.thesis.figures.effects import contributions, main_effects
 
 SYMBOLS = {
@@ -19,9 +21,10 @@ SYMBOLS = {
 }
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw contributions on the left, main effects on both responses on the right."""
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 3.8))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 3.8))
     left, right = figure.subfigures(1, 2, width_ratios=[1, 2], squeeze=False)[0]
     contributions(left.subplots(), outcome["series"], SYMBOLS)
     labels = ("error [nm²]", "largest depth [nm]")

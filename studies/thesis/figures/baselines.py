@@ -7,8 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, TRUTH, mark_synthetic, plt, save
+from palpate.output.figures.style import (
+    DOUBLE_COLUMN,
+    RECORDED,
+    SIMULATED,
+    SURROGATE,
+    TRUTH,
+    mark_synthetic,
+    save,
+    styled,
+)
 
 STYLES = {
     "loading and hold": ("closed form, loading and hold", TRUTH, "-"),
@@ -17,10 +27,11 @@ STYLES = {
 }
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw errors of the modulus above; curves and misfits below."""
     series = outcome["series"]
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 5.6))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 5.6))
     top, bottom = figure.subfigures(2, 1, height_ratios=[1, 1.5], squeeze=False)[:, 0]
     axis = top.subplots()
     rows = series["moduli"]

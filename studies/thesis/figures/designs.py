@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, plt, save
+from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, save, styled, subplots
 
 STYLES = {"full factorial": (RECORDED, "s"), "Sobol": (SURROGATE, "o"), "Latin hypercube": (SIMULATED, "^")}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw root mean square errors filled, largest errors open."""
-    figure, axis = plt.subplots(figsize=(3.8, 2.8))
+    figure, axis = subplots(figsize=(3.8, 2.8))
     for design, (colour, marker) in STYLES.items():
         own = [row for row in outcome["series"]["rows"] if row["design"] == design]
         sizes = [row["snapshots"] for row in own]

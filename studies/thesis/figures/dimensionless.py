@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, plt, save
+from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, save, styled, subplots
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw root mean square and largest errors at points that no surrogate saw."""
     curve, separate = outcome["series"]["curve"], outcome["series"]["separate"]
-    figure, axis = plt.subplots(figsize=(3.8, 2.8))
+    figure, axis = subplots(figsize=(3.8, 2.8))
     sizes = [row["snapshots"] for row in curve]
     for key, label, style in (("rmse_nm", "root mean square", "o-"), ("largest_nm", "largest", "s--")):
         axis.loglog(

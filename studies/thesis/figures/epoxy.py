@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, SIMULATED, SURROGATE, TRUTH, mark_synthetic, plt, save
+from matplotlib.figure import Figure
+
+from palpate.output.figures.style import DOUBLE_COLUMN, SIMULATED, SURROGATE, TRUTH, mark_synthetic, save, styled
 
 SYMBOLS = {
     "youngs_modulus": "E [GPa]",
@@ -18,11 +20,12 @@ SYMBOLS = {
 COLOURS = {"calibrate": SIMULATED, "validate": SURROGATE}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw one panel a test above, one a parameter below."""
     series, rows = outcome["series"], outcome["tables"]["parameters"]
     errors = {row["condition"]: row for row in outcome["tables"]["errors of every test"]}
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 4.6))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 4.6))
     top, bottom = figure.subfigures(2, 1, height_ratios=[3, 1], squeeze=False)[:, 0]
     for axis, (name, part) in zip(top.subplots(2, 4, sharey=True).ravel(), series["misfit"].items(), strict=True):
         axis.plot(part["time"], part["misfit"], color=COLOURS[part["role"]], lw=0.9)

@@ -6,16 +6,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, save, styled, subplots
 
 STYLES = {0.125: ("0.6", "o-", 3.5), 0.25: (SURROGATE, "o-", 3.5), 0.5: (SIMULATED, "s--", 6)}
 TITLES = {"max_depth": "largest depth", "residual_depth": "residual depth"}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw both depths, for both kinematics; panels without curves say so."""
     rows = outcome["series"]["rows"]
-    figure, axes = plt.subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.4), sharex=True)
+    figure, axes = subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.4), sharex=True)
     for line, kinematics in zip(axes, ("small", "large"), strict=True):
         for axis, depth in zip(line, ("max_depth", "residual_depth"), strict=True):
             key = f"{depth}_reduction_percent"

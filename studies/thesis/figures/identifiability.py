@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, save, styled
 
 SYMBOLS = {
     "youngs_modulus": "E",
@@ -23,10 +24,11 @@ SYMBOLS = {
 LIMIT = 3.84
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw the map of widths above, profiles below."""
     series = outcome["series"]
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 5.2))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 5.2))
     top, bottom = figure.subfigures(2, 1, height_ratios=[1.5, 1], squeeze=False)[:, 0]
     _widths(top.subplots(), series)
     profiles = series["profiles"]

@@ -6,16 +6,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, save, styled, subplots
 
 LEVELS = {"10": "0.65", "1": SURROGATE, "0.1": SIMULATED}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw every run as a dot: evaluations on the left, time on the right; a cross at the budget where it failed."""
     runs, budget = outcome["series"]["runs"], outcome["series"]["budget"]
     names = list(dict.fromkeys(run["optimiser"] for run in runs))
-    figure, axes = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.8), sharey=True)
+    figure, axes = subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.8), sharey=True)
     for k, name in enumerate(names):
         own = [run for run in runs if run["optimiser"] == name]
         for j, (level, colour) in enumerate(LEVELS.items()):

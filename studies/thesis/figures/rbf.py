@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, TRUTH, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, TRUTH, save, styled, subplots
 
 SHORT = {
     "linear": "LS",
@@ -20,10 +20,11 @@ SHORT = {
 COLOURS = {"multiquadric": RECORDED, "gaussian": SIMULATED, "inverse_multiquadric": SURROGATE}
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw six panels."""
     series = outcome["series"]
-    figure, axes = plt.subplots(2, 3, figsize=(DOUBLE_COLUMN, 4.6))
+    figure, axes = subplots(2, 3, figsize=(DOUBLE_COLUMN, 4.6))
     _kernels(axes[0, 0], series["kernels"])
     _noise(axes[0, 1], series["noise"])
     _spectrum(axes[0, 2], series["spectra"])

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 
 SYMBOLS = {
     "youngs_modulus": "E",
@@ -21,11 +21,12 @@ SYMBOLS = {
 SHADES = ("0.8", "0.6", "0.4", "0.1")
 
 
+@styled
 def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw signed changes as bars, one shade a loading time."""
     rows = outcome["series"]["rows"]
     conditions = list(dict.fromkeys(row["condition"] for row in rows))
-    figure, axes = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.8), sharey=True)
+    figure, axes = subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.8), sharey=True)
     for axis, key, title in zip(
         axes, ("max_depth_percent", "residual_depth_percent"), ("largest depth", "residual depth"), strict=True
     ):

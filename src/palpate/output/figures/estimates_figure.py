@@ -9,9 +9,10 @@ from pathlib import Path
 import pandas as pd
 
 from palpate.base.parameters import Parameter, in_words
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, mark_synthetic, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, mark_synthetic, save, styled, subplots
 
 
+@styled
 def draw(
     table: pd.DataFrame,
     ranges: Mapping[str, Sequence[float]],
@@ -33,7 +34,7 @@ def draw(
     """
     labels = {parameter.name: label(parameter) for parameter in declared}
     names = [name for name, levels in ranges.items() if len(levels) > 1]
-    figure, axes = plt.subplots(1, len(names), figsize=(DOUBLE_COLUMN, 2.1), squeeze=False, sharey=True)
+    figure, axes = subplots(1, len(names), figsize=(DOUBLE_COLUMN, 2.1), squeeze=False, sharey=True)
     for name, axis in zip(names, axes[0], strict=True):
         rows = table[table["parameter"] == name].reset_index(drop=True)
         for k, row in rows.iterrows():

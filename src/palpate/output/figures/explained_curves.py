@@ -9,15 +9,25 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, save, styled
 
 PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
 CERTAIN = 0.05
 
 
+@styled
 def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Draw the map, the misfits and the candidates.
+    """Write the map, the misfits and the candidates as a figure; the arguments are those of `compose`."""
+    figure = Figure()
+    compose(figure, content, curves, title, synthetic)
+    save(figure, path)
+
+
+def compose(figure: Figure, content: Mapping[str, Any], curves: pd.DataFrame, title: str, synthetic: bool) -> None:
+    """Draw the map, the misfits and the candidates on an empty figure, which takes the size that this needs.
 
     Parameters
     ----------
@@ -29,11 +39,11 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     names = list(dict.fromkeys(curves["condition"]))
     columns = min(4, len(names))
     rows = -(-len(names) // columns)
-    figure = plt.figure(figsize=(DOUBLE_COLUMN, 2.6 + 1.5 * rows))
+    figure.set_size_inches(DOUBLE_COLUMN, 2.6 + 1.5 * rows)
     top, bottom = figure.subfigures(2, 1, height_ratios=[2.3, 1.5 * rows], squeeze=False)[:, 0]
     left, right = top.subplots(1, 2, gridspec_kw={"width_ratios": [1.5, 1]})
     _map(content, names, left)
-    _candidates(content, right)
+    evidence(right, content)
     axes = bottom.subplots(rows, columns, squeeze=False).ravel()
     for blank in axes[len(names) :]:
         blank.set_axis_off()
@@ -49,7 +59,6 @@ def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, tit
     bottom.legend(handles, labels, loc="outside lower right", ncols=3, fontsize=6.5)
     figure.suptitle(textwrap.fill(f"{title}: {content['verdict']}", 100), fontsize=9)
     mark_synthetic(figure, synthetic)
-    save(figure, path)
 
 
 def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
@@ -77,7 +86,7 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
     axis.figure.colorbar(image, ax=axis, shrink=0.85)
 
 
-def _candidates(content: Mapping[str, Any], axis) -> None:
+def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     """Draw the log evidence of what was tried, relative to the base model, those that stand in colour.
 
     Beside each bar stands by how much it lies behind the best one.

@@ -6,26 +6,46 @@ Under load control the load is drawn over the depth; under displacement control,
 from __future__ import annotations
 
 import textwrap
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, plt, save
+from palpate.output.figures.style import (
+    DOUBLE_COLUMN,
+    RECORDED,
+    SERIES,
+    SIMULATED,
+    SURROGATE,
+    mark_synthetic,
+    save,
+    styled,
+)
 
 
+@styled
 def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Draw one column a condition.
+    """Write a figure with one column a condition; `curves` as for `compose`."""
+    figure = Figure()
+    compose(figure, curves, title, synthetic)
+    save(figure, path)
+
+
+def compose(figure: Figure, curves: pd.DataFrame, title: str, synthetic: bool) -> None:
+    """Draw one column a condition on an empty figure, which takes the size that this needs.
 
     Parameters
     ----------
     curves
-        Table of `palpate.workflow_support.steps.run_calibration`.
+        Table of `palpate.workflow_support.steps.curves_beside`.
     """
     names = list(dict.fromkeys(curves["condition"]))
     columns = min(4, len(names))
     rows = -(-len(names) // columns)
-    figure = plt.figure(figsize=(DOUBLE_COLUMN if columns > 1 else 4.2, 3.3 * rows + 0.4))
+    figure.set_size_inches(DOUBLE_COLUMN if columns > 1 else 4.2, 3.3 * rows + 0.4)
     parts = figure.subfigures(rows, 1, squeeze=False)[:, 0]
     for row, part in enumerate(parts):
         members = names[row * columns : (row + 1) * columns]
@@ -43,7 +63,21 @@ def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) ->
         figure.legend(handles, labels, loc="outside lower right", fontsize=6.5)
     figure.suptitle(textwrap.fill(title, 100 if columns > 1 else 52), fontsize=9)
     mark_synthetic(figure, synthetic)
-    save(figure, path)
+
+
+def together(axis: Axes, curves: pd.DataFrame) -> None:
+    """Draw the recorded and the simulated curves of all conditions on the same axes, one colour a condition."""
+    units = {unit_of(curve) for _, curve in curves.groupby("condition", sort=False)}
+    for (name, curve), colour in zip(curves.groupby("condition", sort=False), cycle(SERIES)):
+        unit = unit_of(curve)
+        for values, style in ((curve[f"recorded_{unit}"], "o"), (curve[f"simulated_{unit}"], "-")):
+            pair = (values, curve["load_mN"]) if unit == "nm" else (curve["time_s"], values)
+            label = str(name) if style == "-" else None
+            axis.plot(*pair, style, color=colour, ms=2.5, mfc="none", mew=0.6, label=label)
+    axis.set_xlabel(" or ".join("depth [nm]" if unit == "nm" else "time [s]" for unit in sorted(units)))
+    axis.set_ylabel("load [mN]")
+    axis.set_title("points: recorded; lines: finite elements")
+    axis.legend()
 
 
 def _condition(curve, upper, lower) -> None:

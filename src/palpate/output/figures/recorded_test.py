@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 from palpate.recordings.survey import Survey
 
 COLOURS = {
@@ -20,6 +20,7 @@ COLOURS = {
 NEAR = 0.03
 
 
+@styled
 def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
     """Draw four panels: load and depth against time, load against depth, and the surroundings of contact.
 
@@ -29,7 +30,7 @@ def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
         Depth [nm] of the contact that the recording was given, where it is not the one found.
     """
     r, contact = found.recording, found.contact
-    figure, axes = plt.subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.6))
+    figure, axes = subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.6))
     (in_load, curve), (in_depth, near) = axes
     for part in found.parts:
         inside = slice(part.first, part.last + 1)

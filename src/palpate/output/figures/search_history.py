@@ -8,17 +8,18 @@ from typing import Any
 
 from matplotlib.ticker import ScalarFormatter
 
-from palpate.output.figures.style import mark_synthetic, plt, save
+from palpate.output.figures.style import mark_synthetic, save, styled, subplots
 
 UNITS = {"mean_square": "nm$^2$", "relative": "-"}
 
 
+@styled
 def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title: str, synthetic: bool) -> None:
     """Draw the smallest sum of objectives in each generation, for every condition set.
 
     Of several objectives a whole front survives, so that the smallest sum in it may rise again.
     """
-    figure, axis = plt.subplots(figsize=(4.4, 2.8))
+    figure, axis = subplots(figsize=(4.4, 2.8))
     for name, calibration in calibrations.items():
         history = calibration["history"]
         axis.semilogy([row["generation"] for row in history], [row["best_sum"] for row in history], label=name, lw=0.8)

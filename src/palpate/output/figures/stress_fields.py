@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.tri import Triangulation
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 from palpate.solver.pyramid.mesh_3d import FACES
 from palpate.solver.pyramid.shell import WEDGE
 
@@ -23,6 +23,7 @@ LEVELS = 13
 TIP = 0.05  # part of the extent around a sharp apex, where the stress grows without bound, that sets no colour
 
 
+@styled
 def draw(folder: Path, path: str | Path) -> None:
     """Draw all moments that ``fields.csv`` of `folder` lists, with one scale of colours."""
     table = pd.read_csv(folder / "fields.csv")
@@ -33,7 +34,7 @@ def draw(folder: Path, path: str | Path) -> None:
     largest = max(values[_shown(mesh, extent)].max() for mesh, (_, values) in zip(meshes, drawn, strict=True))
     rows = -(-len(table) // ACROSS)
     columns = min(ACROSS, len(table))
-    figure, axes = plt.subplots(
+    figure, axes = subplots(
         rows,
         columns,
         figsize=(DOUBLE_COLUMN * columns / ACROSS + 0.8, 2.4 * rows),

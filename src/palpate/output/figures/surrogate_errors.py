@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, plt, save
+from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 
 MODES = 12
 
 
+@styled
 def draw(summaries: Mapping[str, Mapping[str, Any]], path: str | Path, title: str) -> None:
     """Draw one line a condition; of the spectrum the first twelve modes."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.6))
+    figure, (left, right) = subplots(1, 2, figsize=(DOUBLE_COLUMN, 2.6))
     units = list(dict.fromkeys(summary["unit"] for summary in summaries.values()))
     scales = dict(zip(units, (left, left.twinx() if len(units) > 1 else left), strict=False))
     for k, (name, summary) in enumerate(summaries.items()):

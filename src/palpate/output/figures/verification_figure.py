@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, TRUTH, plt, save
+from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, TRUTH, save, styled, subplots
 
 COLOURS = (RECORDED, SIMULATED, SURROGATE, TRUTH)
 MARKERS = "osv^"
 
 
+@styled
 def draw(plot: Mapping[str, Any], path: str | Path) -> None:
     """Draw one plot of verification.json."""
     rows = 2 if plot["lower"] else 1
     ratios = {"height_ratios": [3, 1][:rows]}
-    figure, axes = plt.subplots(
+    figure, axes = subplots(
         rows, 1, figsize=(4.4, 2.5 + 0.9 * (rows - 1)), sharex=True, squeeze=False, gridspec_kw=ratios
     )
     upper = axes[0, 0]
