@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from palpate.recordings.readers import Unreadable, VendorTest
+    from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest
     from palpate.recordings.survey import Survey
 
 NAME = "read"
@@ -110,11 +110,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.base.overwrite import spared
     from palpate.errors import InputError
-    from palpate.recordings.readers import VendorTest, select, sound, zeroed_each
+    from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.vendor import in_words
 
     try:
-        tests = whole_tests(arguments.file, arguments)
+        columns = column_map(arguments)
+        tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
             tests = [select(tests, arguments.test, arguments.file)]
         begun = zeroed_each(arguments.file, tests, arguments.contact)
@@ -151,34 +152,30 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def whole_tests(file: Path, arguments: argparse.Namespace) -> list[VendorTest | Unreadable]:
-    """Return the tests of a file with their approach, read as the arguments ask for.
+def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
+    """Return where a table holds time, load and depth, as the arguments say, if they do.
 
     Raises
     ------
     InputError
-        When no test can be read, or units are given without columns.
+        When units are given without columns.
     """
     from palpate.errors import InputError
-    from palpate.recordings.readers import ColumnMap, read_each
+    from palpate.recordings.readers import ColumnMap
 
     if arguments.units and not arguments.columns:
-        remedy = "add --columns, or leave --units off"
-        raise InputError("units are given without columns", remedy=remedy, file=file, place="--units")
-    columns = ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
-    return read_each(file, corrections=arguments.corrections, contact="none", columns=columns)
+        raise InputError(
+            "units are given without columns", remedy="add --columns, or leave --units off", place="--units"
+        )
+    return ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
 
 
 def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
     """Print what is left out, and what the readers warn of."""
-    from palpate.recordings.readers import Unreadable
+    from palpate.recordings.readers import messages
 
-    for test in tests:
-        if isinstance(test, Unreadable):
-            print(f"palpate: {test.error}; the {'test' if test.sought else 'sheet'} is left out", file=sys.stderr)
-    for test in tests:
-        for warning in () if isinstance(test, Unreadable) else test.warnings:
-            print(f"palpate: {file}, {test.name}: {warning}", file=sys.stderr)
+    for line in messages(file, tests):
+        print(f"palpate: {line}", file=sys.stderr)
 
 
 def _say_where_stiffness_lacks(file: Path, tests: Sequence[VendorTest]) -> None:

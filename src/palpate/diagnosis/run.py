@@ -25,6 +25,7 @@ from palpate.inference.observation import Observation
 from palpate.inference.study_recordings import check, resampled
 from palpate.inference.surrogate_fit import WeightedFit
 from palpate.inference.surrogate_space import Space
+from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 
 
@@ -57,8 +58,18 @@ def run_diagnosis(
     content, curves
         What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
     """
+    content, curves = diagnosed(study, check(study, recordings), starts, report)
+    return content | {"recordings": recordings}, curves
+
+
+def diagnosed(
+    study: Study,
+    recorded: Mapping[str, list[Recording]],
+    starts: Sequence[Mapping[str, float]],
+    report: Callable[[str], None] = print,
+) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`."""
     rng = np.random.default_rng([study.seed, 1])
-    recorded = check(study, recordings)
     problem = Problem.of(study, resampled(study, recorded), scale_of(study))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
@@ -72,7 +83,7 @@ def run_diagnosis(
     content["may_hide"] = may_hide(stands.fit, search.screen.keys) if explained else {}
     content["open_amplitudes"] = open_amplitudes(stands.fit, search.screen) if explained else {}
     content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
-    content |= {"study": study.name, "recordings": recordings}
+    content["study"] = study.name
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]

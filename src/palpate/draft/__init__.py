@@ -1,12 +1,12 @@
 """A first study of recordings: what they say is written down, what they do not say is guessed and marked as such."""
 
 from palpate.draft.drafted import Drafted, assumed
+from palpate.draft.first_study import readable, write_study
 from palpate.draft.guesses import ranges
 from palpate.draft.metadata import not_taken
-from palpate.draft.rollback_on_error import taken_back_if_unsound
 from palpate.draft.solid import Solid, check_units, unlike
 from palpate.draft.stated import Stated
-from palpate.draft.study_text import study_name, study_text
+from palpate.draft.study_text import study_name
 
 __all__ = [
     "Drafted",
@@ -16,8 +16,8 @@ __all__ = [
     "check_units",
     "not_taken",
     "ranges",
+    "readable",
     "study_name",
-    "study_text",
-    "taken_back_if_unsound",
     "unlike",
+    "write_study",
 ]

@@ -128,9 +128,20 @@ def run_calibration(
     }
 
     result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
+    return result, curves_beside(study, judged, result)
+
+
+def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
+    """Return a table of the curves of all conditions, recorded, of the surrogates and simulated.
+
+    Returns
+    -------
+    DataFrame
+        Columns as `run_calibration` tells them.
+    """
     tables = []
     for condition in study.conditions:
-        item = judged[condition.name]
+        item = observed[condition.name]
         count, unit = len(item.response), item.quantity.unit
         blank = np.full(len(item.time), np.nan)
         tables.append(
@@ -147,7 +158,7 @@ def run_calibration(
                 }
             )
         )
-    return result, pd.concat(tables, ignore_index=True)
+    return pd.concat(tables, ignore_index=True)
 
 
 def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:

@@ -23,6 +23,7 @@ from palpate.recordings.readers.vendor import (
     Unreadable,
     VendorTest,
     all_sound,
+    messages,
     refuse_corrections,
     sound,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "Unreadable",
     "VendorTest",
     "locate",
+    "messages",
     "read_each",
     "read_source",
     "read_vendor_file",

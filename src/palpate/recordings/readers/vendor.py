@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -116,6 +116,16 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
     """Return the tests of a file, all of which can be read; raises what is wrong with the first that cannot."""
     return [sound(test) for test in tests if isinstance(test, VendorTest) or test.sought]
+
+
+def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:
+    """Say what of a file is left out, and why, and what the readers warn of."""
+    for test in tests:
+        if isinstance(test, Unreadable):
+            yield f"{test.error}; the {'test' if test.sought else 'sheet'} is left out"
+    for test in tests:
+        for warning in () if isinstance(test, Unreadable) else test.warnings:
+            yield f"{path}, {test.name}: {warning}"
 
 
 def refuse_corrections(source: Source, corrections: Corrections) -> None:
