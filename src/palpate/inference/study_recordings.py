@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from palpate.configuration.schema import suggestion
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE, Observation
@@ -69,6 +70,35 @@ def check(study: Study, name: str) -> dict[str, list[Recording]]:
                 checked[condition].append(_checked(study, study.condition(condition), read_recording(file)))
             except InputError as error:
                 raise error.located(file=file) from None
+    return checked
+
+
+def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[str, list[Recording]]:
+    """Check recordings in memory, by the names of their conditions, and return them from contact on.
+
+    Raises
+    ------
+    InputError
+        When a condition is none of the study's or has no recording, a recording is given twice, or is not one of its
+        condition.
+    """
+    names = [condition.name for condition in study.conditions]
+    for name in tests:
+        if name not in names:
+            problem = f"{name!r} is no condition of the study{suggestion(name, names)}"
+            raise InputError(problem, remedy=f"use {', '.join(names)}", place="recordings")
+    checked: dict[str, list[Recording]] = {}
+    for name in names:
+        if not tests.get(name):
+            remedy = "add one, or remove the condition"
+            raise InputError(f"no recording of condition {name!r}", remedy=remedy, place="recordings")
+        for copy, _ in copies(tests[name]):
+            remedy = "remove one of them: each replicate is a test of its own"
+            raise InputError(f"{copy.name} is given twice", remedy=remedy, place=f"recordings.{name}")
+        try:
+            checked[name] = [_checked(study, study.condition(name), recording) for recording in tests[name]]
+        except InputError as error:
+            raise error.located(place=f"recordings.{name}") from None
     return checked
 
 

@@ -26,18 +26,8 @@ def sections(
             [html_report.paragraph(content["sentence"]), html_report.image(figure, "diagnosis")],
         )
     ]
-    rows = [
-        {
-            "explanation": " + ".join(candidate["mechanisms"]),
-            "probability": candidate["probability"],
-            **effect(name),
-            **values,
-        }
-        for candidate in content["candidates"]
-        for name, values in candidate["parameters"].items()
-    ]
-    if rows:
-        found.append(("Explanations that stand", [html_report.table(pd.DataFrame(rows))]))
+    if content["candidates"]:
+        found.append(("Explanations that stand", [html_report.table(explanations(content))]))
     found.append(_material(content, declared))
     if content["discriminating_test"]:
         test = content["discriminating_test"]
@@ -96,6 +86,22 @@ def sections(
         found.append(("Zero points by the law of the sharp tip", [html_report.paragraph(words), table]))
     found.append(("Where the base model fails", [located(content["location"])]))
     return found
+
+
+def explanations(content: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the accepted explanations, one row a parameter of their mechanisms, best first."""
+    columns = ["explanation", "probability", "parameter", "unit", "estimate", "lower", "upper"]
+    rows = [
+        {
+            "explanation": " + ".join(candidate["mechanisms"]),
+            "probability": candidate["probability"],
+            **effect(name),
+            **values,
+        }
+        for candidate in content["candidates"]
+        for name, values in candidate["parameters"].items()
+    ]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> tuple[str, list[str]]:

@@ -80,10 +80,10 @@ def misfit_sentence(calibration: Mapping) -> str:
     """Say how far simulation and recordings agree, and how much can be known of it."""
     errors = [entry["rmse_nm"] for entry in calibration["conditions"].values()]
     loads = [entry["rmse_mN"] for entry in calibration["conditions"].values() if "rmse_mN" in entry]
-    span = f"Root mean square misfit {min(errors):.3g} to {max(errors):.3g} nm over the conditions."
+    span = f"Root mean square misfit {_span(errors)} nm over the conditions."
     if loads:
         span = (
-            f"{span} Under displacement control the load answers, {min(loads):.3g} to {max(loads):.3g} mN from the "
+            f"{span} Under displacement control the load answers, {_span(loads)} mN from the "
             "recorded one; in nm it is what the tip would lie deeper or less deep under the same load."
         )
     if all(entry["replicates"] == 1 for entry in calibration["noise"].values()):
@@ -102,6 +102,11 @@ def misfit_sentence(calibration: Mapping) -> str:
         f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
         f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."
     )
+
+
+def _span(errors: Sequence[float]) -> str:
+    """Return the smallest and the largest error in words."""
+    return f"{min(errors):.3g} to {max(errors):.3g}" if len(errors) > 1 else f"{errors[0]:.3g}"
 
 
 def bound_sentence(calibration: Mapping) -> str:

@@ -1,0 +1,161 @@
+"""A study diagnosed in one process: is the law enough, and if not, what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from palpate.configuration.study_file import Study
+from palpate.diagnosis.run import diagnosed
+from palpate.errors import InputError
+from palpate.notebook.calibrated_study import CalibratedStudy, calibrate
+from palpate.notebook.notebook_study import NotebookStudy, study_of
+from palpate.notebook.shown import composed, page, text_table
+from palpate.notebook.study_tests import Given, StudyTests
+from palpate.output import diagnosis_page
+from palpate.output.figures import explained_curves
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DiagnosedStudy:
+    """What a diagnosis found.
+
+    Parameters
+    ----------
+    study
+    tests
+        The recordings that were diagnosed.
+    content
+        What ``diagnosis.json`` holds.
+    curves
+        Recorded curves beside those of the base model (before) and of the best explanation (after).
+    """
+
+    study: NotebookStudy
+    tests: StudyTests
+    content: Mapping[str, Any]
+    curves: pd.DataFrame
+
+    @property
+    def verdict(self) -> str:
+        """``adequate``, ``identified``, ``suspected``, ``ambiguous`` or ``unexplained``."""
+        return str(self.content["verdict"])
+
+    @property
+    def mechanisms(self) -> list[str]:
+        """Keys of what is missing from the model; empty unless the verdict is ``identified``."""
+        return list(self.content["mechanisms"])
+
+    @property
+    def tried(self) -> pd.DataFrame:
+        """Every explanation that was fitted, best first: mechanisms, log_evidence, p_value, rmse_nm, accepted."""
+        accepted = [candidate["mechanisms"] for candidate in self.content["candidates"]]
+        return pd.DataFrame(
+            {
+                "mechanisms": " + ".join(entry["mechanisms"]) or "base model",
+                **{key: entry[key] for key in ("log_evidence", "p_value", "rmse_nm")},
+                "accepted": entry["mechanisms"] in accepted,
+            }
+            for entry in self.content["tried"]
+        )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the candidates, one row a parameter of their mechanisms, best first; empty where there is none.
+
+        Returns
+        -------
+        DataFrame
+            explanation, probability, parameter, unit, estimate, lower and upper (95 % interval).
+        """
+        return diagnosis_page.explanations(self.content)
+
+    def summary(self) -> str:
+        """Say the verdict as a colleague would, with the candidates and what the recordings cannot say."""
+        candidates = [text_table(self.to_frame())] if len(self.to_frame()) else []
+        return "\n\n".join([repr(self), self.content["sentence"], *candidates, *self.content["limits"]])
+
+    def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
+        """Draw what was found.
+
+        Parameters
+        ----------
+        ax
+            Axes on which the evidence of each explanation is drawn. When not given, a figure is made of where the base
+            model fails, that evidence, and the misfit in time before and after.
+
+        Returns
+        -------
+        Axes or ndarray of Axes, shape (n,)
+            `ax`, or the axes of the figure.
+        """
+        if ax is not None:
+            explained_curves.evidence(ax, self.content)
+            return ax
+        title, synthetic = self.study.title, self.tests.synthetic
+        return composed(lambda figure: explained_curves.compose(figure, self.content, self.curves, title, synthetic))
+
+    def __repr__(self) -> str:
+        named = f", {' + '.join(self.mechanisms)}" if self.mechanisms else ""
+        return f"<DiagnosedStudy {self.study.name!r}, recordings {self.tests.name!r}: {self.verdict}{named}>"
+
+    def _repr_html_(self) -> str:
+        frames = [self.to_frame()] if len(self.to_frame()) else []
+        return page(repr(self).strip("<>"), [self.content["sentence"], *self.content["limits"]], *frames, self.tried)
+
+
+def diagnose(
+    study: Study | Mapping[str, Any] | str | Path,
+    recordings: Given = None,
+    calibration: CalibratedStudy | None = None,
+    *,
+    results: str | Path | None = None,
+    report: Callable[[str], None] | None = None,
+) -> DiagnosedStudy:
+    """Say whether the law of a study explains recordings to their noise, and if not, which physics is missing.
+
+    docs/inference.md tells how it is decided. Whether the study enables its diagnosis is for the workflow alone.
+
+    Parameters
+    ----------
+    study
+        A study, a mapping with the keys of one, or its YAML file.
+    recordings
+        As for `calibrate`; when not given, those of the calibration, or else the only set of the study.
+    calibration
+        Where the diagnosis begins; when not given, the study is calibrated first.
+    results
+        As for `calibrate`.
+    report
+        Told how it goes on, such as ``print``; silent when not given.
+
+    Returns
+    -------
+    DiagnosedStudy
+
+    Raises
+    ------
+    InputError
+        When the study or a recording is not sound, or the calibration is of other parameters.
+    PalpateError
+        When a simulation fails without which nothing can be said.
+    """
+    chosen = study_of(study)
+    if calibration is None:
+        calibration = calibrate(chosen, recordings, results=results, report=report)
+        tests = calibration.tests
+    else:
+        tests = calibration.tests if recordings is None else StudyTests.of(chosen, recordings)
+    if set(calibration.values) != set(chosen.levels):
+        raise InputError(
+            f"the calibration is of {', '.join(calibration.values)}, the study asks for {', '.join(chosen.levels)}",
+            remedy="give the calibration of this study, or leave it out",
+            place="calibration",
+        )
+    content, curves = diagnosed(chosen, tests.by_condition, [calibration.values], report or (lambda line: None))
+    return DiagnosedStudy(chosen, tests, content, curves)

@@ -1,0 +1,241 @@
+"""One test from a file of any instrument: what was recorded, and what the file says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from palpate.errors import InputError
+from palpate.notebook.shown import axes_for, page
+from palpate.output.figures.recorded_test import COLOURS
+from palpate.recordings.readers import (
+    CORRECTIONS,
+    ColumnMap,
+    Unreadable,
+    VendorTest,
+    messages,
+    read_each,
+    select,
+    sound,
+    zeroed_each,
+)
+from palpate.recordings.readers.vendor import in_words
+from palpate.recordings.recording import Recording
+from palpate.recordings.segments import Segment, segments
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredTest:
+    """A test that was read from a file.
+
+    Parameters
+    ----------
+    file
+        Where it was read.
+    source
+        What the reader found: name, recording, metadata and warnings.
+    corrections
+        Which of the vendor's corrections the depth has; None for those of the vendor.
+    remarks
+        What was wrong with other tests of the file.
+    """
+
+    file: Path
+    source: VendorTest
+    corrections: frozenset[str] | None = None
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Name of the test in its file, or its number."""
+        return self.source.name
+
+    @property
+    def recording(self) -> Recording:
+        """Time [s], load [mN] and depth [nm] from contact on."""
+        return self.source.recording
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time [s], shape (n,)."""
+        return self.recording.time
+
+    @property
+    def load(self) -> np.ndarray:
+        """Load [mN], shape (n,)."""
+        return self.recording.load
+
+    @property
+    def depth(self) -> np.ndarray:
+        """Depth [nm], shape (n,)."""
+        return self.recording.depth
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        """What the file says of instrument, tip, method and results, by the vendor's names."""
+        return self.source.metadata
+
+    @property
+    def segments(self) -> list[Segment]:
+        """Loading, hold, unloading and so on, in the order of time; empty where the test is too short to tell."""
+        with suppress(InputError):
+            return segments(self.time, self.load)
+        return []
+
+    def summary(self) -> str:
+        """Say how large and how long the test is, what it consists of, and what is odd about it."""
+        return "\n".join([repr(self), *self._sentences()])
+
+    def _sentences(self) -> list[str]:
+        peak = int(np.argmax(self.load))
+        said = [
+            f"{len(self.time)} points in {np.ptp(self.time):.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
+            f"depth is {self.depth[peak]:.4g} nm",
+            f"corrections in depth: {in_words(self.corrections)}",
+            f"the file says {len(self.metadata)} things of the test (metadata)",
+        ]
+        parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
+        said.insert(1, "; ".join(parts) or "too short to tell its segments")
+        return [*said, *self.recording.notes, *self.source.warnings, *self.remarks]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
+        columns = {"time_s": self.time, "load_mN": self.load, "depth_nm": self.depth}
+        if self.recording.stiffness is not None:
+            columns["stiffness_mN_per_nm"] = self.recording.stiffness
+        return pd.DataFrame(columns)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the load [mN] over the depth [nm], one colour a segment, on `ax` or new axes, and return them."""
+        ax, labelled = axes_for(ax), set[str]()
+        for part in self.segments:
+            inside, label = slice(part.first, part.last + 1), part.kind.replace("_", " ")
+            ax.plot(
+                self.depth[inside],
+                self.load[inside],
+                color=COLOURS[part.kind],
+                label=None if label in labelled else label,
+            )
+            labelled.add(label)
+        if not labelled:
+            ax.plot(self.depth, self.load, label="recorded")
+        ax.set(xlabel="depth [nm]", ylabel="load [mN]", title=f"{self.file.name}, {self.name}")
+        ax.legend()
+        return ax
+
+    def __repr__(self) -> str:
+        return f"<MeasuredTest {self.name!r} of {self.file.name}>"
+
+    def _repr_html_(self) -> str:
+        return page(f"{self.file.name}, {self.name}", self._sentences())
+
+
+def read_recording(
+    path: str | Path,
+    test: str | int | None = None,
+    *,
+    contact: str | float = "file",
+    corrections: Iterable[str] | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> MeasuredTest:
+    """Read one test from a recording CSV, or from the file of any instrument that ``palpate read`` knows.
+
+    Parameters
+    ----------
+    path
+        The file; its format is detected from its content.
+    test
+        Name of the test in its file, or its number: its own as in ``Test 010``, or counted from 1. Needed only where
+        the file holds several; `read_recordings` returns all of them.
+    contact
+        Where the test begins: ``file``, at the file's own contact; ``auto``, at the first touch found in the curve;
+        ``none``, with its approach; or a depth [nm].
+    corrections
+        Of the vendor's corrections those to be in the depth, among ``drift`` and ``frame``; an empty list for none of
+        them, None for those of the vendor.
+    columns
+        Name or number, counted from 1, of the columns ``time``, ``load`` and ``depth`` of a table of no known format.
+    units
+        Of these columns, where the table does not state them, such as ``{"load": "uN"}``; ``-uN`` turns the sign.
+
+    Returns
+    -------
+    MeasuredTest
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, holds several tests and none is chosen, or has no such test.
+    """
+    path = Path(path)
+    tests, chosen = _read(path, contact, corrections, columns, units)
+    if test is None and len([each for each in tests if isinstance(each, VendorTest) or each.sought]) > 1:
+        names = ", ".join(f"{each.name!r}" for each in tests)
+        raise InputError(
+            f"holds {len(tests)} tests: {names}",
+            remedy="choose one by name or number, test=1, or read all with read_recordings",
+            file=path,
+        )
+    one = sound(tests[0]) if test is None else select(tests, str(test), path, "test")
+    return MeasuredTest(path, one, chosen)
+
+
+def read_recordings(
+    path: str | Path,
+    *,
+    contact: str | float = "file",
+    corrections: Iterable[str] | None = None,
+    columns: Mapping[str, str | int] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> list[MeasuredTest]:
+    """Read all tests of a file; arguments as for `read_recording`.
+
+    Returns
+    -------
+    list of MeasuredTest
+        Those that can be read; the remarks of the first say what is wrong with the others.
+
+    Raises
+    ------
+    InputError
+        When no test can be read.
+    """
+    path = Path(path)
+    tests, chosen = _read(path, contact, corrections, columns, units)
+    lost = tuple(messages(path, [test for test in tests if isinstance(test, Unreadable)]))
+    readable = [test for test in tests if isinstance(test, VendorTest)]
+    return [MeasuredTest(path, test, chosen, () if number else lost) for number, test in enumerate(readable)]
+
+
+def _read(
+    path: Path,
+    contact: str | float,
+    corrections: Iterable[str] | None,
+    columns: Mapping[str, str | int] | None,
+    units: Mapping[str, str] | None,
+) -> tuple[Sequence[VendorTest | Unreadable], frozenset[str] | None]:
+    """Return the tests of a file, each from contact on, and which corrections are in the depth."""
+    chosen = None if corrections is None else frozenset([corrections] if isinstance(corrections, str) else corrections)
+    if chosen is not None and not chosen <= set(CORRECTIONS):
+        raise InputError(
+            f"corrections are {in_words(chosen)}",
+            remedy=f"name some of: {', '.join(CORRECTIONS)}; an empty list for none",
+            place="corrections",
+        )
+    if units and not columns:
+        raise InputError("units are given without columns", remedy="give columns too", file=path, place="units")
+    named = {key: str(column) for key, column in (columns or {}).items()}
+    table = ColumnMap(named, units or {}) if named else None
+    whole = read_each(path, corrections=chosen, contact="none", columns=table)
+    try:
+        return zeroed_each(path, whole, contact), chosen
+    except InputError as error:
+        raise error.located(file=path) from None

@@ -1,0 +1,231 @@
+"""The study of a notebook: read from YAML, made of a mapping, or drafted from recordings, and shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from palpate.base.parameters import in_words
+from palpate.configuration.study_file import Study, load_study, study_from
+from palpate.draft import Drafted, readable, study_name, write_study
+from palpate.errors import InputError
+from palpate.notebook.measured_test import MeasuredTest
+from palpate.notebook.session import new_folder
+from palpate.notebook.shown import axes_for, page, text_table
+from palpate.notebook.study_tests import OneTest, recording_of, several
+from palpate.output.figures.style import SERIES
+from palpate.recordings.readers import VendorTest
+from palpate.study.protocol import LOAD
+
+
+@dataclass(frozen=True, repr=False)
+class NotebookStudy(Study):
+    """A checked study that shows itself; ``from palpate import Study`` names this class.
+
+    It has the attributes of `palpate.configuration.study_file.Study` and is taken wherever that is.
+
+    Parameters
+    ----------
+    remarks
+        What a draft wants people to look at.
+    """
+
+    remarks: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, study: Study, remarks: Iterable[str] = ()) -> NotebookStudy:
+        """Return a study that shows itself."""
+        return cls(**{each.name: getattr(study, each.name) for each in fields(Study)}, remarks=tuple(remarks))
+
+    @classmethod
+    def read(cls, path: str | Path, data: str | Path | None = None) -> NotebookStudy:
+        """Read a study from its YAML file.
+
+        Parameters
+        ----------
+        path
+            The file; relative paths in it count from the folder in which Python runs.
+        data
+            The vendor's file in place of the one that ``source`` names, or a folder that holds one of that name.
+
+        Raises
+        ------
+        InputError
+            With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
+        """
+        return cls.of(load_study(path, None if data is None else str(data)))
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> NotebookStudy:
+        """Make a study of a mapping with the keys of a study's YAML file; arrays of NumPy are taken as lists.
+
+        Raises
+        ------
+        InputError
+            As `read`.
+        """
+        return cls.of(study_from(_plain(values), "the mapping"))
+
+    @classmethod
+    def draft(
+        cls,
+        recordings: OneTest | Iterable[OneTest],
+        *,
+        law: str = "nonlinear_burgers",
+        sphere: float | None = None,
+        folder: str | Path | None = None,
+        report: Callable[[str], None] | None = None,
+    ) -> NotebookStudy:
+        """Make a first study of recordings, as ``palpate draft`` does.
+
+        Tests of one load history are replicates of one condition; of three conditions or more that in the middle
+        judges, the others calibrate. Ranges of the parameters are guessed from the curves.
+
+        Parameters
+        ----------
+        recordings
+            A file, a test or a recording, or several of them; of a file all tests are taken.
+        law
+            Key of the constitutive law, or keys of several joined by ``+``.
+        sphere
+            Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
+        folder
+            Where ``study.yaml`` and ``recordings`` are written, to be looked at, changed and read again; when not
+            given, they are gone when Python ends.
+        report
+            Told of files and tests that are left out, and why.
+
+        Raises
+        ------
+        InputError
+            When no recording can be used, a unit looks mistaken, or the folder holds a study already.
+        """
+        told: list[str] = []
+
+        def say(line: str) -> None:
+            told.append(line)
+            if report:
+                report(line)
+
+        given = several(recordings)
+        if not given:
+            raise InputError("no recordings are given", remedy="give a file or a test", place="recordings")
+        drafted = [test for each in given for test in _drafted(each, say)]
+        output = new_folder() if folder is None else Path(folder).resolve()
+        name = study_name(output if folder is not None else Path(_origin(given[0])))
+        study, remarks = write_study(drafted, output, name, say, law, sphere)
+        return cls.of(study, [*told, *remarks])
+
+    def summary(self) -> str:
+        """Say which law is asked for, within which ranges, and under which conditions."""
+        return "\n".join(
+            [repr(self), *self._sentences(), "", text_table(self._parameters()), "", text_table(self.to_frame())]
+        )
+
+    def _sentences(self) -> list[str]:
+        sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
+        said = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
+        return [f"study: {self.file}", *said, *self.remarks]
+
+    def _parameters(self) -> pd.DataFrame:
+        rows: list[dict[str, Any]] = [
+            {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(levels), "to": max(levels)}
+            for name, levels in self.levels.items()
+        ]
+        rows += [
+            {"parameter": in_words(name), "unit": self.declared[name].unit, "from": value, "to": value}
+            for name, value in self.fixed.items()
+        ]
+        return pd.DataFrame(rows)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a condition: name, role, drive with its largest value and unit, duration_s, points."""
+        rows = [
+            {
+                "condition": condition.name,
+                "role": condition.role,
+                "drive": condition.protocol.control,
+                "largest": condition.protocol.largest_drive,
+                "unit": condition.protocol.unit,
+                "duration_s": float(condition.protocol.knot_time[-1]),
+                "points": len(condition.protocol.sample_time),
+            }
+            for condition in self.conditions
+        ]
+        return pd.DataFrame(rows)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw what is prescribed in time, dashed where it only judges, on `ax` or new axes, and return them."""
+        ax = axes_for(ax)
+        for condition, colour in zip(self.conditions, cycle(SERIES)):
+            protocol, style = condition.protocol, "-" if condition.role == "calibrate" else "--"
+            ax.plot(protocol.knot_time, protocol.knot_drive, style, color=colour, label=condition.name)
+        names = {c.protocol.control: f"{c.protocol.control} [{c.protocol.unit}]" for c in self.conditions}
+        ax.set(xlabel="time [s]", ylabel=" or ".join(names[key] for key in sorted(names, key=LOAD.__ne__)))
+        ax.set_title(self.title)
+        ax.legend()
+        return ax
+
+    def __repr__(self) -> str:
+        return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, {len(self.conditions)} conditions>"
+
+    def _repr_html_(self) -> str:
+        return page(repr(self).strip("<>"), self._sentences(), self._parameters(), self.to_frame())
+
+
+def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
+    """Return the study that is meant by a study, a mapping or a YAML file.
+
+    Raises
+    ------
+    InputError
+        When it is none of these, or not sound.
+    """
+    if isinstance(given, NotebookStudy):
+        return given
+    if isinstance(given, Study):
+        return NotebookStudy.of(given)
+    if isinstance(given, Mapping):
+        return NotebookStudy.from_mapping(given)
+    if isinstance(given, str | Path):
+        return NotebookStudy.read(given)
+    raise InputError(
+        f"{type(given).__name__} is no study",
+        remedy="give a Study, a mapping or a YAML file; Study.draft makes one of recordings",
+        place="study",
+    )
+
+
+def _drafted(given: OneTest, report: Callable[[str], None]) -> list[Drafted]:
+    """Return a file, a test or a recording as a draft takes it."""
+    if isinstance(given, str | Path):
+        return readable([Path(given)], report)
+    if isinstance(given, MeasuredTest):
+        return [Drafted.of(given.file, given.source, given.corrections)]
+    recording = recording_of(given)
+    return [Drafted.of(Path(_origin(given)), VendorTest(recording.name, recording), None)]
+
+
+def _origin(given: OneTest) -> str:
+    """Return what a drafted study is called after: the name of a file without its ending, or of a recording."""
+    if isinstance(given, str | Path):
+        return Path(given).stem
+    return given.file.stem if isinstance(given, MeasuredTest) else recording_of(given).name or "recording"
+
+
+def _plain(values: Any) -> Any:
+    """Return mappings, lists and numbers as a YAML file would give them."""
+    if isinstance(values, Mapping):
+        return {key: _plain(value) for key, value in values.items()}
+    if isinstance(values, np.ndarray | np.generic):
+        return values.tolist()
+    if isinstance(values, list | tuple):
+        return [_plain(value) for value in values]
+    return str(values) if isinstance(values, Path) else values

@@ -1,0 +1,154 @@
+"""One simulated test, from a specification by a mapping, a YAML file or keywords."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from palpate.base.yaml_file import read_yaml
+from palpate.errors import InputError, PalpateError
+from palpate.notebook.shown import axes_for, page
+from palpate.output.figures.style import RECORDED
+from palpate.recordings.recording import Recording
+from palpate.solver import simulation
+from palpate.study.specification import Specification
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SimulatedCurve:
+    """A simulated test.
+
+    Parameters
+    ----------
+    specification
+        Everything that decides it.
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm].
+    solver_seconds
+        Wall time spent in the solver [s].
+    """
+
+    specification: Specification
+    time: np.ndarray
+    load: np.ndarray
+    depth: np.ndarray
+    solver_seconds: float
+
+    @property
+    def recording(self) -> Recording:
+        """The curve as a recording, which can be drafted and calibrated like a measured one."""
+        notes = ("SYNTHETIC: simulated by palpate",)
+        return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
+
+    def summary(self) -> str:
+        """Say what was simulated, how large and how long the test is, and what it cost."""
+        return "\n".join([repr(self), *self._sentences()])
+
+    def _sentences(self) -> list[str]:
+        peak, spec = int(np.argmax(self.load)), self.specification
+        said = [
+            "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
+            f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
+            f"depth is {self.depth[peak]:.4g} nm",
+            f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.2g} s in the solver",
+        ]
+        return [*said, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a point: time_s, load_mN, depth_nm."""
+        return pd.DataFrame({"time_s": self.time, "load_mN": self.load, "depth_nm": self.depth})
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the load [mN] over the depth [nm] on `ax` or new axes, and return them."""
+        ax = axes_for(ax)
+        ax.plot(self.depth, self.load, "--", color=RECORDED, label=f"simulated, {self.specification.model}")
+        ax.set(xlabel="depth [nm]", ylabel="load [mN]")
+        ax.legend()
+        return ax
+
+    def __repr__(self) -> str:
+        return f"<SimulatedCurve of {self.specification.model} under {self.specification.indenter.shape}>"
+
+    def _repr_html_(self) -> str:
+        return page(f"{self.specification.model} under {self.specification.indenter.shape}", self._sentences())
+
+
+def simulate(
+    specification: Specification | Mapping[str, Any] | str | Path | None = None,
+    *,
+    material: Mapping[str, Any] | None = None,
+    indenter: Mapping[str, Any] | None = None,
+    protocol: Mapping[str, Any] | None = None,
+    mechanisms: Mapping[str, Mapping[str, float]] | None = None,
+    kinematics: str | None = None,
+    accuracy: str | None = None,
+) -> SimulatedCurve:
+    """Simulate one indentation by finite elements.
+
+    Parameters
+    ----------
+    specification
+        A mapping with the keys below, the path of a YAML file of it, or what ``Study.specification`` returns. Keywords
+        are put in place of its entries.
+    material
+        ``model`` and all parameters of that law by name, such as
+        ``{"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}`` [GPa], [-].
+    indenter
+        ``shape`` and what the shape needs, such as ``{"shape": "cone", "half_angle": 70.3}`` [deg].
+    protocol
+        Such as ``{"max_load": 1.0, "loading_time": 30, "unloading_time": 30}`` [mN], [s]; ``points`` is the number of
+        samples, 100 where none is given.
+    mechanisms
+        Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
+    kinematics
+        ``small`` (the default) or ``large`` strains.
+    accuracy
+        ``standard`` (the default), ``medium`` or ``fine``.
+
+    Returns
+    -------
+    SimulatedCurve
+
+    Raises
+    ------
+    InputError
+        When anything is unknown, missing or outside its physical range.
+    PalpateError
+        When the solver fails.
+    """
+    sections = {
+        "material": material, "indenter": indenter, "protocol": protocol, "mechanisms": mechanisms,
+        "kinematics": kinematics, "accuracy": accuracy,
+    }  # fmt: skip
+    given = {key: value for key, value in sections.items() if value is not None}
+    asked = _asked(specification, given)
+    found = simulation.simulate(asked)
+    if found.status != "ok":
+        raise PalpateError(f"the simulation failed: {found.reason}")
+    return SimulatedCurve(asked, found.time, found.load, found.depth, found.solver_seconds)
+
+
+def _asked(
+    specification: Specification | Mapping[str, Any] | str | Path | None, given: Mapping[str, Any]
+) -> Specification:
+    """Return what to simulate, with the `given` sections in place of its own."""
+    if isinstance(specification, Specification):
+        if given:
+            raise InputError(
+                f"{next(iter(given))} is given beside a whole specification",
+                remedy="change the specification with dataclasses.replace, or give a mapping",
+                place=next(iter(given)),
+            )
+        return specification
+    file = specification if isinstance(specification, str | Path) else None
+    values: Any = read_yaml(file) if file is not None else specification or {}
+    try:
+        return simulation.specification_from({**values, **given} if isinstance(values, Mapping) else values)
+    except InputError as error:
+        raise error.located(file=file) from None
