@@ -165,14 +165,17 @@ def test_scikit_learn_contract(estimator, check):
     check(estimator)
 
 
-def test_points_of_no_depth_do_not_count_in_the_relative_error(monkeypatch):
+def test_points_of_no_depth_do_not_count_in_the_relative_error():
     """An elastic body's depth is back at zero in the end, to rounding."""
     modulus = np.geomspace(2.0, 8.0, 7)[:, None]
     curves = 500.0 * np.sqrt(np.append(np.linspace(0.1, 1.0, 10), 0.0) / modulus)
     curves[:, -1] = -4e-14
-    monkeypatch.setattr(steps.snapshots, "matrix", lambda files, levels: (modulus, curves, []))
-    monkeypatch.setattr(steps.snapshots, "read", lambda file: {"quantity": "depth"})
-    model, _, _, summary = steps.fit_surrogate(SimpleNamespace(levels={}, surrogate={}), ["one.npz"])
+    contents = [
+        {"quantity": "depth", "status": "ok", "parameters": {"modulus": value}, "depth": curve}
+        for value, curve in zip(modulus[:, 0], curves, strict=True)
+    ]
+    study = SimpleNamespace(levels={"modulus": modulus[:, 0]}, surrogate={})
+    model, _, _, summary = steps.fit_surrogate(study, "one", contents)
     relative = (model.loo_error_ / curves)[:, :-1]
     assert summary["loo_relative_percent"] == pytest.approx(100 * np.sqrt(np.mean(relative**2, axis=0)).mean())
 

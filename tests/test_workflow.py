@@ -265,7 +265,9 @@ def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp
     (tmp_path / "curves").mkdir()
     values = {"data": "none", "quick": "1", "reference": "curves"}
     assert set(values) == asked
-    run = execute(copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", *map("=".join, values.items()))
+    run = execute(
+        copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", *map("=".join, values.items())
+    )
     assert run.returncode == 0, run.stderr
     assert "rule verification" in run.stdout + run.stderr
 

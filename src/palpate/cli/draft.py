@@ -154,9 +154,10 @@ def _written(study: Path, text: str, folder: Path, groups: Sequence[Group]) -> l
     InputError
         When it is not sound, with the recording as people know it; nothing is left behind.
     """
+    from palpate.configuration.study_file import load_study
     from palpate.draft import taken_back_if_unsound
     from palpate.errors import InputError
-    from palpate.workflow_support.check_study import checked_study
+    from palpate.workflow_support.check_study import checked
 
     recordings = {
         folder / f"{group.name}_{number}.csv": recording
@@ -169,7 +170,7 @@ def _written(study: Path, text: str, folder: Path, groups: Sequence[Group]) -> l
             recording.write(path)
         study.write_text(text, encoding="utf-8")
         try:
-            return list(check.described(checked_study(study, None)))
+            return list(check.described(checked(load_study(study))))
         except InputError as error:
             own = recordings.get(Path(error.file or ""))
             where = own.name if own else error.file

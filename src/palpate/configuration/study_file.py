@@ -14,7 +14,7 @@ from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.schema import check_schema, suggestion, with_defaults
-from palpate.design import factorial, sobol
+from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
@@ -156,12 +156,30 @@ def load_study(path: str | Path, data: str | None = None) -> Study:
     InputError
         With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
     """
-    path = Path(path)
-    values = read_yaml(path)
+    return study_from(read_yaml(path), path, data)
+
+
+def study_from(values: Any, file: str | Path, data: str | None = None) -> Study:
+    """Check a study that was read.
+
+    Parameters
+    ----------
+    values
+        What a YAML file holds.
+    file
+        Where it was read, for messages.
+    data
+        As for `load_study`.
+
+    Raises
+    ------
+    InputError
+        As `load_study`.
+    """
     try:
-        return _study(values, path, data)
+        return _study(values, Path(file), data)
     except InputError as error:
-        raise error.located(file=path) from None
+        raise error.located(file=file) from None
 
 
 def _study(values: Any, path: Path, data: str | None) -> Study:

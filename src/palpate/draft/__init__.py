@@ -6,7 +6,7 @@ from palpate.draft.metadata import not_taken
 from palpate.draft.rollback_on_error import taken_back_if_unsound
 from palpate.draft.solid import Solid, check_units, unlike
 from palpate.draft.stated import Stated
-from palpate.draft.study_text import study_name, study_text
+from palpate.draft.yaml_text import study_name, study_text
 
 __all__ = [
     "Drafted",

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import joblib
 import numpy as np
 import pandas as pd
 
@@ -24,19 +23,21 @@ from palpate.output import html_report
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
+from palpate.surrogate.saved import load
 
 
-def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
-    """Fit the surrogate of one condition to its snapshots.
+def fit_surrogate(
+    study: Study, condition: str, contents: Sequence[Mapping[str, Any]]
+) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
+    """Fit the surrogate of one condition to the contents of its snapshots, see `palpate.solver.store.read`.
 
     Returns
     -------
     model, parameters, curves, summary
         The estimator, what it was fitted to, and its figures of merit.
     """
-    files = list(files)
-    parameters, curves, failures = store.matrix(files, study.levels)
-    unit = UNITS[store.read(files[0])["quantity"]]
+    parameters, curves, failures = store.matrix(contents, study.levels)
+    unit = UNITS[contents[0]["quantity"]]
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
@@ -120,7 +121,7 @@ def run_calibration(
         takes the place of load_mN, and what is recorded, surrogate's and simulated is a load, such as recorded_mN.
     """
     members = study.condition_sets[condition_set]
-    models: dict[str, PODRBF] = {name: joblib.load(surrogate_files[name]) for name in members}
+    models: dict[str, PODRBF] = {name: load(surrogate_files[name]) for name in members}
     measured = observations(study, recordings)
     judged = {
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
@@ -187,14 +188,11 @@ def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
     return table
 
 
-def write_report(study: Study, folder: Path, path: Path) -> None:
-    """Write the report of a study from what its `folder` holds."""
+def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
+    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`."""
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
-    summary = (
-        f"<p>{len(index)} snapshots, {failed} failed, {index['solver_seconds'].sum():.0f} s of solver time "
-        f"({index['solver_seconds'].mean():.2f} s each).</p>"
-    )
+    summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
@@ -229,6 +227,10 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
         sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
+    libraries = ", ".join(f"{name} {number}" for name, number in made_from["libraries"].items())
+    versions = f"Python {made_from['python']}, {libraries}; commit {made_from['git_commit']}; seed {made_from['seed']}."
+    table = pd.DataFrame({"file": made_from["files"].keys(), "SHA-256": made_from["files"].values()})
+    sections.append(("What this was made from", [html_report.paragraph(versions), html_report.table(table)]))
     html_report.build(study.title, sections, notes, path)
 
 
