@@ -25,7 +25,7 @@ rule all:
     input:
         RESULTS,
         RECORDS,
-        [file for name in STUDY.recordings for file in files_of(STUDY, name)],
+        all_recordings,
         f"{FOLDER}/report.html",
         f"{FOLDER}/tracking/receipt.json",
     message:

@@ -25,7 +25,7 @@ rule sealed_truth:
     conda:
         "../../envs/palpate.yaml"
     params:
-        settings=STUDY.challenge,
+        settings=constant(STUDY.challenge),
         code=code("studies/blind_trial/scripts/seal.py"),
     script:
         "scripts/seal.py"
@@ -43,7 +43,7 @@ for group, folders in WRITTEN.items():
         conda:
             "../../envs/palpate.yaml"
         params:
-            settings=STUDY.challenge,
+            settings=constant(STUDY.challenge),
             code=code("studies/blind_trial/scripts/recordings.py"),
         message:
             f"{len(folders)} sets of recordings, {group} of {len(WRITTEN)}"
@@ -64,7 +64,7 @@ rule trial_diagnoses:
         "../../envs/palpate.yaml"
     params:
         conditions=CALIBRATED,
-        settings=[STUDY.diagnosis, STUDY.calibration],
+        settings=constant([STUDY.diagnosis, STUDY.calibration]),
         code=code("studies/blind_trial/scripts/diagnoses.py"),
     script:
         "scripts/diagnoses.py"

@@ -16,8 +16,8 @@ rule calibration:
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=STUDY.title,
-        settings=STUDY.calibration,
+        title=constant(STUDY.title),
+        settings=constant(STUDY.calibration),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         code=code("scripts/calibration.py"),

@@ -68,6 +68,11 @@ def code(script):
     return fingerprint(HERE / script)
 
 
+def constant(value):
+    """A parameter as it is: in bare text Snakemake would take {braces} for wildcards."""
+    return lambda wildcards: value
+
+
 def attempt(receipt):
     """What differs from the last execution where that left runs on disk that MLflow does not have."""
     if not Path(receipt).is_file():

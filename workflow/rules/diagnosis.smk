@@ -14,8 +14,8 @@ rule diagnosis:
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=STUDY.title,
-        settings=[STUDY.diagnosis, STUDY.calibration],
+        title=constant(STUDY.title),
+        settings=constant([STUDY.diagnosis, STUDY.calibration]),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         code=code("scripts/diagnosis.py"),

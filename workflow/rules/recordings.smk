@@ -12,7 +12,7 @@ for laboratory, settings in STUDY.laboratory.items():
             "../../envs/palpate.yaml"
         params:
             laboratory=laboratory,
-            settings=settings,
+            settings=constant(settings),
             curves=curves(settings["parameters"], "fine"),
             code=code("scripts/laboratory.py"),
         message:
@@ -33,7 +33,9 @@ if STUDY.source:
         conda:
             "../../envs/palpate.yaml"
         params:
-            source={key: STUDY.source[key] for key in STUDY.source if key != "file"},
+            source=constant(
+                {key: STUDY.source[key] for key in STUDY.source if key != "file"}
+            ),
             code=code("scripts/vendor_recordings.py"),
         message:
             "recordings from the vendor's file"

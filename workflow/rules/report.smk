@@ -41,6 +41,11 @@ RESULTS = [
 ]
 
 
+def all_recordings(wildcards):
+    """The files of all sets of recordings."""
+    return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
+
+
 rule tables:
     input:
         calibrations=expand(
@@ -57,8 +62,8 @@ rule tables:
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=STUDY.title,
-        laboratory=STUDY.laboratory,
+        title=constant(STUDY.title),
+        laboratory=constant(STUDY.laboratory),
         code=code("scripts/tables.py"),
     message:
         "tables and figures of {wildcards.recordings}"
@@ -69,7 +74,7 @@ rule tables:
 rule report:
     input:
         RESULTS,
-        [file for name in STUDY.recordings for file in files_of(STUDY, name)],
+        all_recordings,
     output:
         report=f"{FOLDER}/report.html",
         manifest=f"{FOLDER}/report.manifest.json",
@@ -78,8 +83,10 @@ rule report:
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=STUDY.title,
-        configuration=job.plain({key: config[key] for key in config if key != "data"}),
+        title=constant(STUDY.title),
+        configuration=constant(
+            job.plain({key: config[key] for key in config if key != "data"})
+        ),
         code=code("scripts/report.py"),
     message:
         "report"

@@ -16,7 +16,7 @@ rule surrogate:
     conda:
         "../../envs/palpate.yaml"
     params:
-        settings=STUDY.surrogate,
+        settings=constant(STUDY.surrogate),
         levels=STUDY.levels,
         code=code("scripts/surrogate.py"),
     message:
@@ -35,7 +35,7 @@ rule surrogate_figure:
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=f"Surrogates of {STUDY.title}",
+        title=constant(f"Surrogates of {STUDY.title}"),
         code=code("scripts/surrogate_figure.py"),
     message:
         "figure of the surrogates"
