@@ -17,6 +17,7 @@ def main(snakemake):
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)
         steps.write_json(snakemake.output.summary, summary)
+        print(summary["missing"], end="\n" if summary["missing"] else "")
         run = of_surrogate(condition, model.get_params(), study.levels, summary)
         run.files, run.surrogate = [snakemake.output.summary], snakemake.output.model
         runs.append(run)

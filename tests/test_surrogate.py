@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,8 +13,10 @@ from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
+from palpate.surrogate.missing import check_missing, words
+from palpate.surrogate.saved import load, save
 from palpate.workflow_support import steps
 
 T = np.linspace(0.0, 1.0, 40)
@@ -185,3 +188,37 @@ def test_the_relative_error_of_a_case_done_by_hand():
     error = np.array([[1.0, 4.0, 9.0], [1.0, 4.0, 9.0]])
     by_point = np.sqrt([(0.01**2 + 0.02**2) / 2, (0.02**2 + 0.01**2) / 2])
     assert steps.relative_percent(error, curves) == pytest.approx(100 * by_point.mean())
+
+
+@pytest.mark.parametrize(
+    ("lost", "said"),
+    [
+        (lambda e, m: e > 0, "16 of 20 snapshots failed"),
+        (lambda e, m: (e == 4) & (m > 0), "3 of 20 snapshots failed, most at the upper end of modulus (75 %)"),
+    ],
+)
+def test_a_surrogate_is_not_fitted_where_too_many_snapshots_failed(lost, said):
+    modulus, fluidity = (grid.ravel() for grid in np.meshgrid(np.arange(5), np.arange(4)))
+    cells = [{"modulus": float(e), "fluidity": float(m)} for e, m in zip(modulus, fluidity, strict=True)]
+    with pytest.raises(PalpateError, match=re.escape(said)):
+        check_missing("T030", cells, lost(modulus, fluidity))
+
+
+def test_a_few_failed_snapshots_are_said():
+    cells = [{"modulus": float(value)} for value in range(20)]
+    failed = [value == 19 for value in range(20)]
+    check_missing("T030", cells, failed)
+    assert words("T030", cells, failed) == "T030: 1 of 20 snapshots failed, 25 % of those at the upper end of modulus."
+    assert words("T030", cells, [False] * 20) == ""
+
+
+def test_a_saved_surrogate_comes_back_and_a_damaged_one_is_named(tmp_path):
+    x, y = np.linspace(0.0, 1.0, 6)[:, None], np.outer(np.linspace(1.0, 2.0, 6) ** 2, [1.0, 2.0])
+    model, file = PODRBF(shape="loo").fit(x, y), tmp_path / "surrogate.npz"
+    save(model, x, y, file)
+    assert load(file).predict([[0.33]]) == pytest.approx(model.predict([[0.33]]), rel=1e-12)
+    whole = file.read_bytes()
+    for damaged in (whole[: len(whole) // 2], b"", whole[:300] + b"?" + whole[301:]):
+        file.write_bytes(damaged)
+        with pytest.raises(PalpateError, match="holds no surrogate that can be read; delete it"):
+            load(file)

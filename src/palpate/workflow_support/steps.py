@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
+from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
 from palpate.inference.forward import FiniteElements
@@ -23,6 +24,7 @@ from palpate.output import html_report
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
+from palpate.surrogate.missing import check_missing, words
 from palpate.surrogate.saved import load
 
 
@@ -35,13 +37,21 @@ def fit_surrogate(
     -------
     model, parameters, curves, summary
         The estimator, what it was fitted to, and its figures of merit.
+
+    Raises
+    ------
+    PalpateError
+        When too many snapshots failed, see `palpate.surrogate.missing`.
     """
+    cells, failed = [found["parameters"] for found in contents], [found["status"] != "ok" for found in contents]
+    check_missing(condition, cells, failed)
     parameters, curves, failures = store.matrix(contents, study.levels)
     unit = UNITS[contents[0]["quantity"]]
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
+        "missing": words(condition, cells, failed),
         "modes": int(model.n_modes_),
         "energy_of_first_mode": float(model.energy_[0]),
         "shape": float(model.shape_),
@@ -83,8 +93,7 @@ def settings_of(study: Study) -> CalibrationSettings:
 
 def estimate_of(file: str | Path) -> dict[str, float]:
     """Return the estimate that the file of a calibration holds, by parameter."""
-    content = json.loads(Path(file).read_text(encoding="utf-8"))
-    return {name: row["estimate"] for name, row in content["parameters"].items()}
+    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
 
 
 def calibrate_study(
@@ -196,7 +205,8 @@ def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str,
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
-    notes = []
+    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.conditions if c.role == "calibrate"]
+    notes = [summary["missing"] for summary in summaries if summary["missing"]]
     for recordings in study.recordings:
         found = folder / recordings
         if recordings in study.laboratory:
@@ -244,5 +254,14 @@ def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> 
 
 
 def read_json(path: str | Path) -> dict[str, Any]:
-    """Read JSON."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """Read JSON that the workflow wrote.
+
+    Raises
+    ------
+    PalpateError
+        When it was cut or altered so that it is JSON no more.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise PalpateError(f"{path} is damaged ({error}); delete it and run the study again") from error
