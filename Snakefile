@@ -1,4 +1,8 @@
 # The whole of a study, from its configuration to its report: snakemake --cores 2 [--configfile STUDY.yaml]
+DEFAULT = "study" not in config
+if DEFAULT:
+
+    configfile: f"{workflow.basedir}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
@@ -11,7 +15,7 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/verification.smk"
 
 
-for rules in sorted(Path(workflow.basedir).glob("studies/*/rules.smk")):
+for rules in sorted(HERE.glob("studies/*/rules.smk")):
 
     include: str(rules)
 
@@ -19,5 +23,10 @@ for rules in sorted(Path(workflow.basedir).glob("studies/*/rules.smk")):
 rule all:
     default_target: True
     input:
-        f"results/{STUDY.name}/report.html",
-        f"results/{STUDY.name}/snapshots.csv",
+        RESULTS,
+        RECORDS,
+        all_recordings,
+        f"{FOLDER}/report.html",
+        f"{FOLDER}/tracking/receipt.json",
+    message:
+        f"done: {FOLDER}/report.html"

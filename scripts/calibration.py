@@ -1,24 +1,26 @@
-"""Calibrate one condition set on one set of recordings, draw the fit, and log both."""
+"""Calibrate one condition set on one set of recordings, and draw the fit.
 
-from palpate.configuration.study_file import load_study
+input: recordings (CSV), surrogates. output: result (JSON), curves (CSV), figure (PNG), record (JSON: what MLflow is
+told). settings: `calibration`, `seed`.
+"""
+
 from palpate.output.figures import fitted_curves
-from palpate.workflow_support import job, steps, tracking
+from palpate.workflow_support import job, steps
+from palpate.workflow_support.run_records import of_calibration, recorded
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    study, output = job.study(snakemake), snakemake.output
     recordings, condition_set = snakemake.wildcards.recordings, snakemake.wildcards.condition_set
-    models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
-    result, curves = steps.run_calibration(study, recordings, condition_set, models)
-    content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
-    steps.write_json(snakemake.output.result, content)
-    curves.to_csv(snakemake.output.curves, index=False)
-    title = f"{study.title}: calibrated on the condition set “{condition_set}”"
-    fitted_curves.draw(curves, snakemake.output.figure, title, synthetic=recordings in study.laboratory)
-    tags = {"recordings": recordings, "condition_set": condition_set}
-    with tracking.nested_run(study.name, f"fit {recordings} {condition_set}", "calibration", study.file, tags):
-        tracking.log_calibration(content, study.calibration)
-        tracking.log_files(snakemake.output)
+    with recorded(study.name, output.record) as runs:
+        models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
+        result, curves = steps.run_calibration(study, recordings, condition_set, models)
+        content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
+        steps.write_json(output.result, content)
+        curves.to_csv(output.curves, index=False)
+        title = f"{study.title}: calibrated on the condition set “{condition_set}”"
+        fitted_curves.draw(curves, output.figure, title, synthetic=recordings in study.laboratory)
+        runs.append(of_calibration(content, study.calibration, [output.result, output.curves, output.figure]))
 
 
 if "snakemake" in globals():

@@ -1,28 +1,30 @@
-"""Diagnose one set of recordings, draw what was found, and log it."""
+"""Diagnose one set of recordings, beginning where calibration ended, and draw what was found.
 
-from palpate.configuration.study_file import load_study
+input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV), figure (PNG), page (HTML), record
+(JSON: what MLflow is told). settings: `diagnosis`, `calibration`, `seed`.
+"""
+
 from palpate.diagnosis.run import run_diagnosis
-from palpate.output import diagnosis_page as page
-from palpate.output.figures import explained_curves as figure
-from palpate.workflow_support import job, steps, tracking
+from palpate.output import diagnosis_page
+from palpate.output.figures import explained_curves
+from palpate.workflow_support import job, steps
+from palpate.workflow_support.run_records import answer_of, of_diagnosis, recorded
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    recordings = snakemake.wildcards.recordings
-    starts = [steps.estimate_of(snakemake.input.calibration)]
-    with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        content, curves = run_diagnosis(study, recordings, starts, lambda line: print(line, file=log, flush=True))
-    steps.write_json(snakemake.output.result, content)
-    curves.to_csv(snakemake.output.curves, index=False)
-    figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=recordings in study.laboratory)
-    page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, f"{study.title}: {recordings}")
-    tags = {"recordings": recordings}
-    with tracking.nested_run(study.name, f"diagnosis {recordings}", "diagnosis", study.file, tags):
-        tracking.log_diagnosis(content, {**study.diagnosis, "seed": study.seed})
-        tracking.log_files(snakemake.output)
-    tracking.log_explanations(study.name, content, study.file, tags)
-    tracking.log_answer(study.name, recordings, content)
+    study, output, answer = job.study(snakemake), snakemake.output, {}
+    recordings, starts = snakemake.wildcards.recordings, [steps.estimate_of(snakemake.input.calibration)]
+    with recorded(study.name, output.record, answer) as runs:
+        with open(snakemake.log[0], "w", encoding="utf-8") as log:
+            content, curves = run_diagnosis(study, recordings, starts, lambda line: print(line, file=log, flush=True))
+        steps.write_json(output.result, content)
+        curves.to_csv(output.curves, index=False)
+        synthetic, title = recordings in study.laboratory, f"{study.title}: {recordings}"
+        explained_curves.draw(content, curves, output.figure, study.title, synthetic=synthetic)
+        diagnosis_page.write(content, study.declared, output.figure, output.page, title)
+        settings = {**study.diagnosis, "seed": study.seed}
+        runs += of_diagnosis(content, settings, [output.result, output.curves, output.page, output.figure])
+        answer.update(answer_of(content))
 
 
 if "snakemake" in globals():

@@ -1,15 +1,16 @@
-"""Write the recordings of a virtual laboratory."""
+"""Write the recordings of a virtual laboratory.
+
+output: recordings (CSV), all in one folder, and the truth beside them (JSON). settings: `laboratory`.
+"""
 
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
 from palpate.laboratory import virtual
 from palpate.workflow_support import job
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    virtual.write(study, snakemake.params.laboratory, Path(snakemake.output[0]))
+    virtual.write(job.study(snakemake), snakemake.params.laboratory, Path(snakemake.output[0]).parent)
 
 
 if "snakemake" in globals():

@@ -1,14 +1,18 @@
-"""Write the study's report."""
+"""Write the study's report, and the checksums of what it was made from.
+
+input: every result of the study that it shows. output: report (HTML), manifest (JSON). settings: `title`, `source`.
+"""
 
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job, manifest, steps
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    steps.write_report(study, Path("results") / study.name, Path(snakemake.output[0]))
+    study, report = job.study(snakemake), Path(snakemake.output.report)
+    made_from = manifest.of(study, job.plain(snakemake.config), report.parent)
+    steps.write_json(snakemake.output.manifest, made_from)
+    steps.write_report(study, report.parent, report, made_from)
 
 
 if "snakemake" in globals():

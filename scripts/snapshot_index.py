@@ -1,11 +1,15 @@
-"""Write the table of all snapshots of a study."""
+"""Put the tables of all batches of snapshots together.
 
-from palpate.solver import store
+input: tables of the batches (CSV). output: one table (CSV).
+"""
+
+import pandas as pd
+
 from palpate.workflow_support import job
 
 
 def main(snakemake):
-    store.index(snakemake.input).to_csv(snakemake.output[0], index=False)
+    pd.concat(map(pd.read_csv, snakemake.input), ignore_index=True).to_csv(snakemake.output[0], index=False)
 
 
 if "snakemake" in globals():

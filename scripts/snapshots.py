@@ -1,15 +1,18 @@
-"""Compute one batch of snapshots, or fetch them from the store."""
+"""Compute one batch of snapshots, or fetch them from the store.
 
-from palpate.configuration.study_file import load_study
+output: table of the batch (CSV): address in the store, condition, status, reason and parameters of each snapshot.
+"""
+
 from palpate.solver import store
 from palpate.workflow_support import job
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    batch = next(batch for batch in store.plan(study) if batch.name == snakemake.params.batch)
+    study = job.study(snakemake)
+    batch = next(batch for batch in store.plan(study) if batch.name == snakemake.wildcards.batch)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        store.compute(batch, report=lambda line: print(line, file=log, flush=True))
+        contents = store.computed(batch.snapshots, report=lambda line: print(line, file=log, flush=True))
+    store.table(batch.snapshots, contents).to_csv(snakemake.output[0], index=False)
 
 
 if "snakemake" in globals():

@@ -1,24 +1,26 @@
-"""Fit the surrogate of one condition and log it."""
+"""Fit the surrogate of one condition.
 
-from pathlib import Path
+input: tables of the batches of snapshots. output: model (arrays), summary (JSON: figures of merit), record (JSON: what
+MLflow is told). settings: `surrogate`.
+"""
 
-import joblib
-
-from palpate.configuration.study_file import load_study
-from palpate.workflow_support import job, steps, tracking
+from palpate.solver import store
+from palpate.surrogate.saved import save
+from palpate.workflow_support import job, steps
+from palpate.workflow_support.run_records import of_surrogate, recorded
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    condition = snakemake.wildcards.condition
-    model, parameters, curves, summary = steps.fit_surrogate(study, snakemake.input.snapshots)
-    joblib.dump(model, snakemake.output.model)
-    steps.write_json(snakemake.output.summary, summary)
-    metrics = {name: value for name, value in summary.items() if isinstance(value, int | float)}
-    with tracking.nested_run(study.name, f"surrogate {condition}", "surrogate", study.file, {"condition": condition}):
-        tracking.log_grid(study.levels)
-        tracking.log_surrogate(model, parameters, curves, metrics)
-        tracking.log_files([Path(snakemake.output.summary)])
+    study, condition = job.study(snakemake), snakemake.wildcards.condition
+    with recorded(study.name, snakemake.output.record) as runs:
+        contents = store.computed(store.snapshots_under(study, condition))
+        model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
+        save(model, parameters, curves, snakemake.output.model)
+        steps.write_json(snakemake.output.summary, summary)
+        print(summary["missing"], end="\n" if summary["missing"] else "")
+        run = of_surrogate(condition, model.get_params(), study.levels, summary)
+        run.files, run.surrogate = [snakemake.output.summary], snakemake.output.model
+        runs.append(run)
 
 
 if "snakemake" in globals():

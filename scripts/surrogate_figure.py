@@ -1,4 +1,7 @@
-"""Draw the quality of all surrogates."""
+"""Draw the quality of all surrogates.
+
+input: summaries of the surrogates (JSON). output: figure (PNG).
+"""
 
 from pathlib import Path
 

@@ -1,21 +1,22 @@
-"""Write error and parameter tables of one set of recordings, and their figures."""
+"""Write error and parameter tables of one set of recordings, and their figures.
 
-from palpate.configuration.study_file import load_study
+input: calibrations of all condition sets (JSON). output: errors, parameters (CSV), figure, convergence (PNG).
+"""
+
 from palpate.output.figures import estimates_figure, search_history
 from palpate.workflow_support import job, steps
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    recordings = snakemake.wildcards.recordings
+    study, output, recordings = job.study(snakemake), snakemake.output, snakemake.wildcards.recordings
     found = dict(zip(study.condition_sets, map(steps.read_json, snakemake.input.calibrations), strict=True))
-    steps.error_table(found["all"]).to_csv(snakemake.output.errors, index=False)
+    steps.error_table(found["all"]).to_csv(output.errors, index=False)
     truth = study.laboratory.get(recordings, {}).get("parameters")
     table = steps.parameter_table(found, truth)
-    table.to_csv(snakemake.output.parameters, index=False)
+    table.to_csv(output.parameters, index=False)
     synthetic = recordings in study.laboratory
-    estimates_figure.draw(table, study.levels, study.declared.values(), snakemake.output.figure, study.title, synthetic)
-    search_history.draw(found, snakemake.output.convergence, "genetic algorithm", synthetic)
+    estimates_figure.draw(table, study.levels, study.declared.values(), output.figure, study.title, synthetic)
+    search_history.draw(found, output.convergence, "genetic algorithm", synthetic)
 
 
 if "snakemake" in globals():

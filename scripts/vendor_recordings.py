@@ -1,15 +1,16 @@
-"""Convert the tests of a vendor's file into the recordings of a study."""
+"""Convert the tests of a vendor's file into the recordings of a study.
+
+input: the vendor's file. output: recordings (CSV), all in one folder. settings: `source`.
+"""
 
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
 from palpate.inference.study_recordings import convert_source
 from palpate.workflow_support import job
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
-    convert_source(study, Path(snakemake.output[0]))
+    convert_source(job.study(snakemake), Path(snakemake.output[0]).parent)
 
 
 if "snakemake" in globals():

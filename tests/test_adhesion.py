@@ -51,7 +51,7 @@ def test_sphere_sinks_in_as_jkr_say(work, plain):
     """Depth to 2 % above a tenth of the load; what adhesion adds, a small difference of depths, to 15 %."""
     loaded = TEST.sample_load > 0.1
     load = TEST.sample_load[loaded]
-    exact = jkr.Contact.sphere(E, NU, SPHERE.radius, work).depth(load)
+    exact = jkr.AdhesiveContact.sphere(E, NU, SPHERE.radius, work).depth(load)
     found = depth(work)[loaded]
     assert found == pytest.approx(exact, rel=0.02)
     gain = exact - hertz.depth(load, E, NU, SPHERE.radius)
@@ -60,7 +60,7 @@ def test_sphere_sinks_in_as_jkr_say(work, plain):
 
 def test_sphere_clings_at_zero_load_as_jkr_say():
     """Where the base model has come out altogether; the finite range still counts there."""
-    exact = jkr.Contact.sphere(E, NU, SPHERE.radius, 200.0).depth(0.0)
+    exact = jkr.AdhesiveContact.sphere(E, NU, SPHERE.radius, 200.0).depth(0.0)
     assert depth(200.0)[-1] == pytest.approx(float(exact), rel=0.07)
 
 
@@ -69,12 +69,12 @@ def test_sphere_clings_at_zero_load_as_jkr_say():
 def test_a_contact_that_adhesion_makes_is_resolved(radius, work, load, accuracy):
     """The load alone would make a contact a sixth as wide; a mesh for that sinks in by up to 84 % too far."""
     protocol = trapezoid(load, 30.0, 0.0, 30.0, points=10)
-    exact = jkr.Contact.sphere(E, NU, radius, work).depth(protocol.sample_load)
+    exact = jkr.AdhesiveContact.sphere(E, NU, radius, work).depth(protocol.sample_load)
     assert depth(work, Indenter("sphere", radius=radius), accuracy, protocol=protocol) == pytest.approx(exact, rel=0.1)
 
 
 def test_cone_sinks_in_as_maugis_and_barquins_say():
-    exact = jkr.Contact.cone(E, NU, FLAT_CONE.half_angle, 200.0).depth(TEST.sample_load[:-1])
+    exact = jkr.AdhesiveContact.cone(E, NU, FLAT_CONE.half_angle, 200.0).depth(TEST.sample_load[:-1])
     assert depth(200.0, FLAT_CONE)[:-1] == pytest.approx(exact, rel=0.02)
 
 
@@ -164,7 +164,7 @@ def test_areas_add_up_to_the_surface():
 def test_pull_off_is_that_of_jkr():
     """The lowest point of the load over the contact radius is -(3/2) pi w R."""
     radii = np.linspace(0.01, 5.0, 20001)
-    lowest = min(jkr.Contact.sphere(E, NU, 1e5, 100.0).load(a) for a in radii)
+    lowest = min(jkr.AdhesiveContact.sphere(E, NU, 1e5, 100.0).load(a) for a in radii)
     assert lowest == pytest.approx(-1.5 * np.pi * 1e-4 * 100.0, rel=1e-4)
 
 

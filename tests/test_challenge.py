@@ -7,7 +7,6 @@ import sys
 from collections import Counter
 from dataclasses import replace
 
-import joblib
 import numpy as np
 import pandas as pd
 import pytest
@@ -119,16 +118,13 @@ def trial(tmp_path):
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small))
     study = load_study(tmp_path / "small.yaml")
     (condition,) = study.conditions
-    batches = store.plan(study, tmp_path)
-    for batch in batches:
-        store.compute(batch, tmp_path / "store")
-    surrogate, *_ = fit_surrogate(study, [file for batch in batches for file in batch.files])
-    joblib.dump(surrogate, tmp_path / "surrogate")
+    contents = store.computed(store.snapshots_under(study, condition.name), tmp_path / "store")
+    surrogate, *_ = fit_surrogate(study, condition.name, contents)
     cases = draw(study)
     seal(cases, tmp_path / "sealed.json")
     case = next(case for case in cases if "thermal_drift" in case.mechanisms)
     write(study, [case], tmp_path / "recordings")
-    return study, case, {condition.name: tmp_path / "surrogate"}, tmp_path
+    return study, case, {condition.name: surrogate}, tmp_path
 
 
 def test_the_diagnosis_never_opens_the_seal(trial):

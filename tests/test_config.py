@@ -32,7 +32,7 @@ STUDY = {
     "conditions": [{"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
 }
 TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
-SCHEMA = json.loads((Path(palpate.__file__).parent / "study.schema.json").read_text())
+SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
 REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
 CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}

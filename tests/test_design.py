@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from palpate.design import OrthogonalArray, anova, factorial, latin_hypercube, midpoints, reduce_levels, sobol
-from palpate.design.anova import Anova, effect
+from palpate.design.anova import Anova, anova, effect
+from palpate.design.orthogonal import OrthogonalArray
+from palpate.design.reduction import reduce_levels
+from palpate.design.sampling import factorial, latin_hypercube, midpoints, sobol
 from palpate.errors import InputError
 
 L16_OF_THE_THESIS = """1 1 1, 1 2 2, 1 3 3, 1 4 4, 2 1 2, 2 2 1, 2 3 4, 2 4 3,

@@ -12,7 +12,7 @@ from test_readers import ANON, HLD, XP, needs_recordings
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft import Solid, Stated, not_taken, ranges, study_name
-from palpate.draft.study_text import scalar
+from palpate.draft.yaml_text import scalar
 from palpate.materials import LAWS
 from palpate.recordings.recording import read_recording
 
@@ -112,7 +112,7 @@ def test_a_draft_that_is_not_sound_is_taken_back(monkeypatch):
     """What else lies in the folder stays."""
     Path("out").mkdir()
     Path("out/mine.txt").write_text("precious")
-    monkeypatch.setattr("palpate.draft.study_text.POINTS", -1)
+    monkeypatch.setattr("palpate.draft.yaml_text.POINTS", -1)
     assert drafted("good.csv", "-o", "out") == 2
     assert [file.name for file in Path("out").iterdir()] == ["mine.txt"]
 

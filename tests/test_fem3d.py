@@ -16,13 +16,13 @@ from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETR
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import hencky_3d
-from palpate.solver.pyramid.contact_3d import Contact
-from palpate.solver.pyramid.coupled import Coupling
+from palpate.solver.pyramid.contact_3d import Contact3D
+from palpate.solver.pyramid.coupled import Coupling3D
 from palpate.solver.pyramid.element_3d import assemble
 from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.solver.pyramid.linear_3d import element
 from palpate.solver.pyramid.mesh_3d import CORNERS, integration, wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem, State, Workspace
+from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import WEDGE, shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
@@ -45,7 +45,7 @@ def elastic(ratio):
 
 def posed(mesh, law, tip=FACE, friction=0.0, touching=(), large=False):
     """Return a problem and its unloaded state, with nodes that touch all the same."""
-    problem = Problem.of(mesh, tip, Specimen(law), friction, large)
+    problem = Problem3D.of(mesh, tip, Specimen(law), friction, large)
     return problem, replace(State.initial(problem), contact=np.isin(np.arange(len(mesh.nodes)), touching))
 
 
@@ -55,7 +55,7 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     That is a matrix too, one row and column longer, or none. `curved` takes the tip as large strains do.
     """
     mesh, laws = problem.mesh, problem.coefficients
-    work, contact = Workspace.of(problem), Contact.resume(problem, state, state)
+    work, contact = Workspace.of(problem), Contact3D.resume(problem, state, state)
     contact.large = curved
     contact.follow(displacement, depth)
     work.past[:], work.alpha[:] = 0.0, 0.0
@@ -69,7 +69,7 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     coupled = None
     if problem.friction > 0.0:
         assert contact.pressure(force)[contact.touching[mesh.surface]].min() > 0.0
-        coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
+        coupling = Coupling3D.add(contact, force, work.pressing, work.band, work.residual)
         coupled = np.stack([coupling.forces(coupling.pressed(unit)) for unit in np.eye(mesh.size + 1)], axis=1)
     full = np.zeros((mesh.size, mesh.size))
     for j in range(mesh.size):
@@ -155,7 +155,7 @@ def test_the_tangent_with_friction_is_the_derivative_of_the_residual():
     base[free] = 0.002 * rng.standard_normal(mesh.size)
     base[surface, 2] = np.minimum(0.0, FACE(*mesh.nodes[surface, :2].T)[0] - depth) - 0.01
     problem, state = posed(mesh, LAWS["nonlinear_burgers"].coefficients(BURGERS), FACE, 0.3, surface[:7])
-    contact = Contact.resume(problem, state, state)
+    contact = Contact3D.resume(problem, state, state)
     way = contact.friction.reach[:, None] * rng.uniform(-1, 1, (len(surface), 2)) * (free[surface, :2])
     way[1::2] *= 4.0
     place = contact.place + base[surface, :2]

@@ -12,10 +12,10 @@ from palpate.solver.axisymmetric.drive import NO_LOAD
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.adhesion_3d import attract, nodal_areas
-from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem, State, Workspace
+from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
@@ -41,13 +41,13 @@ def test_areas_add_up_to_the_free_surface():
 def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
     mesh, rng = wedge_mesh(1.6 ** np.arange(4), shell(3)), np.random.default_rng(4)
     attraction = Adhesion.of(1e5, 4.0, 0.3, nodal_areas(mesh))
-    problem = Problem.of(mesh, tip_of(indenter), Specimen(ELASTIC), adhesion=attraction)
+    problem = Problem3D.of(mesh, tip_of(indenter), Specimen(ELASTIC), adhesion=attraction)
     state, work, free = State.initial(problem), Workspace.of(problem), mesh.equations >= 0
 
     def evaluate(x):
         displacement = np.zeros((len(mesh.nodes), 3))
         displacement[free] = x[:-1]
-        contact = Contact.resume(problem, state, state)
+        contact = Contact3D.resume(problem, state, state)
         contact.large = curved
         contact.follow(displacement, x[-1])
         for array in (work.band, work.residual, work.border):

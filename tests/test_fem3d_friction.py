@@ -11,7 +11,7 @@ from palpate.materials import LAWS
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETRIC
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.friction_3d import Friction
 from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.study.indenter import Indenter
@@ -54,7 +54,7 @@ def test_law_holds_at_every_node_and_dissipates():
     mesh = problem.mesh
     slope = problem.tip(np.ones(1), np.zeros(1))[1][0, 0]
     for before, after in pairwise(states):
-        contact = Contact.resume(problem, before, after)
+        contact = Contact3D.resume(problem, before, after)
         contact.follow(after.displacement.copy(), after.depth)
         along = contact.friction.along(contact.slope)
         pressing, force = contact.pressure(after.force), after.force[mesh.surface]

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from palpate.classical.oliver_pharr import BETA, EPSILON
-from palpate.classical.reference_sample import Reference, frame_of_reference
+from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.study.area_function import AreaFunction
 
 AREA = AreaFunction((24.5, 300.0))
@@ -28,20 +28,20 @@ def recording(frame, peak=100.0, hardness=HARDNESS, exponent=1.3):
 @pytest.mark.parametrize("frame", [0.0, 0.2, 1.5])
 @pytest.mark.parametrize("exponent", [1.2, 1.5])
 def test_the_frame_that_was_put_in_comes_out(frame, exponent):
-    reference = Reference(MODULUS, AREA, 0.01)
+    reference = ReferenceSample(MODULUS, AREA, 0.01)
     found = frame_of_reference([recording(frame, exponent=exponent)], reference)
     assert found.compliance == pytest.approx(frame, abs=0.01)
 
 
 @pytest.mark.parametrize("error", [-0.02, 0.02])
 def test_the_interval_holds_what_a_wrong_modulus_does(error):
-    found = frame_of_reference([recording(0.2)] * 3, Reference(MODULUS * (1 + error), AREA, 0.02))
+    found = frame_of_reference([recording(0.2)] * 3, ReferenceSample(MODULUS * (1 + error), AREA, 0.02))
     assert found.lower < 0.2 < found.upper
     assert abs(found.compliance - 0.2) > 0.03, "2 % of the contact are much of the frame"
 
 
 def test_sites_that_scatter_widen_the_interval():
-    rng, reference = np.random.default_rng(3), Reference(MODULUS, AREA, 1e-4)
+    rng, reference = np.random.default_rng(3), ReferenceSample(MODULUS, AREA, 1e-4)
     tests = [recording(0.2 + 0.05 * rng.standard_normal()) for _ in range(8)]
     found = frame_of_reference(tests, reference)
     assert found.lower < 0.2 < found.upper

@@ -58,14 +58,30 @@ def failed(specification):
 
 
 def run(study, folder, solve=fake):
-    return [store.compute(b, folder, lambda line: None, solve) for b in store.plan(study, folder)]
+    """Return how many snapshots each batch computed."""
+    counts = []
+
+    def counted(specifications):
+        counts[-1] += len(specifications)
+        return solve(specifications)
+
+    for batch in store.plan(study):
+        counts.append(0)
+        store.computed(batch.snapshots, folder, lambda line: None, counted)
+    return counts
 
 
 def test_only_calibrate_conditions_are_planned_in_batches(tmp_path):
-    batches = store.plan(study(tmp_path), tmp_path)
-    assert [len(batch.files) for batch in batches] == [2, 1]
-    assert [batch.under("a") for batch in batches] == [list(batch.files) for batch in batches]
-    assert not any(batch.under("v") for batch in batches)
+    batches = store.plan(study(tmp_path))
+    assert [len(batch.snapshots) for batch in batches] == [2, 1]
+    assert {snapshot.condition for batch in batches for snapshot in batch.snapshots} == {"a"}
+
+
+def test_a_batch_is_known_by_what_it_computes(tmp_path):
+    one, again, other = (store.plan(study(tmp_path, **c)) for c in ({}, {"title": "t"}, {"kinematics": "small"}))
+    assert [batch.identity for batch in one] == [batch.identity for batch in again]
+    assert not {batch.identity for batch in one} & {batch.identity for batch in other}
+    assert len({batch.identity for batch in one}) == 2
 
 
 def test_nothing_is_computed_twice_across_levels_and_studies(tmp_path):
@@ -86,17 +102,14 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
         for name, load, time in (("a", 1.0, 1), ("slow", 1.0, 5), ("b", 4.0, 1))
     ]
     s = study(tmp_path, conditions=conditions, indenter=indenter, cells_per_job=3, diagnosis={"enabled": False})
-    batches = store.plan(s, tmp_path)
-    for batch in batches:
-        store.compute(batch, tmp_path, lambda line: None)
+    for batch in store.plan(s):
+        store.computed(batch.snapshots, tmp_path, lambda line: None)
     assert simulated == solved
     for condition in s.conditions:
-        files = [file for batch in batches for file in batch.under(condition.name)]
-        assert len(files) == 3
-        for file in files:
-            stored = store.read(file)
+        snapshots = store.snapshots_under(s, condition.name)
+        assert len(snapshots) == 3
+        for stored in store.computed(snapshots, tmp_path, lambda line: None):
             alone = simulate(s.specification(stored["parameters"], condition))
-            assert f"/{condition.name}/" in file
             assert stored["condition"] == condition.name
             assert stored["load"] == pytest.approx(alone.load)
             assert stored["depth"] == pytest.approx(alone.depth, rel=1e-6, abs=1e-4)
@@ -114,8 +127,8 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
 )
 def test_whatever_decides_the_curve_changes_the_address(tmp_path, change):
     one, other = study(tmp_path), study(tmp_path, **change)
-    files = [set(f for b in store.plan(s, tmp_path) for f in b.files) for s in (one, other)]
-    assert not files[0] & files[1]
+    addresses = [{snapshot.address for snapshot in store.snapshots_under(s, "a")} for s in (one, other)]
+    assert not addresses[0] & addresses[1]
 
 
 SPECIFICATION = Specification(
@@ -200,15 +213,29 @@ def test_what_has_no_content_is_refused():
 
 def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
     s = study(tmp_path)
-    run(s, tmp_path, failing)
-    files = [f for b in store.plan(s, tmp_path) for f in b.files]
-    assert list(store.index(files)["status"]) == ["ok", "failed", "ok"]
-    parameters, curves, failures = store.matrix(files, s.levels)
+    snapshots = store.snapshots_under(s, "a")
+    contents = store.computed(snapshots, tmp_path, lambda line: None, failing)
+    assert list(store.table(snapshots, contents)["status"]) == ["ok", "failed", "ok"]
+    parameters, curves, failures = store.matrix(contents, s.levels)
     assert parameters.ravel().tolist() == [1.0, 3.0]
     assert len(curves) == 2
     assert "no equilibrium" in failures[0]
     with pytest.raises(PalpateError, match="no equilibrium"):
-        store.matrix(files[1:2], s.levels)
+        store.matrix(contents[1:2], s.levels)
+
+
+@pytest.mark.parametrize("fault", ["cut", "altered", "empty"])
+def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
+    s = study(tmp_path)
+    run(s, tmp_path)
+    snapshot, *_ = store.snapshots_under(s, "a")
+    file = store.place(snapshot.address, tmp_path)
+    whole = file.read_bytes()
+    middle = len(whole) // 2
+    altered = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
+    file.write_bytes({"cut": whole[:middle], "altered": altered, "empty": b""}[fault])
+    assert run(s, tmp_path) == [1, 0]
+    assert file.read_bytes() == whole
 
 
 def test_a_killed_job_leaves_no_half_file(tmp_path):
@@ -219,6 +246,17 @@ def test_a_killed_job_leaves_no_half_file(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run(s, tmp_path, killed)
     assert not list(tmp_path.rglob("*.npz"))
+
+
+def test_a_full_disk_leaves_no_half_file(tmp_path, monkeypatch):
+    def full(stream, **arrays):
+        stream.write(b"half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(store.np, "savez", full)
+    with pytest.raises(OSError, match="No space left"):
+        run(study(tmp_path), tmp_path)
+    assert [file.name for file in tmp_path.rglob("*") if file.is_file()] == ["study.yaml"]
 
 
 def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,8 +13,10 @@ from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
+from palpate.surrogate.missing import check_missing, words
+from palpate.surrogate.saved import load, save
 from palpate.workflow_support import steps
 
 T = np.linspace(0.0, 1.0, 40)
@@ -165,14 +168,17 @@ def test_scikit_learn_contract(estimator, check):
     check(estimator)
 
 
-def test_points_of_no_depth_do_not_count_in_the_relative_error(monkeypatch):
+def test_points_of_no_depth_do_not_count_in_the_relative_error():
     """An elastic body's depth is back at zero in the end, to rounding."""
     modulus = np.geomspace(2.0, 8.0, 7)[:, None]
     curves = 500.0 * np.sqrt(np.append(np.linspace(0.1, 1.0, 10), 0.0) / modulus)
     curves[:, -1] = -4e-14
-    monkeypatch.setattr(steps.snapshots, "matrix", lambda files, levels: (modulus, curves, []))
-    monkeypatch.setattr(steps.snapshots, "read", lambda file: {"quantity": "depth"})
-    model, _, _, summary = steps.fit_surrogate(SimpleNamespace(levels={}, surrogate={}), ["one.npz"])
+    contents = [
+        {"quantity": "depth", "status": "ok", "parameters": {"modulus": value}, "depth": curve}
+        for value, curve in zip(modulus[:, 0], curves, strict=True)
+    ]
+    study = SimpleNamespace(levels={"modulus": modulus[:, 0]}, surrogate={})
+    model, _, _, summary = steps.fit_surrogate(study, "one", contents)
     relative = (model.loo_error_ / curves)[:, :-1]
     assert summary["loo_relative_percent"] == pytest.approx(100 * np.sqrt(np.mean(relative**2, axis=0)).mean())
 
@@ -182,3 +188,37 @@ def test_the_relative_error_of_a_case_done_by_hand():
     error = np.array([[1.0, 4.0, 9.0], [1.0, 4.0, 9.0]])
     by_point = np.sqrt([(0.01**2 + 0.02**2) / 2, (0.02**2 + 0.01**2) / 2])
     assert steps.relative_percent(error, curves) == pytest.approx(100 * by_point.mean())
+
+
+@pytest.mark.parametrize(
+    ("lost", "said"),
+    [
+        (lambda e, m: e > 0, "16 of 20 snapshots failed"),
+        (lambda e, m: (e == 4) & (m > 0), "3 of 20 snapshots failed, most at the upper end of modulus (75 %)"),
+    ],
+)
+def test_a_surrogate_is_not_fitted_where_too_many_snapshots_failed(lost, said):
+    modulus, fluidity = (grid.ravel() for grid in np.meshgrid(np.arange(5), np.arange(4)))
+    cells = [{"modulus": float(e), "fluidity": float(m)} for e, m in zip(modulus, fluidity, strict=True)]
+    with pytest.raises(PalpateError, match=re.escape(said)):
+        check_missing("T030", cells, lost(modulus, fluidity))
+
+
+def test_a_few_failed_snapshots_are_said():
+    cells = [{"modulus": float(value)} for value in range(20)]
+    failed = [value == 19 for value in range(20)]
+    check_missing("T030", cells, failed)
+    assert words("T030", cells, failed) == "T030: 1 of 20 snapshots failed, 25 % of those at the upper end of modulus."
+    assert words("T030", cells, [False] * 20) == ""
+
+
+def test_a_saved_surrogate_comes_back_and_a_damaged_one_is_named(tmp_path):
+    x, y = np.linspace(0.0, 1.0, 6)[:, None], np.outer(np.linspace(1.0, 2.0, 6) ** 2, [1.0, 2.0])
+    model, file = PODRBF(shape="loo").fit(x, y), tmp_path / "surrogate.npz"
+    save(model, x, y, file)
+    assert load(file).predict([[0.33]]) == pytest.approx(model.predict([[0.33]]), rel=1e-12)
+    whole = file.read_bytes()
+    for damaged in (whole[: len(whole) // 2], b"", whole[:300] + b"?" + whole[301:]):
+        file.write_bytes(damaged)
+        with pytest.raises(PalpateError, match="holds no surrogate that can be read; delete it"):
+            load(file)

@@ -1,104 +1,163 @@
-"""Two jobs that log at once lose nothing, and a surrogate comes back from its run."""
+"""Runs are written to disk first; sending loses nothing, never waits long, and sends nothing twice."""
 
 import itertools
+import json
 import multiprocessing
 import os
+import socket
+import threading
+import time
 
-import mlflow
 import numpy as np
 import pytest
 
-from palpate.errors import PalpateError
+from palpate.cli.main import main
 from palpate.surrogate import PODRBF
+from palpate.surrogate.saved import save
+from palpate.workflow_support.run_records import Run, git_commit, of_calibration, of_diagnosis, recorded
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
 Y = np.outer(X[:, 0] + X[:, 1] ** 2, np.linspace(1, 2, 5))
 
 
-def log(folder, number):
+def write_records(folder, execution="one"):
+    """Write the records of a surrogate and of another fit, as two jobs do."""
+    tracking = folder / "results/s/tracking"
+    os.environ["PALPATE_EXECUTION"] = execution
+    tracking.mkdir(parents=True, exist_ok=True)
+    save(PODRBF().fit(X, Y), X, Y, folder / "results/s/model.npz")
+    with recorded("s", tracking / "surrogate.json") as runs:
+        runs.append(Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"loo_rms_at_point": [1.0] * 5}))
+        runs[0].surrogate = str(folder / "results/s/model.npz")
+    with recorded("s", tracking / "fit.json", {"tags": {"lab.verdict": "adequate"}}) as runs:
+        runs.append(Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]}))
+    return tracking
+
+
+def send_from(folder, uri=None):
+    """Send what a folder holds; runs in a process of its own."""
     os.chdir(folder)
-    os.environ["PALPATE_EXECUTION"] = "one"
-    from palpate.workflow_support import tracking
-
-    model = PODRBF().fit(X, Y)
-    with tracking.nested_run("s", f"surrogate {number}", "surrogate", folder / "study.yaml", {"number": str(number)}):
-        tracking.log_surrogate(model, X, Y, {"loo_rmse_nm": 1.0})
-    with tracking.nested_run("s", f"search {number}", "fit", folder / "study.yaml", {}):
-        tracking.log_fit({"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]})
+    os.environ.pop("MLFLOW_TRACKING_URI", None)
+    if uri:
+        os.environ["MLFLOW_TRACKING_URI"] = uri
+    assert main(["track", "--send"]) == 0
 
 
-def test_a_series_opens_no_run_of_its_own(tmp_path, monkeypatch):
-    from palpate.workflow_support import tracking
-
+@pytest.fixture
+def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    tracking.connect("s")
-    with pytest.raises(PalpateError, match="no run is open to log best to"):
-        tracking.log_series("best", [3.0, 2.0], [0, 1])
-    assert mlflow.active_run() is None
+    return tmp_path
 
 
-def test_runs_hold_what_fits_are_compared_by(monkeypatch):
-    from palpate.workflow_support import tracking
-
-    params, metrics = {}, {}
-    monkeypatch.setattr(mlflow, "log_params", params.update)
-    monkeypatch.setattr(mlflow, "log_metrics", metrics.update)
-    monkeypatch.setattr(mlflow, "set_tags", lambda tags: None)
-    monkeypatch.setattr(tracking, "log_series", lambda *series: None)
+def test_runs_hold_what_fits_are_compared_by():
     modulus = {"estimate": 3.2, "lower": 3.0, "upper": 3.4, "identified": True}
     errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4, "role": "calibrate"}
     calibration = {"parameters": {"youngs_modulus": modulus}, "conditions": {"T030": errors}, "history": []}
-    told = {"seed": 862, "misfit_ratio": 1.1, "settled": False}
-    tracking.log_calibration(calibration | told, {"population": 200})
-    assert params == {"population": 200, "seed": 862}
+    told = {"seed": 862, "misfit_ratio": 1.1, "settled": False, "recordings": "lab", "condition_set": "all"}
+    run = of_calibration(calibration | told, {"population": 200}, [])
+    assert run.params == {"population": 200, "seed": 862}
+    metrics = run.metrics
     assert (metrics["misfit_ratio"], metrics["settled"], metrics["T030.mean_abs_error_nm"]) == (1.1, 0.0, 1.5)
     drift = {"thermal_drift.rate": {"estimate": 0.11, "lower": 0.09, "upper": 0.13}}
     named = {"mechanisms": ["thermal_drift"], "probability": 1.0, "parameters": drift}
     roles = {role: {"before_rmse_nm": 9.0, "after_rmse_nm": None} for role in ("calibrate", "validate")}
+    tried = [{"mechanisms": [], "rmse_nm": 9.0, "log_evidence": -3.0, "p_value": 0.0, "parameters": {}, "material": {}}]
     found = {"verdict": "identified", "mechanisms": ["thermal_drift"], "sentence": "", "p_value": 0.002}
-    tracking.log_diagnosis(found | {"candidates": [named], "fit": roles | {"noise_nm": 2.0}}, {"snapshots": 40})
-    assert params["snapshots"] == 40
-    assert (metrics["thermal_drift.rate.estimate"], metrics["thermal_drift.rate.upper"]) == (0.11, 0.13)
+    found |= {"candidates": [named], "fit": roles | {"noise_nm": 2.0}, "recordings": "lab", "tried": tried}
+    run, base = of_diagnosis(found, {"bootstrap": 40}, [])
+    assert run.params["bootstrap"] == 40
+    assert (run.metrics["thermal_drift.rate.estimate"], run.metrics["thermal_drift.rate.upper"]) == (0.11, 0.13)
+    assert (base.name, base.metrics["before_rmse_nm"]) == ("explanation base model", 9.0)
 
 
 def test_the_commit_is_that_of_the_code_wherever_a_study_is_run(tmp_path, monkeypatch):
-    from palpate.workflow_support import tracking
-
-    here = tracking.git_commit()
+    at_home = git_commit()
     monkeypatch.chdir(tmp_path)
-    assert tracking.git_commit() == here
+    assert git_commit() == at_home
 
 
-def test_jobs_that_log_at_once_lose_nothing(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("MLFLOW_TRACKING_URI", raising=False)
-    (tmp_path / "study.yaml").write_text("study: s\n")
-    context = multiprocessing.get_context("spawn")
-    first = context.Process(target=log, args=(tmp_path, 0))
-    first.start()
-    first.join()
-    jobs = [context.Process(target=log, args=(tmp_path, k)) for k in (1, 2, 3)]
+def test_what_was_recorded_arrives_once(here, capsys):
+    import mlflow
+
+    write_records(here)
+    assert main(["track"]) == 1
+    assert "s: 2 records are on disk only" in capsys.readouterr().out
+    for _ in range(2):
+        assert main(["track", "--send"]) == 0
+    store = f"sqlite:///{here}/results/mlflow.db"
+    client = mlflow.MlflowClient(store)
+    runs = client.search_runs([client.get_experiment_by_name("s").experiment_id])
+    by_kind = {run.data.tags["kind"]: run for run in runs}
+    assert sorted(run.data.tags["kind"] for run in runs) == ["fit", "surrogate", "workflow"]
+    parent = by_kind["workflow"].info.run_id
+    assert {by_kind[kind].data.tags["mlflow.parentRunId"] for kind in ("fit", "surrogate")} == {parent}
+    assert by_kind["workflow"].data.tags["lab.verdict"] == "adequate"
+    fit = by_kind["fit"]
+    assert (fit.data.params["optimiser"], fit.data.metrics["evaluations"]) == ("o", 7.0)
+    assert [entry.value for entry in client.get_metric_history(fit.info.run_id, "best_by_seed")] == [3.0, 2.0]
+    mlflow.set_tracking_uri(store)
+    (model,) = mlflow.search_logged_models(experiment_ids=[fit.info.experiment_id], output_format="list")
+    assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
+
+
+def test_four_folders_that_share_a_fresh_store_lose_nothing(tmp_path):
+    import mlflow
+
+    uri = f"sqlite:///{tmp_path}/shared.db"
+    context, jobs = multiprocessing.get_context("spawn"), []
+    for number in range(4):
+        (tmp_path / str(number)).mkdir()
+        write_records(tmp_path / str(number), execution=str(number))
+        jobs.append(context.Process(target=send_from, args=(tmp_path / str(number), uri)))
     for job in jobs:
         job.start()
     for job in jobs:
         job.join()
-    assert [job.exitcode for job in jobs] == [0, 0, 0]
-    store = f"sqlite:///{tmp_path}/results/mlflow.db"
-    client = mlflow.MlflowClient(store)
+    assert [job.exitcode for job in jobs] == [0] * 4
+    client = mlflow.MlflowClient(uri)
     runs = client.search_runs([client.get_experiment_by_name("s").experiment_id])
-    surrogates = [run for run in runs if run.data.tags["kind"] == "surrogate"]
-    assert len(surrogates) == 4
-    assert len({run.data.tags["mlflow.parentRunId"] for run in surrogates}) == 1
-    history = client.get_metric_history(surrogates[0].info.run_id, "loo_rms_at_point")
-    assert len(history) == 5
-    fits = [run for run in runs if run.data.tags["kind"] == "fit"]
-    assert [run.data.metrics["evaluations"] for run in fits] == [7.0] * 4
-    assert fits[0].data.params["optimiser"] == "o"
-    assert [entry.value for entry in client.get_metric_history(fits[0].info.run_id, "best_by_seed")] == [3.0, 2.0]
-    mlflow.set_tracking_uri(store)
-    models = mlflow.search_logged_models(experiment_ids=[surrogates[0].info.experiment_id], output_format="list")
-    assert len(models) == 4
-    assert models[0].model_uri
-    loaded = mlflow.sklearn.load_model(models[0].model_uri)
-    assert np.allclose(loaded.predict(X), Y)
+    assert len(runs) == 12
+
+
+@pytest.fixture(params=["refuses", "never answers"])
+def server(request):
+    """Return the address of a server that is of no use."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        if request.param == "never answers":
+            listener.listen()
+            threading.Thread(target=_accept, args=(listener,), daemon=True).start()
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}"
+
+
+def _accept(listener):
+    kept = []
+    while True:
+        try:
+            kept.append(listener.accept())
+        except OSError:
+            return
+
+
+def test_a_server_of_no_use_costs_seconds_and_loses_nothing(here, server, capsys, monkeypatch):
+    write_records(here)
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", server)
+    began = time.monotonic()
+    assert main(["track", "--send"]) == 1
+    assert time.monotonic() - began < 40.0
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 2
+    assert said[0].startswith("tracking: 2 records stay on disk") and said[0].endswith(
+        "palpate track --send sends them"
+    )
+    monkeypatch.delenv("MLFLOW_TRACKING_URI")
+    assert main(["track", "--send"]) == 0
+
+
+def test_a_record_that_changed_is_sent_again(here):
+    folder = write_records(here)
+    assert main(["track", "--send"]) == 0
+    record = json.loads((folder / "fit.json").read_text())
+    (folder / "fit.json").write_text(json.dumps(record | {"execution": "two"}))
+    assert main(["track"]) == 1

@@ -15,13 +15,17 @@ from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.verification import calculix, runner
 from palpate.verification.calculix_elastic import ELASTIC
 from palpate.verification.calculix_large import Curve
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, rms, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, rms, worst
 from palpate.verification.mesh_convergence import richardson
 
 GOOD = Row("depth [nm]", 100.0, 100.4, 0.005)
 BAD = Row("depth [nm]", 100.0, 101.0, 0.005)
 PLOT = Plot(
-    "curve", "time [s]", "depth [nm]", [Series("one", [1, 2], [3, 4])], [Series("two", [1, 2], [0.1, math.nan])]
+    "curve",
+    "time [s]",
+    "depth [nm]",
+    [PlottedSeries("one", [1, 2], [3, 4])],
+    [PlottedSeries("two", [1, 2], [0.1, math.nan])],
 )
 
 
@@ -62,7 +66,7 @@ def fails(settings):
 
 def test_report_and_json_hold_every_row(monkeypatch, tmp_path, capsys):
     outcome = Outcome([GOOD, Row("reported <only>", math.nan, 9.0, None)], [PLOT], ["a note"])
-    run_with(monkeypatch, Case("one", "First", lambda settings: outcome))
+    run_with(monkeypatch, Verification("one", "First", lambda settings: outcome))
     assert main(["verify", "--quick", "-o", str(tmp_path / "out")]) == 0
     result = json.loads((tmp_path / "out/verification.json").read_text())
     assert result["passed"] and result["checks"] == 1
@@ -76,7 +80,7 @@ def test_report_and_json_hold_every_row(monkeypatch, tmp_path, capsys):
 
 @pytest.mark.parametrize("broken", [lambda settings: Outcome([GOOD, BAD]), fails])
 def test_a_failed_check_is_told_and_ends_with_one(monkeypatch, tmp_path, capsys, broken):
-    run_with(monkeypatch, Case("one", "First", broken))
+    run_with(monkeypatch, Verification("one", "First", broken))
     assert main(["verify", "--quick", "-o", str(tmp_path)]) == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert "Failed: First" in (tmp_path / "report.html").read_text()

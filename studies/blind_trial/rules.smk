@@ -25,9 +25,7 @@ rule sealed_truth:
     conda:
         "../../envs/palpate.yaml"
     params:
-        study=STUDY_FILE,
-        data=DATA,
-        settings=STUDY.challenge,
+        settings=constant(STUDY.challenge),
         code=code("studies/blind_trial/scripts/seal.py"),
     script:
         "scripts/seal.py"
@@ -45,9 +43,7 @@ for group, folders in WRITTEN.items():
         conda:
             "../../envs/palpate.yaml"
         params:
-            study=STUDY_FILE,
-            data=DATA,
-            settings=STUDY.challenge,
+            settings=constant(STUDY.challenge),
             code=code("studies/blind_trial/scripts/recordings.py"),
         message:
             f"{len(folders)} sets of recordings, {group} of {len(WRITTEN)}"
@@ -59,7 +55,7 @@ rule trial_diagnoses:
     input:
         checksum=f"{TRIAL}/checksum.txt",
         recordings=lambda wildcards: GROUPS[wildcards.group],
-        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.joblib", name=CALIBRATED),
+        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.npz", name=CALIBRATED),
     output:
         directory(f"{TRIAL}/diagnoses/{{group}}"),
     log:
@@ -67,10 +63,8 @@ rule trial_diagnoses:
     conda:
         "../../envs/palpate.yaml"
     params:
-        study=STUDY_FILE,
-        data=DATA,
         conditions=CALIBRATED,
-        settings=[STUDY.diagnosis, STUDY.calibration],
+        settings=constant([STUDY.diagnosis, STUDY.calibration]),
         code=code("studies/blind_trial/scripts/diagnoses.py"),
     script:
         "scripts/diagnoses.py"
@@ -88,8 +82,6 @@ rule trial_scores:
     conda:
         "../../envs/palpate.yaml"
     params:
-        study=STUDY_FILE,
-        data=DATA,
         code=code("studies/blind_trial/scripts/scores.py"),
     script:
         "scripts/scores.py"

@@ -23,13 +23,14 @@ from palpate.errors import PalpateError
 from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
+from palpate.surrogate import PODRBF
 from studies.blind_trial.cases import Case
 from studies.blind_trial.laboratory import body_depths
 from studies.blind_trial.score import row
 
 
 def diagnose_case(
-    study: Study, folder: Path, surrogates: Mapping[str, str | Path], report: Callable[[str], None] = print
+    study: Study, folder: Path, surrogates: Mapping[str, PODRBF], report: Callable[[str], None] = print
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose the recordings in `folder`; nothing of the truth is read."""
     own = replace(study, recordings={"case": folder})

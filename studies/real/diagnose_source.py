@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import joblib
 import pandas as pd
 
 from palpate.configuration.study_file import Study
@@ -34,17 +33,11 @@ def diagnose_source(
     """
     if not study.source:
         raise InputError("names no vendor's file", remedy="add a section source", file=study.file, place="source")
-    recordings, folder = study.source["recordings"], results / study.name
+    recordings, surrogates = study.source["recordings"], {}
     convert_source(study, study.recordings[recordings])
-    plan, surrogates = store.plan(study, results), {}
-    for batch in plan:
-        store.compute(batch, results, report)
-    for condition in study.conditions:
-        if condition.role == "calibrate":
-            files = [file for batch in plan for file in batch.under(condition.name)]
-            model, _, _, summary = fit_surrogate(study, files)
-            report(f"{condition.name}: leave-one-out error of the surrogate {summary['loo_rmse_nm']:.2g} nm")
-            surrogates[condition.name] = folder / f"{condition.name}.surrogate.joblib"
-            joblib.dump(model, surrogates[condition.name])
+    for condition in [condition.name for condition in study.conditions if condition.role == "calibrate"]:
+        contents = store.computed(store.snapshots_under(study, condition), results / "store", report)
+        surrogates[condition], _, _, summary = fit_surrogate(study, condition, contents)
+        report(f"{condition}: leave-one-out error of the surrogate {summary['loo_rmse_nm']:.2g} nm")
     start = optimum_on_surrogates(study, observations(study, recordings), surrogates)
     return run_diagnosis(study, recordings, [start], report)

@@ -1,12 +1,24 @@
 # Real recordings, read and diagnosed: snakemake --cores 2 real --config data=FOLDER, for every study in config/real.
-REAL = [path.stem for path in sorted(Path(workflow.basedir).glob("config/real/*.yaml"))]
+REAL = [path.stem for path in sorted(HERE.glob("config/real/*.yaml"))]
 OTHERS = [name for name in REAL if name != STUDY.name]  # it has rules of its own
 NOTHING = "(?!)"  # matches no text
 
 
+def vendor_file(wildcards):
+    """The file behind a study of config/real, which is checked first."""
+    return read_study(f"{HERE}/config/real/{wildcards.real}.yaml").source["file"]
+
+
+def real_pages(wildcards):
+    """The pages of all studies in config/real, which are read when they are asked for."""
+    for name in REAL:
+        source = read_yaml(f"{HERE}/config/real/{name}.yaml")["source"]
+        yield f"results/{name}/{source['recordings']}/diagnosis.html"
+
+
 rule reading:
     input:
-        study=f"{workflow.basedir}/config/real/{{real}}.yaml",
+        study=f"{HERE}/config/real/{{real}}.yaml",
         recordings=vendor_file,
     output:
         page="results/{real}/reading/reading.html",
@@ -24,7 +36,7 @@ rule reading:
 
 rule real_study:
     input:
-        study=f"{workflow.basedir}/config/real/{{real}}.yaml",
+        study=f"{HERE}/config/real/{{real}}.yaml",
         recordings=vendor_file,
     output:
         result="results/{real}/{recordings}/diagnosis.json",

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from palpate.design import OrthogonalArray, anova, reduce_levels
+from palpate.design.anova import anova
+from palpate.design.orthogonal import OrthogonalArray
+from palpate.design.reduction import reduce_levels
 from palpate.inference.study_recordings import observations
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted

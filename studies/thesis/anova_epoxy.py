@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.design import Anova, OrthogonalArray
+from palpate.design.anova import Anova
+from palpate.design.orthogonal import OrthogonalArray
 from palpate.design.reduction import level_counts
 from palpate.inference.study_recordings import observations
 from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING

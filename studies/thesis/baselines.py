@@ -181,7 +181,7 @@ def with_noise(curves: Curves, seed: int) -> dict[str, Curves]:
     for number, name in enumerate(RECORDINGS):
         one = curves.where(recording=name)
         noise = correlated_noise(one.time[0], NOISE, MEMORY, np.random.default_rng([seed, number]))
-        recorded[name] = Curves(one.labels, one.time, one.load, one.depth + noise, one.reasons, one.seconds)
+        recorded[name] = Curves(one.labels, one.time, one.load, one.depth + noise, one.reasons)
     return recorded
 
 

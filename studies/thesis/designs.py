@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from palpate.design import latin_hypercube, sobol
+from palpate.design.sampling import latin_hypercube, sobol
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, Outcomes, Studies

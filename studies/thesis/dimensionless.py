@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.design import sobol
+from palpate.design.sampling import sobol
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from palpate.inference.calibration_result import Calibration
 from palpate.surrogate import PODRBF
+from palpate.surrogate.saved import save
+from palpate.workflow_support.run_records import Run, of_calibration
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,3 +69,19 @@ class Fitted:
     def of_calibration(cls, name: str, found: Calibration, **about: str) -> Fitted:
         """Return a calibration."""
         return cls(name, "calibration", settings=dict(found.settings), calibration=found.to_mapping(**about))
+
+    def run(self, folder: Path, thesis_study: str) -> Run:
+        """Return what MLflow is told of it; a surrogate is kept in `folder`."""
+        tags = {"thesis_study": thesis_study}
+        if self.calibration is not None:
+            found = of_calibration(self.calibration, self.settings, [])
+            return replace(found, name=self.name, tags=found.tags | tags)
+        series = {key: list(map(float, values)) for key, values in self.series.items()}
+        found = Run(self.name, self.kind, tags, dict(self.settings), dict(self.metrics), series)
+        if self.model is None or self.parameters is None or self.curves is None:
+            return found
+        file = folder / f"{self.name.replace(' ', '_')}.npz"
+        save(self.model, self.parameters, self.curves, file)
+        found.params |= self.model.get_params()
+        found.series["loo_rms_at_point"] = self.model.loo_rms_.tolist()
+        return replace(found, surrogate=str(file))

@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import cma
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
@@ -102,6 +101,8 @@ def covariance_adaptation(problem: Problem, seed: int) -> None:
     rng = np.random.default_rng(seed)
     while True:
         options = {"bounds": [0, 1], "seed": int(rng.integers(1, 2**31)), "verbose": -9, "verb_log": 0}
+        import cma
+
         strategy = cma.CMAEvolutionStrategy(rng.random(problem.space.dimensions), 0.3, options)
         while not strategy.stop():
             points = strategy.ask()

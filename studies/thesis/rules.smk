@@ -8,7 +8,7 @@ MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy
 rule thesis:
     input:
         f"{THESIS}/index.html",
-        f"{THESIS}/.tracking",
+        f"{THESIS}/tracking/receipt.json",
 
 
 rule thesis_recordings:
@@ -70,7 +70,8 @@ rule thesis_study:
         ),
     output:
         outcome=f"{THESIS}/{{key}}.json",
-        fitted=f"{THESIS}/fitted/{{key}}.joblib",
+        fitted=directory(f"{THESIS}/fitted/{{key}}"),
+        record=f"{THESIS}/tracking/{{key}}.json",
     log:
         f"{THESIS}/logs/{{key}}.log",
     wildcard_constraints:
@@ -85,17 +86,17 @@ rule thesis_study:
 
 rule thesis_tracking:
     input:
-        fitted=expand(f"{THESIS}/fitted/{{key}}.joblib", key=STUDIES),
+        expand(f"{THESIS}/tracking/{{key}}.json", key=STUDIES),
     output:
-        touch(f"{THESIS}/.tracking"),
+        f"{THESIS}/tracking/receipt.json",
     log:
         f"{THESIS}/logs/tracking.log",
     conda:
         "../../envs/palpate.yaml"
-    resources:
-        mlflow_db=1,
+    params:
+        attempt=attempt(f"{THESIS}/tracking/receipt.json"),
     script:
-        "scripts/tracking.py"
+        "../../scripts/tracking.py"
 
 
 rule thesis_figure:

@@ -59,8 +59,6 @@ class Curves:
         [s], [mN], [nm]; the depth of a run that failed is NaN.
     reasons
         Why each failed; empty where it did not.
-    seconds : ndarray, shape (n,)
-        Time in the solver when it was computed [s].
     """
 
     labels: Sequence[Mapping[str, Any]]
@@ -68,7 +66,6 @@ class Curves:
     load: np.ndarray
     depth: np.ndarray
     reasons: Sequence[str]
-    seconds: np.ndarray
 
     def column(self, name: str) -> np.ndarray:
         """Return one label of every curve (n,)."""
@@ -95,7 +92,6 @@ class Curves:
             self.load[rows],
             self.depth[rows],
             [self.reasons[k] for k in rows],
-            self.seconds[rows],
         )
 
     @property
@@ -113,7 +109,7 @@ class Curves:
         """Write all curves to one file."""
         meta = json.dumps({"labels": [dict(row) for row in self.labels], "reasons": list(self.reasons)})
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(path, time=self.time, load=self.load, depth=self.depth, seconds=self.seconds, meta=meta)
+        np.savez_compressed(path, time=self.time, load=self.load, depth=self.depth, meta=meta)
 
     @classmethod
     def load_from(cls, path: str | Path) -> Curves:
@@ -121,7 +117,7 @@ class Curves:
         with np.load(path) as stored:
             meta = json.loads(stored["meta"].item())
             time, load, depth = stored["time"], stored["load"], stored["depth"]
-            return cls(meta["labels"], time, load, depth, meta["reasons"], stored["seconds"])
+            return cls(meta["labels"], time, load, depth, meta["reasons"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,15 +163,13 @@ def compute(runs: Sequence[Run], folder: Path, report: Callable[[str], None] = p
     ]
     _fill(folder, runs, used, report)
     blank = np.full(counts.pop() if counts else 1, np.nan)
-    nothing: dict[str, Any] = {"time": blank, "load": blank, "depth": blank, "solver_seconds": 0.0}
+    nothing: dict[str, Any] = {"time": blank, "load": blank, "depth": blank}
     found = [
         _read(folder, one) if one else nothing | {"reason": run.reason} for run, one in zip(runs, used, strict=True)
     ]
     labels = [{**run.labels, **_name(one)} for run, one in zip(runs, used, strict=True)]
-    time, load, depth, seconds = (
-        np.array([row[key] for row in found]) for key in ("time", "load", "depth", "solver_seconds")
-    )
-    return Curves(labels, time, load, depth, [row["reason"] for row in found], seconds)
+    time, load, depth = (np.array([row[key] for row in found]) for key in ("time", "load", "depth"))
+    return Curves(labels, time, load, depth, [row["reason"] for row in found])
 
 
 def _name(specification: Specification | None) -> dict[str, str]:
@@ -186,8 +180,7 @@ def _name(specification: Specification | None) -> dict[str, str]:
 
 
 def _file(folder: Path, specification: Specification) -> Path:
-    address = store.address(specification)
-    return folder / address[:2] / f"{address}.npz"
+    return store.place(store.address(specification), folder)
 
 
 def _read(folder: Path, specification: Specification) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.design import Anova, OrthogonalArray, anova
+from palpate.design.anova import Anova, anova
+from palpate.design.orthogonal import OrthogonalArray
 from palpate.inference.measures import OBJECTIVES
 from studies.thesis.runs import Curves
 from studies.thesis.study import Rows

@@ -1,30 +1,28 @@
 # One calibration for each set of recordings and each set of conditions.
 rule calibration:
     input:
-        tracking=f"{FOLDER}/.tracking",
         recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
         surrogates=lambda wildcards: expand(
-            f"{FOLDER}/surrogates/{{condition}}.joblib",
+            f"{FOLDER}/surrogates/{{condition}}.npz",
             condition=STUDY.condition_sets[wildcards.condition_set],
         ),
     output:
         result=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.json",
         curves=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.curves.csv",
         figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
+        record=f"{FOLDER}/tracking/{{recordings}}/calibrations/{{condition_set}}.json",
     log:
         f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
     conda:
         "../../envs/palpate.yaml"
-    resources:
-        mlflow_db=1,
     params:
-        study=STUDY_FILE,
-        data=DATA,
-        title=STUDY.title,
-        settings=STUDY.calibration,
+        title=constant(STUDY.title),
+        settings=constant(STUDY.calibration),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         code=code("scripts/calibration.py"),
+    message:
+        "calibration of {wildcards.recordings} on the condition set {wildcards.condition_set}"
     script:
         "../../scripts/calibration.py"
 
@@ -38,5 +36,7 @@ rule main_calibration:
         f"{FOLDER}/logs/main_calibration_{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
+    message:
+        "main calibration of {wildcards.recordings}"
     shell:
         "cp {input} {output} 2> {log}"

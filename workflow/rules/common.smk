@@ -9,9 +9,8 @@ from pathlib import Path
 os.environ.setdefault(
     "PALPATE_EXECUTION", datetime.datetime.now().strftime("%Y-%m-%d %H:%M:%S")
 )
-os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
-os.environ.setdefault("DO_NOT_TRACK", "true")
-SOURCE = [str(Path(workflow.basedir) / "src"), str(workflow.basedir)]
+HERE = Path(workflow.current_basedir).parents[1]
+SOURCE = [str(HERE / "src"), str(HERE)]
 os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
 )
@@ -35,78 +34,56 @@ try:
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
-from palpate.workflow_support.check_study import checked_study
 from palpate.base.fingerprint import fingerprint
-from palpate.inference.study_recordings import files_of
 from palpate.base.yaml_file import read_yaml
-
-STUDY_FILE = (
-    str(workflow.configfiles[-1]) if workflow.configfiles else "config/config.yaml"
-)
-DATA = config.get("data") if workflow.configfiles else None
-COMMAND_LINE = {  # what --config takes, and the rules that it is for
-    "data": "data=FILE",
-    "quick": "quick=1 (verification)",
-    "reference": "reference=FOLDER (verification)",
-}
-
-if others := set(workflow.config_settings.config) - set(COMMAND_LINE):
-    refuse(
-        f"--config {' '.join(sorted(others))}: only {', '.join(COMMAND_LINE.values())} may be given there; "
-        "write the study's keys in its file"
-    )
+from palpate.configuration.study_file import load_study, study_from
+from palpate.inference.study_recordings import files_of
+from palpate.workflow_support import job
+from palpate.workflow_support.check_study import checked
+from palpate.workflow_support.steps import read_json
 
 
 @functools.cache
-def checked(file, data):
-    """The study in `file`, checked; a mistake ends the execution with one line."""
+def read_study(file=None):
+    """The study of this workflow, or that in a file, checked; a mistake ends the execution with one line."""
     try:
-        return checked_study(file, data)
+        if file:
+            return checked(load_study(file, config.get("data")))
+        given = [str(each) for each in workflow.configfiles]
+        for each in given:
+            read_yaml(
+                each
+            )  # tells a key that is given twice, of which Snakemake keeps the last
+        name = given[-1] if given else job.CONFIGURATION
+        values = job.plain(config)
+        if "data" in config and given and not DEFAULT:
+            values["data"] = config["data"]
+        return checked(study_from(values, name))
     except InputError as error:
         refuse(error)
 
 
-def vendor_file(wildcards):
-    """The file behind a study of config/real, which is checked first."""
-    file = f"{workflow.basedir}/config/real/{wildcards.real}.yaml"
-    return checked(file, config.get("data")).source["file"]
-
-
-def real_pages(wildcards):
-    """The pages of all studies in config/real, which are read when they are asked for."""
-    for name in REAL:
-        source = read_yaml(f"{workflow.basedir}/config/real/{name}.yaml")["source"]
-        yield f"results/{name}/{source['recordings']}/diagnosis.html"
-
-
-def reference_curves(wildcards):
-    """The files of the folder of reference curves, where one is given."""
-    folder = config.get("reference")
-    if folder and not Path(folder).is_dir():
-        refuse(
-            InputError(
-                "the folder is missing", remedy="give a folder of curves", file=folder
-            )
-        )
-    return sorted(map(str, Path(folder).glob("*.csv"))) if folder else []
-
-
-STUDY = checked(STUDY_FILE, DATA)
-FOLDER = f"results/{STUDY.name}"
-BATCHES = store.plan(STUDY)
-CALIBRATED = [
-    condition.name for condition in STUDY.conditions if condition.role == "calibrate"
-]
-DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
-
-
 def code(script):
-    """The identity of a script in this file's repository, and of all that it imports."""
-    return fingerprint(Path(workflow.basedir) / script)
+    """The identity of a script of this workflow, and of all that it imports."""
+    return fingerprint(HERE / script)
+
+
+def constant(value):
+    """A parameter as it is: in bare text Snakemake would take {braces} for wildcards."""
+    return lambda wildcards: value
+
+
+def attempt(receipt):
+    """What differs from the last execution where that left runs on disk that MLflow does not have."""
+    if not Path(receipt).is_file():
+        return "first"
+    found = read_json(receipt)
+    pending = found["status"] == "pending"
+    return os.environ["PALPATE_EXECUTION"] if pending else found["attempt"]
 
 
 def curves(values, accuracy):
-    """What the recordings of every condition are compared with: address and role of the curve at `values`."""
+    """What the recordings of every condition are compared with: role and address of the curve at `values`."""
     return [
         (
             condition.name,
@@ -117,7 +94,17 @@ def curves(values, accuracy):
     ]
 
 
+STUDY = read_study()
+FOLDER = f"results/{STUDY.name}"
+BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
+CALIBRATED = [
+    condition.name for condition in STUDY.conditions if condition.role == "calibrate"
+]
+DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
+
+
 wildcard_constraints:
+    batch="|".join(map(re.escape, BATCHES)),
     case=r"case_\d+",
     recordings="|".join(map(re.escape, STUDY.recordings)) or "none",
     condition="|".join(map(re.escape, CALIBRATED)),

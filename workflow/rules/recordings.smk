@@ -5,18 +5,18 @@ for laboratory, settings in STUDY.laboratory.items():
         name:
             f"laboratory_{laboratory}"
         output:
-            directory(STUDY.recordings[laboratory]),
+            files_of(STUDY, laboratory),
         log:
             f"{FOLDER}/logs/laboratory_{laboratory}.log",
         conda:
             "../../envs/palpate.yaml"
         params:
-            study=STUDY_FILE,
-            data=DATA,
             laboratory=laboratory,
-            settings=settings,
+            settings=constant(settings),
             curves=curves(settings["parameters"], "fine"),
             code=code("scripts/laboratory.py"),
+        message:
+            f"recordings of the virtual laboratory {laboratory}"
         script:
             "../../scripts/laboratory.py"
 
@@ -27,15 +27,17 @@ if STUDY.source:
         input:
             STUDY.source["file"],
         output:
-            directory(STUDY.recordings[STUDY.source["recordings"]]),
+            files_of(STUDY, STUDY.source["recordings"]),
         log:
             f"{FOLDER}/logs/vendor_recordings.log",
         conda:
             "../../envs/palpate.yaml"
         params:
-            study=STUDY_FILE,
-            data=DATA,
-            source={key: STUDY.source[key] for key in STUDY.source if key != "file"},
+            source=constant(
+                {key: STUDY.source[key] for key in STUDY.source if key != "file"}
+            ),
             code=code("scripts/vendor_recordings.py"),
+        message:
+            "recordings from the vendor's file"
         script:
             "../../scripts/vendor_recordings.py"

@@ -1,11 +1,57 @@
 # Tables, figures and the report, from saved results alone.
+RECORDS = [
+    *expand(f"{FOLDER}/tracking/surrogates/{{name}}.json", name=CALIBRATED),
+    *expand(
+        f"{FOLDER}/tracking/{{recordings}}/calibrations/{{name}}.json",
+        recordings=STUDY.recordings,
+        name=STUDY.condition_sets,
+    ),
+    *expand(f"{FOLDER}/tracking/{{name}}/diagnosis.json", name=DIAGNOSED),
+]
+RESULTS = [
+    f"{FOLDER}/snapshots.csv",
+    *expand(
+        f"{FOLDER}/surrogates/{{name}}.{{kind}}", name=CALIBRATED, kind=["npz", "json"]
+    ),
+    f"{FOLDER}/figures/surrogates.png",
+    *expand(
+        f"{FOLDER}/{{recordings}}/{{file}}",
+        recordings=STUDY.recordings,
+        file=[
+            "calibration.json",
+            "errors.csv",
+            "parameters.csv",
+            "figures/parameters.png",
+            "figures/convergence.png",
+            *(f"calibrations/{name}.json" for name in STUDY.condition_sets),
+            *(f"calibrations/{name}.curves.csv" for name in STUDY.condition_sets),
+            *(f"figures/fit_{name}.png" for name in STUDY.condition_sets),
+        ],
+    ),
+    *expand(
+        f"{FOLDER}/{{recordings}}/{{file}}",
+        recordings=DIAGNOSED,
+        file=[
+            "diagnosis.json",
+            "diagnosis.html",
+            "diagnosis.curves.csv",
+            "figures/diagnosis.png",
+        ],
+    ),
+]
+
+
+def all_recordings(wildcards):
+    """The files of all sets of recordings."""
+    return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
+
+
 rule tables:
     input:
         calibrations=expand(
             f"{FOLDER}/{{{{recordings}}}}/calibrations/{{name}}.json",
             name=STUDY.condition_sets,
         ),
-        main=f"{FOLDER}/{{recordings}}/calibration.json",
     output:
         errors=f"{FOLDER}/{{recordings}}/errors.csv",
         parameters=f"{FOLDER}/{{recordings}}/parameters.csv",
@@ -16,51 +62,50 @@ rule tables:
     conda:
         "../../envs/palpate.yaml"
     params:
-        study=STUDY_FILE,
-        data=DATA,
-        title=STUDY.title,
+        title=constant(STUDY.title),
+        laboratory=constant(STUDY.laboratory),
         code=code("scripts/tables.py"),
+    message:
+        "tables and figures of {wildcards.recordings}"
     script:
         "../../scripts/tables.py"
 
 
-rule surrogate_figure:
-    input:
-        expand(f"{FOLDER}/surrogates/{{condition}}.json", condition=CALIBRATED),
-    output:
-        f"{FOLDER}/figures/surrogates.png",
-    log:
-        f"{FOLDER}/logs/surrogate_figure.log",
-    conda:
-        "../../envs/palpate.yaml"
-    params:
-        code=code("scripts/surrogate_figure.py"),
-        title=f"Surrogates of {STUDY.title}",
-    script:
-        "../../scripts/surrogate_figure.py"
-
-
 rule report:
     input:
-        index=f"{FOLDER}/snapshots.csv",
-        surrogates=f"{FOLDER}/figures/surrogates.png",
-        tables=expand(
-            f"{FOLDER}/{{name}}/{{file}}.csv",
-            name=STUDY.recordings,
-            file=["errors", "parameters"],
-        ),
-        diagnoses=expand(f"{FOLDER}/{{name}}/diagnosis.json", name=DIAGNOSED),
+        RESULTS,
+        all_recordings,
     output:
-        f"{FOLDER}/report.html",
+        report=f"{FOLDER}/report.html",
+        manifest=f"{FOLDER}/report.manifest.json",
     log:
         f"{FOLDER}/logs/report.log",
     conda:
         "../../envs/palpate.yaml"
     params:
-        study=STUDY_FILE,
-        data=DATA,
-        title=STUDY.title,
-        source=STUDY.source,
+        title=constant(STUDY.title),
+        configuration=constant(
+            job.plain({key: config[key] for key in config if key != "data"})
+        ),
         code=code("scripts/report.py"),
+    message:
+        "report"
     script:
         "../../scripts/report.py"
+
+
+rule tracking:
+    input:
+        RECORDS,
+    output:
+        f"{FOLDER}/tracking/receipt.json",
+    log:
+        f"{FOLDER}/logs/tracking.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        attempt=attempt(f"{FOLDER}/tracking/receipt.json"),
+    message:
+        "runs to MLflow"
+    script:
+        "../../scripts/tracking.py"

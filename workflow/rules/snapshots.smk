@@ -1,33 +1,29 @@
-# One rule a batch: every snapshot is a declared output, named by the hash of what decides it.
-for number, batch in enumerate(BATCHES):
-
-    rule:
-        name:
-            f"snapshots_{batch.name}"
-        output:
-            batch.files,
-        log:
-            f"{FOLDER}/logs/snapshots/{batch.name}.log",
-        conda:
-            "../../envs/palpate.yaml"
-        params:
-            study=STUDY_FILE,
-            data=DATA,
-            batch=batch.name,
-        message:
-            f"snapshots {batch.name}: {len(batch.files)} snapshots, batch {number + 1} of {len(BATCHES)}"
-        script:
-            "../../scripts/snapshots.py"
+# One job a batch: its curves go to the store, its table lists where they lie and which failed.
+rule snapshots:
+    output:
+        f"{FOLDER}/snapshots/{{batch}}.csv",
+    log:
+        f"{FOLDER}/logs/snapshots/{{batch}}.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        curves=lambda wildcards: BATCHES[wildcards.batch].identity,
+    message:
+        f"snapshots {{wildcards.batch}}, one of {len(BATCHES)} batches"
+    script:
+        "../../scripts/snapshots.py"
 
 
 rule snapshot_index:
     input:
-        [file for batch in BATCHES for file in batch.files],
+        expand(f"{FOLDER}/snapshots/{{batch}}.csv", batch=BATCHES),
     output:
         f"{FOLDER}/snapshots.csv",
     log:
         f"{FOLDER}/logs/snapshot_index.log",
     conda:
         "../../envs/palpate.yaml"
+    message:
+        "table of all snapshots"
     script:
         "../../scripts/snapshot_index.py"

@@ -1,41 +1,43 @@
-# One surrogate a condition, and the store that MLflow keeps them in.
-SNAPSHOTS = {
-    condition: [file for batch in BATCHES for file in batch.under(condition)]
-    for condition in CALIBRATED
-}
-
-
-rule tracking_store:
-    output:
-        touch(f"{FOLDER}/.tracking"),
-    log:
-        f"{FOLDER}/logs/tracking_store.log",
-    conda:
-        "../../envs/palpate.yaml"
-    params:
-        study=STUDY.name,
-    script:
-        "../../scripts/tracking_store.py"
-
-
+# One surrogate a condition.
 rule surrogate:
     input:
-        tracking=f"{FOLDER}/.tracking",
-        snapshots=lambda wildcards: SNAPSHOTS[wildcards.condition],
+        lambda wildcards: [
+            f"{FOLDER}/snapshots/{name}.csv"
+            for name, batch in BATCHES.items()
+            if wildcards.condition
+            in [condition.name for condition in batch.conditions]
+        ],
     output:
-        model=f"{FOLDER}/surrogates/{{condition}}.joblib",
+        model=f"{FOLDER}/surrogates/{{condition}}.npz",
         summary=f"{FOLDER}/surrogates/{{condition}}.json",
+        record=f"{FOLDER}/tracking/surrogates/{{condition}}.json",
     log:
         f"{FOLDER}/logs/surrogate_{{condition}}.log",
     conda:
         "../../envs/palpate.yaml"
-    resources:
-        mlflow_db=1,
     params:
-        study=STUDY_FILE,
-        data=DATA,
-        settings=STUDY.surrogate,
+        settings=constant(STUDY.surrogate),
         levels=STUDY.levels,
         code=code("scripts/surrogate.py"),
+    message:
+        "surrogate of {wildcards.condition}"
     script:
         "../../scripts/surrogate.py"
+
+
+rule surrogate_figure:
+    input:
+        expand(f"{FOLDER}/surrogates/{{condition}}.json", condition=CALIBRATED),
+    output:
+        f"{FOLDER}/figures/surrogates.png",
+    log:
+        f"{FOLDER}/logs/surrogate_figure.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        title=constant(f"Surrogates of {STUDY.title}"),
+        code=code("scripts/surrogate_figure.py"),
+    message:
+        "figure of the surrogates"
+    script:
+        "../../scripts/surrogate_figure.py"

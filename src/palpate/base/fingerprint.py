@@ -11,7 +11,7 @@ import functools
 import hashlib
 import io
 import tokenize
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from numbers import Real
 from pathlib import Path
@@ -37,8 +37,14 @@ def fingerprint(*start: str | Path) -> str:
     """
     digest = hashlib.sha256()
     for file in sorted(closure(*start), key=lambda file: (file.name, str(file))):
-        digest.update(f"{file.name}\n{canonical(file.read_text(encoding='utf-8'))}\n".encode())
+        digest.update(f"{file.name} {_identity(file)}\n".encode())
     return digest.hexdigest()
+
+
+@functools.cache
+def _identity(file: Path) -> str:
+    """Return a hash of the code in one file."""
+    return hashlib.sha256(canonical(file.read_text(encoding="utf-8")).encode()).hexdigest()
 
 
 def closure(*start: str | Path) -> set[Path]:
@@ -83,19 +89,22 @@ def _file(module: str) -> Path | None:
 
 def canonical(source: str) -> str:
     """Return source code less comments, layout and docstrings."""
-    docstrings, parts = list(_docstrings(ast.parse(source))), []
+    docstrings, parts, follows = _docstrings(ast.parse(source)), list[str](), False
     lines, depth, began = source.splitlines(keepends=True), 0, (0, 0)
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type in LAYOUT or any(first <= token.start < last for first, last in docstrings):
+        if token.type in LAYOUT:
             continue
-        if token.type in NESTED:
+        if token.type == tokenize.STRING and token.start in docstrings:
+            follows = True
+        elif token.type in NESTED:
             began = token.start if depth == 0 else began
             depth += NESTED[token.type]
             if depth == 0:
                 parts.append(_between(lines, began, token.end))
-        elif depth == 0:
+        elif depth == 0 and not (follows and token.type == tokenize.NEWLINE):
             layout = token.type in (tokenize.INDENT, tokenize.DEDENT, tokenize.NEWLINE)
             parts.append(tokenize.tok_name[token.type] if layout else token.string)
+            follows = False
     return "\n".join(parts)
 
 
@@ -107,14 +116,15 @@ def _between(lines: list[str], first: Position, last: Position) -> str:
     return "".join(chosen)
 
 
-def _docstrings(tree: ast.AST) -> Iterator[tuple[Position, Position]]:
-    """Yield where the docstrings of a module, its classes and functions begin, and where the code goes on."""
+def _docstrings(tree: ast.AST) -> set[Position]:
+    """Return where the docstrings of a module, its classes and functions begin."""
+    found = set()
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         first = body[0] if isinstance(body, list) and body else None
         if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-            after = (first.end_lineno or first.lineno) + 1
-            yield (first.lineno, 0), (after, 0)
+            found.add((first.lineno, first.col_offset))
+    return found
 
 
 def content(value: Any) -> Any:

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from palpate.errors import InputError
 
-PACKAGE = Path(__file__).parent
-SOURCES = ("fem", "fem3d", "materials", "materials/flow")
+PACKAGE = Path(__file__).parents[1]
+SOURCES = ("solver/axisymmetric", "solver/pyramid", "materials", "materials/flow")
 VARIABLE = "NUMBA_CACHE_DIR"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ from typing import Any
 import yaml
 
 from palpate.errors import InputError
+
+LARGEST = 100_000
 
 
 class _Loader(yaml.SafeLoader):
@@ -37,6 +40,30 @@ _Loader.add_implicit_resolver(
 )
 
 
+def refuse_special(path: str | Path) -> None:
+    """Refuse what is there but is no regular file, such as a pipe, on which reading may wait for ever.
+
+    Raises
+    ------
+    InputError
+    """
+    if Path(path).exists() and not Path(path).is_file():
+        raise InputError("is no regular file", remedy="give a file", file=path)
+
+
+def _size(node: yaml.Node, known: dict[int, float]) -> float:
+    """Return the number of entries below a node, aliases filled in; infinite where it holds itself."""
+    if id(node) not in known:
+        known[id(node)] = math.inf  # until its entries are counted
+        children: list[yaml.Node] = []
+        if isinstance(node, yaml.MappingNode):
+            children = [child for pair in node.value for child in pair]
+        elif isinstance(node, yaml.SequenceNode):
+            children = node.value
+        known[id(node)] = 1.0 + sum(_size(child, known) for child in children)
+    return known[id(node)]
+
+
 def read_yaml(path: str | Path) -> Any:
     """Return the content of a YAML file.
 
@@ -45,8 +72,16 @@ def read_yaml(path: str | Path) -> Any:
     InputError
         When the file is missing, is no text, is not valid YAML or gives a key twice; with the line where there is one.
     """
+    refuse_special(path)
     try:
-        return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=_Loader)
+        loader = _Loader(Path(path).read_text(encoding="utf-8"))
+        node = loader.get_single_node()
+        if node is not None and _size(node, {}) > LARGEST:
+            raise InputError(
+                f"holds more than {LARGEST} entries once its aliases are filled in", remedy="write it without aliases",
+                file=path,
+            )  # fmt: skip
+        return None if node is None else loader.construct_document(node)
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:

@@ -26,7 +26,7 @@ NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceSample:
     """A solid and a tip that are known.
 
     Parameters
@@ -49,7 +49,7 @@ class Reference:
         return float(1e6 * np.sqrt(np.pi) / (2 * BETA * self.reduced_modulus * np.sqrt(area)))
 
 
-def frame_of_reference(tests: Sequence[tuple[np.ndarray, np.ndarray]], reference: Reference) -> FrameCompliance:
+def frame_of_reference(tests: Sequence[tuple[np.ndarray, np.ndarray]], reference: ReferenceSample) -> FrameCompliance:
     """Return the frame's compliance from the unloading of each test from its largest load.
 
     The interval holds the scatter between tests, and 1.96 times what the reference is uncertain by. One test alone
@@ -67,7 +67,7 @@ def frame_of_reference(tests: Sequence[tuple[np.ndarray, np.ndarray]], reference
     return FrameCompliance(centre, centre - half, centre + half, count)
 
 
-def _of_one(load: np.ndarray, depth: np.ndarray, reference: Reference) -> tuple[float, float]:
+def _of_one(load: np.ndarray, depth: np.ndarray, reference: ReferenceSample) -> tuple[float, float]:
     """Return compliances of frame and contact [nm/mN].
 
     What was found of the frame is taken off, so that unloading is a power law, and found anew.

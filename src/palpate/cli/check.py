@@ -22,10 +22,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
-    from palpate.workflow_support.check_study import checked_study
+    from palpate.base.yaml_file import read_yaml
+    from palpate.configuration.study_file import load_study
+    from palpate.workflow_support.check_study import checked
+    from palpate.workflow_support.job import plain
+    from palpate.workflow_support.manifest import changed
 
-    for line in described(checked_study(arguments.study, arguments.data)):
+    study = checked(load_study(arguments.study, arguments.data))
+    for line in described(study):
         print(line)
+    for line in changed(study, plain(read_yaml(arguments.study)), Path("results") / study.name):
+        print(f"{line}: run the study again")
     return 0
 
 

@@ -14,7 +14,7 @@ from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.schema import check_schema, suggestion, with_defaults
-from palpate.design import factorial, sobol
+from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import qmc
 
 Point = dict[str, float]
 
@@ -26,12 +25,16 @@ def midpoints(levels: Mapping[str, Sequence[float]]) -> list[Point]:
 
 def sobol(bounds: Mapping[str, tuple[float, float]], count: int, seed: int) -> list[Point]:
     """Return the first `count` points of a scrambled Sobol sequence; a longer sequence begins with a shorter one."""
+    from scipy.stats import qmc
+
     unit = qmc.Sobol(len(bounds), rng=np.random.default_rng(seed)).random_base2(int(np.ceil(np.log2(count))))[:count]
     return _within(bounds, unit)
 
 
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], count: int, seed: int) -> list[Point]:
     """Return a Latin hypercube: every parameter visits each of `count` equal parts of its range once."""
+    from scipy.stats import qmc
+
     return _within(bounds, qmc.LatinHypercube(len(bounds), rng=np.random.default_rng(seed)).random(count))
 
 

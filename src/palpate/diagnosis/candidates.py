@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.configuration.study_file import Study
-from palpate.design import factorial
+from palpate.design.sampling import factorial
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
-from palpate.classical.reference_sample import Reference, frame_of_reference
+from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.amplitude_constraint import UNNAMED, Law
 from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
@@ -114,7 +114,7 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]
         return []
     solid = (1.0 - given["poisson_ratio"] ** 2) / given["youngs_modulus"]
     reduced = 1.0 / (solid + study.indenter.compliance)
-    reference = Reference(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
+    reference = ReferenceSample(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
     frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
     return [_law_of(frame, "unloadings of a solid of known modulus")]
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-import joblib
 import numpy as np
 import pandas as pd
 
@@ -27,13 +25,13 @@ from palpate.inference.surrogate_fit import WeightedFit
 from palpate.inference.surrogate_space import Space
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
+from palpate.surrogate import PODRBF
 
 
 def optimum_on_surrogates(
-    study: Study, observed: Mapping[str, Observation], surrogates: Mapping[str, str | Path]
+    study: Study, observed: Mapping[str, Observation], models: Mapping[str, PODRBF]
 ) -> dict[str, float]:
-    """Return the material by name at which files of surrogates, by condition, come nearest to the mean curves."""
-    models = {name: joblib.load(file) for name, file in surrogates.items()}
+    """Return the material by name at which surrogates, by condition, come nearest to the mean curves."""
     bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
     space, measured = Space(bounds), {name: observed[name].mean for name in models}
     fit = WeightedFit(space, models, measured, np.eye(sum(map(len, measured.values()))))

@@ -6,7 +6,7 @@ from palpate.draft.guesses import ranges
 from palpate.draft.metadata import not_taken
 from palpate.draft.solid import Solid, check_units, unlike
 from palpate.draft.stated import Stated
-from palpate.draft.study_text import study_name
+from palpate.draft.yaml_text import study_name
 
 __all__ = [
     "Drafted",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.draft.solid import peak_of
-from palpate.draft.study_text import printable
+from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words

@@ -12,7 +12,7 @@ from palpate.draft.metadata import not_taken
 from palpate.draft.rollback_on_error import taken_back_if_unsound
 from palpate.draft.solid import Solid, check_units, unlike
 from palpate.draft.stated import Stated
-from palpate.draft.study_text import study_text
+from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
 from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each

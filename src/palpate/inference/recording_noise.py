@@ -154,12 +154,12 @@ def model_covariance(
 
     A mesh whose rings grow by a constant ratio makes the same relative error at every depth: all curves are off by one
     common factor, of standard deviation `relative_error`. The default of 0.003 covers what ``accuracy: standard``
-    differs from the depth extrapolated in the mesh ratio: up to 0.2 % of the depth in elastic and creeping bodies; up to
-    `GRID` where yielding prevails, which a study may state.
+    differs from the depth extrapolated in the mesh ratio: up to 0.2 % of the depth in elastic and creeping bodies; up
+    to `GRID` where yielding prevails, which a study may state.
 
-    What a study states beyond `GRID` is a discrepancy of the law (M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63
-    (2001) 425-464). It has a shape as well: a third of it varies along each test, as a random function of the fraction
-    of the test whose correlation falls to 1/e over a tenth; half of its variance is common to all conditions.
+    What a study states beyond `GRID` is a discrepancy of the law (M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B
+    63 (2001) 425-464). It has a shape as well: a third of it varies along each test, as a random function of the
+    fraction of the test whose correlation falls to 1/e over a tenth; half of its variance is common to all conditions.
 
     Where the load answers it departs by the `shares` of that, see `palpate.study.quantity.Quantity.share`.
     """

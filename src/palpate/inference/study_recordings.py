@@ -132,10 +132,15 @@ def written_by_workflow(study: Study, name: str) -> bool:
 
 
 def files_of(study: Study, name: str) -> list[Path]:
-    """Return what set `name` consists of: its files, or the folder where the workflow itself will write them."""
-    if written_by_workflow(study, name):
-        return [study.recordings[name]]
-    return [file for files in find(study, name).values() for file in files]
+    """Return the files of set `name`: those that are there, or those that the workflow itself will write."""
+    folder = study.recordings[name]
+    if name in study.laboratory:
+        counts = {condition.name: study.laboratory[name]["replicates"] for condition in study.conditions}
+    elif name == study.source.get("recordings"):
+        counts = {condition: len(tests) for condition, tests in read_source(study.source).items()}
+    else:
+        return [file for files in find(study, name).values() for file in files]
+    return [folder / f"{condition}_{number + 1}.csv" for condition, count in counts.items() for number in range(count)]
 
 
 def _checked(study: Study, condition: Condition, recording: Recording) -> Recording:
@@ -278,6 +283,8 @@ def convert_source(study: Study, folder: Path) -> None:
     source = study.source
     notes = tuple(f"{key}: {source[key]}" for key in ("repository", "commit", "path", "licence") if key in source)
     folder.mkdir(parents=True, exist_ok=True)
+    for old in recording_files(folder):
+        old.unlink()
     for condition, tests in read_source(source).items():
         for number, test in enumerate(tests, 1):
             said = (*test.recording.notes, *test.warnings, *notes)

@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import Recording, recording_files
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import Protocol
 from palpate.study.quantity import Quantity
@@ -134,6 +134,8 @@ def write(study: Study, name: str, folder: Path) -> None:
     """Write the recordings of laboratory `name` and, beside them, the truth in ``truth.json``."""
     settings = study.laboratory[name]
     folder.mkdir(parents=True, exist_ok=True)
+    for old in recording_files(folder):
+        old.unlink()
     for recording in record(study, settings).values():
         recording.write(folder / f"{recording.name}.csv")
     (folder / "truth.json").write_text(json.dumps(dict(settings), indent=2) + "\n", encoding="utf-8")

@@ -154,7 +154,7 @@ def calibrate(
     InputError
         When the study or a recording is not sound.
     PalpateError
-        When all simulations fail.
+        When too many simulations fail.
     """
     chosen, say = study_of(study), report or _silent
     tests = StudyTests.of(chosen, recordings)
@@ -166,11 +166,17 @@ def calibrate(
 
 def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:
     """Return the surrogate of each condition that calibrates; snapshots that the store lacks are simulated first."""
-    plan = store.plan(study, results)
-    for batch in plan:
-        store.compute(batch, results, report)
-    names = [condition.name for condition in study.conditions if condition.role == "calibrate"]
-    return {name: fit_surrogate(study, [file for batch in plan for file in batch.under(name)])[0] for name in names}
+    contents: dict[str, list[dict[str, Any]]] = {}
+    for batch in store.plan(study):
+        found = store.computed(batch.snapshots, results / "store", report)
+        for snapshot, content in zip(batch.snapshots, found, strict=True):
+            contents.setdefault(snapshot.condition, []).append(content)
+    models = {}
+    for name, curves in contents.items():
+        models[name], _, _, summary = fit_surrogate(study, name, curves)
+        if summary["missing"]:
+            report(summary["missing"])
+    return models
 
 
 def _silent(line: str) -> None:

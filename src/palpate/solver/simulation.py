@@ -10,13 +10,14 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError
 from palpate.mechanisms import checked_mechanisms
-from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as RESOLUTIONS_3D
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
 from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, room
 from palpate.solver.pyramid.fields_3d import fields_of
-from palpate.solver.pyramid.indent_3d import RESOLUTIONS, indent_3d
+from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
+from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.solver.variation import Variation, acting, recorded
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from

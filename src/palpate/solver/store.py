@@ -1,8 +1,9 @@
 """Snapshots: simulated curves, each kept under the content of what decides it.
 
 The address of a snapshot is a hash of its specification and of the physics in the source code, docstrings and comments
-aside. One store serves all studies; a study's own folder holds hard links into it. So a new level, condition or study
-never recomputes a snapshot that exists, and a job that was killed loses only those it was working on at once.
+aside. One store serves all studies. So a new level, condition or study never recomputes a snapshot that exists, and a
+job that was killed loses only those it was working on at once. A file that was cut or altered is recognised by the
+checksums within it, and simulated again.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ import functools
 import hashlib
 import json
 import os
-import shutil
+import zipfile
+import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +29,7 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.simulation import Simulation, alike, simulate_batch
 from palpate.study.specification import Specification, of_equivalent_cone
 
+STORE = Path("results/store")
 AT_ONCE = 2 * LANES
 
 
@@ -54,7 +57,7 @@ class Snapshot:
         return address(self.specification)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Batch:
     """Snapshots that one job computes.
 
@@ -62,22 +65,34 @@ class Batch:
     ----------
     name
         Unique in the study.
-    snapshots
-        What to simulate, under one loading condition or several that differ in size alone; what is alike stands
-        together.
-    files
-        Target of each snapshot, in the same order.
+    study
+    conditions
+        One loading condition, or several that differ in size alone and are simulated together.
+    cells
+        Material parameters on the grid.
     """
 
     name: str
-    snapshots: tuple[Snapshot, ...]
-    files: tuple[str, ...]
+    study: Study
+    conditions: tuple[Condition, ...]
+    cells: tuple[Mapping[str, float], ...]
 
-    def under(self, condition: str) -> list[str]:
-        """Return the files of one loading condition."""
-        return [
-            file for snapshot, file in zip(self.snapshots, self.files, strict=True) if snapshot.condition == condition
-        ]
+    @functools.cached_property
+    def snapshots(self) -> list[Snapshot]:
+        """What is simulated; what is alike stands together.
+
+        Under a pyramid that is the equivalent cone's: on its surrogate a search begins, and ends on the pyramid.
+        """
+        return [self._snapshot(cell, condition) for cell in self.cells for condition in self.conditions]
+
+    @property
+    def identity(self) -> str:
+        """Hash of what decides the curves: the cells, and the first one's curve under each condition."""
+        first = [self._snapshot(self.cells[0], condition).address for condition in self.conditions]
+        return hashlib.sha256(json.dumps([first, content(self.cells)]).encode()).hexdigest()[:24]
+
+    def _snapshot(self, cell: Mapping[str, float], condition: Condition) -> Snapshot:
+        return Snapshot(cell, condition.name, of_equivalent_cone(self.study.specification(cell, condition)))
 
 
 def address(specification: Specification) -> str:
@@ -86,21 +101,20 @@ def address(specification: Specification) -> str:
     return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def plan(study: Study, results: Path = Path("results")) -> list[Batch]:
-    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone.
+def plan(study: Study) -> list[Batch]:
+    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
+    cells, size = study.cells, study.cells_per_job
+    return [
+        Batch(f"{conditions[0].name}_{first // size:03d}", study, tuple(conditions), tuple(cells[first : first + size]))
+        for conditions in conditions_by_shape(study)
+        for first in range(0, len(cells), size)
+    ]
 
-    Of a pyramid they are the equivalent cone's: on their surrogate a search begins, and ends on the pyramid itself.
-    """
-    batches = []
-    for conditions in conditions_by_shape(study):
-        members = [
-            Snapshot(cell, condition.name, of_equivalent_cone(study.specification(cell, condition)))
-            for cell in study.cells
-            for condition in conditions
-        ]
-        folder = results / study.name / "snapshots"
-        batches += divided(conditions[0].name, members, folder, study.cells_per_job * len(conditions))
-    return batches
+
+def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
+    """Return the snapshots of a study under one condition."""
+    batches = [batch for batch in plan(study) if condition in [each.name for each in batch.conditions]]
+    return [snapshot for batch in batches for snapshot in batch.snapshots if snapshot.condition == condition]
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
@@ -122,95 +136,84 @@ def conditions_by_shape(study: Study) -> list[list[Condition]]:
     return groups
 
 
-def divided(name: str, members: Sequence[Snapshot], folder: Path, per_job: int) -> list[Batch]:
-    """Divide snapshots into jobs of `per_job`, whose targets lie in `folder`, in one for each condition."""
-    parts = [tuple(members[first : first + per_job]) for first in range(0, len(members), per_job)]
-    return [
-        Batch(f"{name}_{number:03d}", part, tuple(str(folder / m.condition / f"{m.address}.npz") for m in part))
-        for number, part in enumerate(parts)
-    ]
+def place(address: str, store: Path = STORE) -> Path:
+    """Return the file of an address."""
+    return store / address[:2] / f"{address}.npz"
 
 
-def compute(
-    batch: Batch,
-    results: Path = Path("results"),
+def computed(
+    snapshots: Sequence[Snapshot],
+    store: Path = STORE,
     report: Callable[[str], None] = print,
     solve: Callable[[Sequence[Specification]], Sequence[Simulation]] = simulate_batch,
-) -> int:
-    """Bring every snapshot of a batch into the study's folder, computing those that the store lacks.
+) -> list[dict[str, Any]]:
+    """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
 
     They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
-
-    Returns
-    -------
-    int
-        Number of snapshots computed.
     """
-    stored = [results / "store" / Path(file).stem[:2] / Path(file).name for file in batch.files]
-    missing = [number for number, file in enumerate(stored) if not file.exists()]
-    at_once = AT_ONCE * len({snapshot.condition for snapshot in batch.snapshots})
+    found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
+    missing = [snapshot for snapshot in snapshots if found[snapshot.address] is None]
+    at_once = AT_ONCE * len({snapshot.condition for snapshot in snapshots})
     for first in range(0, len(missing), at_once):
         chosen = missing[first : first + at_once]
-        simulations = solve([batch.snapshots[number].specification for number in chosen])
-        for number, simulation in zip(chosen, simulations, strict=True):
-            snapshot = batch.snapshots[number]
-            write(stored[number], simulation, snapshot.cell, snapshot.condition)
-        report(f"{batch.name}: {first + len(chosen)} of {len(missing)} snapshots computed")
-    for file, kept in zip(batch.files, stored, strict=True):
-        link(kept, Path(file))
-    report(f"{batch.name}: {len(batch.files)} snapshots, {len(missing)} computed")
-    return len(missing)
+        simulations = solve([snapshot.specification for snapshot in chosen])
+        for snapshot, simulation in zip(chosen, simulations, strict=True):
+            file = place(snapshot.address, store)
+            write(file, simulation, snapshot.cell, snapshot.condition)
+            found[snapshot.address] = read(file)
+        seconds = sum(simulation.solver_seconds for simulation in simulations)
+        report(f"{first + len(chosen)} of {len(missing)} snapshots computed, {seconds:.1f} s")
+    report(f"{len(snapshots)} snapshots, {len(missing)} computed")
+    return [known for snapshot in snapshots if (known := found[snapshot.address])]
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
     """Write one snapshot; the file appears whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(f".{os.getpid()}.partial")
-    with partial.open("wb") as stream:
-        np.savez(
-            stream,
-            time=simulation.time,
-            load=simulation.load,
-            depth=simulation.depth,
-            quantity=simulation.quantity,
-            status=simulation.status,
-            reason=simulation.reason,
-            solver_seconds=simulation.solver_seconds,
-            parameters=json.dumps(dict(cell)),
-            condition=condition,
-        )
-    partial.replace(path)
-
-
-def link(stored: Path, path: Path) -> None:
-    """Put a stored snapshot where the study looks for it: a hard link, or a copy where links cannot be made."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.unlink(missing_ok=True)
     try:
-        os.link(stored, path)
-    except OSError:
-        shutil.copyfile(stored, path)
+        with partial.open("wb") as stream:
+            np.savez(
+                stream,
+                time=simulation.time,
+                load=simulation.load,
+                depth=simulation.depth,
+                quantity=simulation.quantity,
+                status=simulation.status,
+                reason=simulation.reason,
+                parameters=json.dumps(dict(cell)),
+                condition=condition,
+            )
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def read(path: str | Path) -> dict[str, Any]:
     """Return the content of one snapshot file by name; `parameters` as a dictionary."""
     with np.load(path) as stored:
-        content: dict[str, Any] = {key: stored[key] if stored[key].ndim else stored[key].item() for key in stored.files}
-    content["parameters"] = json.loads(content["parameters"])
-    return content
+        found: dict[str, Any] = {key: stored[key] if stored[key].ndim else stored[key].item() for key in stored.files}
+    return found | {"parameters": json.loads(found["parameters"])}
 
 
-def index(files: Iterable[str | Path]) -> pd.DataFrame:
-    """Return a table of snapshots: address, condition, status, reason, solver seconds and parameters."""
-    rows = []
-    for file in files:
-        content = read(file)
-        keep = {key: content[key] for key in ("condition", "status", "reason", "solver_seconds")}
-        rows.append({"address": Path(file).stem, **keep, **content["parameters"]})
-    return pd.DataFrame(rows)
+def _intact(path: Path) -> dict[str, Any] | None:
+    """Return the content of a snapshot file, or nothing where it is missing, cut or altered."""
+    try:
+        return read(path)
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+        return None
 
 
-def matrix(files: Iterable[str | Path], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return a table of snapshots: address, condition, status, reason and parameters."""
+    return pd.DataFrame(
+        {"address": snapshot.address, "condition": snapshot.condition, "status": content["status"],
+         "reason": content["reason"], **snapshot.cell}
+        for snapshot, content in zip(snapshots, contents, strict=True)
+    )  # fmt: skip
+
+
+def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Return parameters (n, d) and answers (n, points) of the snapshots that succeeded, and the reasons of the others.
 
     What answers is the depth [nm], or under displacement control the load [mN].
@@ -222,13 +225,12 @@ def matrix(files: Iterable[str | Path], names: Iterable[str]) -> tuple[np.ndarra
     """
     names = list(names)
     parameters, curves, failures = [], [], []
-    for file in files:
-        content = read(file)
-        if content["status"] == "ok":
-            parameters.append([content["parameters"][name] for name in names])
-            curves.append(content[content["quantity"]])
+    for found in contents:
+        if found["status"] == "ok":
+            parameters.append([found["parameters"][name] for name in names])
+            curves.append(found[found["quantity"]])
         else:
-            failures.append(f"{content['parameters']}: {content['reason']}")
+            failures.append(f"{found['parameters']}: {found['reason']}")
     if len(curves) < 2:
         raise PalpateError(f"{len(failures)} snapshots failed, the first with: {failures[0] if failures else 'none'}")
     return np.array(parameters), np.array(curves), failures

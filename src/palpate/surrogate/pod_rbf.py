@@ -83,8 +83,11 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.n_modes = n_modes
         self.max_condition = max_condition
 
-    def fit(self, X: Any, y: Any) -> PODRBF:
-        """Fit to parameters X (n_snapshots, n_parameters) and curves y (n_snapshots, n_points) [nm]."""
+    def fit(self, X: Any, y: Any, lengths: Any = None) -> PODRBF:
+        """Fit to parameters X (n_snapshots, n_parameters) and curves y (n_snapshots, n_points) [nm].
+
+        The `lengths` of an earlier fit to the same snapshots spare the search for them.
+        """
         self._check_parameters()
         X, y = validate_data(self, X, y, multi_output=True, y_numeric=True, ensure_min_samples=2, dtype=float)
         self.single_output_ = y.ndim == 1
@@ -97,23 +100,28 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.n_modes_, self.energy_ = len(self.pod_.modes), self.pod_.energy
         self.lengths_ = np.ones(self.varies_.sum())
         points, data = self._scale(X), self.pod_.reduce(curves)
-        kernel = KERNELS[self.kernel]
-        if self.shape == "loo_each":
-            self.lengths_ = choose_lengths(points, data, self.kernel, self.max_condition)
-        elif kernel.scaled:
-            loo = self.shape == "loo"
-            shape = choose_shape(points, data, self.kernel, self.max_condition) if loo else float(self.shape)
-            self.lengths_ *= shape
+        self.lengths_ = self._chosen_lengths(points, data) if lengths is None else np.asarray(lengths, dtype=float)
         self.shape_ = float(np.exp(np.mean(np.log(self.lengths_))))
         points = points / self.lengths_
+        degree = KERNELS[self.kernel].degree
         inverse, self.condition_number_ = system_inverse(points, self.kernel, 1.0)
         if not self.condition_number_ <= self.max_condition:
             raise ConditionError(self.condition_number_, self.max_condition, self.kernel, self.shape_)
-        self.interpolator_ = RBFInterpolator(points, data, kernel=self.kernel, epsilon=1.0, degree=kernel.degree)
+        self.interpolator_ = RBFInterpolator(points, data, kernel=self.kernel, epsilon=1.0, degree=degree)
         truncation = curves - self.pod_.expand(data)
         self.loo_error_ = self.pod_.expand(leave_one_out(inverse, data)) + truncation
         self.loo_rms_ = np.sqrt(np.mean(self.loo_error_**2, axis=0))
         return self
+
+    def _chosen_lengths(self, points: np.ndarray, data: np.ndarray) -> np.ndarray:
+        """Return the length of each parameter that varies, as `shape` says, for points (n, d) scaled to [0, 1]."""
+        if self.shape == "loo_each":
+            return choose_lengths(points, data, self.kernel, self.max_condition)
+        if not KERNELS[self.kernel].scaled:
+            return np.ones(points.shape[1])
+        loo = self.shape == "loo"
+        shape = choose_shape(points, data, self.kernel, self.max_condition) if loo else float(self.shape)
+        return np.full(points.shape[1], shape)
 
     def predict(self, X: Any) -> np.ndarray:
         """Curves (n, n_points) [nm] at parameters X (n, n_parameters); warns well outside the snapshots."""

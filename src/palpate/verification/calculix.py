@@ -22,7 +22,7 @@ from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Plot, Row, Series, depth, worst
+from palpate.verification.case import Plot, PlottedSeries, Row, depth, worst
 from palpate.verification.reference_materials import CONE
 
 TIME_LIMIT = 1800.0
@@ -137,10 +137,10 @@ def compared(name: str, specification: Specification, theirs: np.ndarray, own_er
     ]
     reached = np.isfinite(theirs)
     both = [
-        Series("CalculiX", time[reached].tolist(), theirs[reached].tolist(), True),
-        Series("palpate, fine", time.tolist(), found.tolist()),
+        PlottedSeries("CalculiX", time[reached].tolist(), theirs[reached].tolist(), True),
+        PlottedSeries("palpate, fine", time.tolist(), found.tolist()),
     ]
-    lower = [Series("deviation", time[counts].tolist(), (100 * deviation[counts]).tolist())]
+    lower = [PlottedSeries("deviation", time[counts].tolist(), (100 * deviation[counts]).tolist())]
     file = "calculix_" + "".join(letter if letter.isalnum() else "_" for letter in name)
     return rows, Plot(file, "time [s]", f"depth, {name} [nm]", both, lower)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
-from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.case import Outcome, Settings, Verification
 from palpate.verification.reference_materials import STEADY_CREEP
 
 CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
@@ -40,4 +40,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, [RULE, STEPS])
 
 
-CASE = Case("calculix_creep", "CalculiX: steady creep", run)
+CASE = Verification("calculix_creep", "CalculiX: steady creep", run)

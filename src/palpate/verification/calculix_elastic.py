@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refinement_error, run_deck
-from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.case import Outcome, Settings, Verification
 from palpate.verification.reference_materials import HOOKE
 
 ELASTIC = Comparison("elastic", "elastic", HOOKE, 1.0, 1.0)
@@ -25,4 +25,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, [RULE])
 
 
-CASE = Case("calculix_elastic", "CalculiX: elasticity", run)
+CASE = Verification("calculix_elastic", "CalculiX: elasticity", run)

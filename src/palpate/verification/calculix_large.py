@@ -19,7 +19,7 @@ from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, STEPS, compared, printed, refined, table
-from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.case import Outcome, Settings, Verification
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
@@ -95,4 +95,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, [RULE, STEPS])
 
 
-CASE = Case("calculix_large", "CalculiX: aluminium at large strains", run)
+CASE = Verification("calculix_large", "CalculiX: aluminium at large strains", run)

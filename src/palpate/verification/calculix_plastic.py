@@ -14,7 +14,7 @@ from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, compared, refined, run_deck
-from palpate.verification.case import Case, Outcome, Settings
+from palpate.verification.case import Outcome, Settings, Verification
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
@@ -46,4 +46,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, [RULE, STEPS])
 
 
-CASE = Case("calculix_plastic", "CalculiX: aluminium at small strains", run)
+CASE = Verification("calculix_plastic", "CalculiX: aluminium at small strains", run)

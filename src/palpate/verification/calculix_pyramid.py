@@ -22,7 +22,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
 from palpate.verification.calculix import NOT_RUN, printed
-from palpate.verification.case import Case, Outcome, Row, Settings, depth
+from palpate.verification.case import Outcome, Row, Settings, Verification, depth
 from palpate.verification.pyramid_checks import PYRAMID
 from palpate.verification.reference_materials import HOOKE
 
@@ -100,4 +100,4 @@ def _held_back(program: Path, guess: float) -> Row:
     )
 
 
-CASE = Case("calculix_pyramid", "Berkovich pyramid: CalculiX", run)
+CASE = Verification("calculix_pyramid", "Berkovich pyramid: CalculiX", run)

@@ -68,7 +68,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Series:
+class PlottedSeries:
     """One line of a plot: `x` and `y` of equal length; `marks` draws points instead of a line."""
 
     label: str
@@ -84,8 +84,8 @@ class Plot:
     name: str
     x_label: str
     y_label: str
-    series: Sequence[Series]
-    lower: Sequence[Series] = ()
+    series: Sequence[PlottedSeries]
+    lower: Sequence[PlottedSeries] = ()
     logarithmic: bool = False
 
 
@@ -99,7 +99,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Case:
+class Verification:
     """A verification case: its key, its title for people, and what it does."""
 
     key: str

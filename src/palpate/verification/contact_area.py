@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.solver.pyramid.mesh_3d import Mesh
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 
 
-def contact_area(mesh: Mesh, displacement: np.ndarray, touching: np.ndarray) -> float:
+def contact_area(mesh: Mesh3D, displacement: np.ndarray, touching: np.ndarray) -> float:
     """Return the projected area [um^2] of the whole contact, all six wedges, whose nodes are `touching` (n,).
 
     On each ray of surface nodes the contact ends halfway, in the logarithm of the distance from the axis, between the

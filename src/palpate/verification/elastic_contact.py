@@ -8,7 +8,7 @@ from palpate.analytic import hertz, sneddon
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.reference_materials import HOOKE
 
 SHALLOW = 89.0
@@ -41,8 +41,8 @@ def run_sneddon(settings: Settings) -> Outcome:
         "half-angle of the cone [deg]",
         "depth / Sneddon's depth, mean of ten loads",
         [
-            Series("finite elements, fine", angles.tolist(), ratios, marks=True),
-            Series("Sneddon (shallow limit)", [float(angles[0]), 90.0], [1.0, 1.0]),
+            PlottedSeries("finite elements, fine", angles.tolist(), ratios, marks=True),
+            PlottedSeries("Sneddon (shallow limit)", [float(angles[0]), 90.0], [1.0, 1.0]),
         ],
     )
     return Outcome(rows, [plot])
@@ -58,17 +58,20 @@ def run_hertz(settings: Settings) -> Outcome:
         later = protocol.sample_load >= 0.1 * protocol.max_load
         quantity = f"depth under a sphere, worst sample from 10 % of the load on, {accuracy} [nm]"
         rows.append(worst(quantity, exact[later], found[later], allowed))
-        deviations.append(Series(accuracy, protocol.sample_load.tolist(), (100 * (found / exact - 1)).tolist()))
+        deviations.append(PlottedSeries(accuracy, protocol.sample_load.tolist(), (100 * (found / exact - 1)).tolist()))
     load = protocol.sample_load.tolist()
     plot = Plot(
         "hertz",
         "load [mN]",
         "depth [nm]",
-        [Series("Hertz", load, exact.tolist()), Series("finite elements, fine", load, found.tolist(), marks=True)],
+        [
+            PlottedSeries("Hertz", load, exact.tolist()),
+            PlottedSeries("finite elements, fine", load, found.tolist(), marks=True),
+        ],
         deviations,
     )
     return Outcome(rows, [plot])
 
 
-SNEDDON = Case("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon)
-HERTZ = Case("hertz", "Elastic half-space under a sphere: Hertz", run_hertz)
+SNEDDON = Verification("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon)
+HERTZ = Verification("hertz", "Elastic half-space under a sphere: Hertz", run_hertz)

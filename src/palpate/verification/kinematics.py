@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth
 from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE
 
 WHERE = ("peak", "1/15 of the load")
@@ -101,11 +101,11 @@ def _plot(test: Test, curves: Mapping[tuple[str, float], np.ndarray]) -> Plot:
     series = []
     for way, curve in curves.items():
         change = 100 * (curve / curves[WAYS[0]] - 1)[:last]
-        series.append(Series(_label(way), time[:last].tolist(), change.tolist()))
+        series.append(PlottedSeries(_label(way), time[:last].tolist(), change.tolist()))
     for way, depths in test.reference.items():
         change = 100 * (np.array(depths) / plain - 1)
         label = "CalculiX" if way == WAYS[0] else "_"
-        series.append(Series(label, time[list(test.samples)].tolist(), change.tolist(), True))
+        series.append(PlottedSeries(label, time[list(test.samples)].tolist(), change.tolist(), True))
     return Plot(f"kinematics_{test.name}", "time [s]", f"change of depth, {test.name} [%]", series)
 
 
@@ -137,4 +137,4 @@ def _differences(test: Test, way: tuple[str, float], curves: Mapping[tuple[str, 
     ]
 
 
-CASE = Case("kinematics", "Small against large strains, without and with friction", run)
+CASE = Verification("kinematics", "Small against large strains, without and with friction", run)

@@ -20,7 +20,7 @@ from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification
 from palpate.verification.reference_materials import BURGERS, CONE
 
 STANDARD_WITHIN = 0.005
@@ -70,11 +70,11 @@ def run(settings: Settings) -> Outcome:
             rows.append(Row(quantity, expected, order, ORDER_WITHIN))
         error = np.abs(np.array(values) / limit - 1)
         sizes = 0.5 ** np.arange(len(values))
-        series.append(Series(f"{name} (order {order:.2f})", sizes.tolist(), (100 * error).tolist()))
+        series.append(PlottedSeries(f"{name} (order {order:.2f})", sizes.tolist(), (100 * error).tolist()))
     rows.append(Row("mean depth, standard against fine [nm]", fine, whole, STANDARD_WITHIN))
     plot = Plot("convergence", "size, relative to the coarsest", "deviation from extrapolated [%]", series, (), True)
     note = "The epoxy's test: nonlinear Burgers, 1 mN, 30 s up, 30 s down; mean depth from 15 % of the load on."
     return Outcome(rows, [plot], [note])
 
 
-CASE = Case("convergence", "Convergence of the solver", run)
+CASE = Verification("convergence", "Convergence of the solver", run)

@@ -10,12 +10,12 @@ from palpate.analytic import berkovich
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS, indent_3d
-from palpate.solver.pyramid.newton_3d import Problem, State
+from palpate.solver.pyramid.newton_3d import Problem3D, State
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.contact_area import contact_area
 from palpate.verification.mesh_convergence import richardson
 from palpate.verification.reference_materials import BURGERS, CONE, HOOKE
@@ -57,7 +57,7 @@ class Elastic:
         """Simulate the epoxy without its creep."""
         areas, nodes = [], set()
 
-        def observe(problem: Problem, state: State) -> None:
+        def observe(problem: Problem3D, state: State) -> None:
             nodes.add(len(problem.mesh.nodes))
             if state.time >= loading.sample_time[0]:
                 areas.append(contact_area(problem.mesh, state.displacement, state.contact) / state.depth**2)
@@ -169,12 +169,12 @@ def _creep(accuracy: str) -> tuple[list[Row], Plot]:
         "time [s]",
         "depth of the epoxy [nm]",
         [
-            Series("equivalent cone", time, cone.tolist(), True),
-            Series("Berkovich pyramid", time, pyramid.tolist()),
+            PlottedSeries("equivalent cone", time, cone.tolist(), True),
+            PlottedSeries("Berkovich pyramid", time, pyramid.tolist()),
         ],
-        [Series("pyramid - cone", time, (100 * (pyramid / cone - 1)).tolist())],
+        [PlottedSeries("pyramid - cone", time, (100 * (pyramid / cone - 1)).tolist())],
     )
     return rows, plot
 
 
-CASE = Case("pyramid", "Berkovich pyramid in three dimensions", run)
+CASE = Verification("pyramid", "Berkovich pyramid in three dimensions", run)

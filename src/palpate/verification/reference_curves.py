@@ -9,12 +9,12 @@ import numpy as np
 from palpate.recordings.recording import read_recording
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Case, Outcome, Plot, Series, Settings, depth, rms, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, rms, worst
 from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE, STEADY_CREEP
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceCurve:
     """A curve's file name, the test that it belongs to, and its refinement error, relative.
 
     That of the plastic curve is the largest difference of its depths at peak on three meshes: 672.9 to 680.9 nm.
@@ -29,10 +29,10 @@ class Reference:
 
 
 REFERENCES = (
-    Reference("elastic", "elastic", HOOKE, 1.0, 1.0, 0.004),
-    Reference("norton_creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0, 0.004),
-    Reference("burgers", "nonlinear_burgers", BURGERS, 1.0, 30.0, 0.004),
-    Reference("bilinear_plasticity", "bilinear_plasticity", ALUMINIUM, 4.9, 15.0, 0.012),
+    ReferenceCurve("elastic", "elastic", HOOKE, 1.0, 1.0, 0.004),
+    ReferenceCurve("norton_creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0, 0.004),
+    ReferenceCurve("burgers", "nonlinear_burgers", BURGERS, 1.0, 30.0, 0.004),
+    ReferenceCurve("bilinear_plasticity", "bilinear_plasticity", ALUMINIUM, 4.9, 15.0, 0.012),
 )
 
 
@@ -56,14 +56,14 @@ def run(settings: Settings) -> Outcome:
         rows.append(worst(quantity, expected[counts], found[counts], reference.refinement, note))
         rows.append(rms(f"{reference.name}: depth, root mean square [nm]", expected[counts], found[counts], None))
         series = [
-            Series("reference", time.tolist(), expected.tolist(), True),
-            Series("fine", time.tolist(), found.tolist()),
+            PlottedSeries("reference", time.tolist(), expected.tolist(), True),
+            PlottedSeries("fine", time.tolist(), found.tolist()),
         ]
         deviation = 100 * (found[counts] / expected[counts] - 1)
-        lower = [Series("deviation", time[counts].tolist(), deviation.tolist())]
+        lower = [PlottedSeries("deviation", time[counts].tolist(), deviation.tolist())]
         plots.append(Plot(f"reference_{reference.name}", "time [s]", f"depth, {reference.name} [nm]", series, lower))
     notes = ["Compared from 15 % of the load on."]
     return Outcome(rows, plots, notes if rows else [f"{settings.reference} holds no reference curve."])
 
 
-CASE = Case("reference", "Reference curves", run)
+CASE = Verification("reference", "Reference curves", run)

@@ -31,7 +31,7 @@ from palpate.verification import (
     self_similarity,
     viscoelastic_contact,
 )
-from palpate.verification.case import Case, Outcome, Row, Settings
+from palpate.verification.case import Outcome, Row, Settings, Verification
 
 CASES = (
     elastic_contact.SNEDDON,
@@ -95,7 +95,7 @@ def run(settings: Settings, say: Callable[[str], None]) -> dict[str, Any]:
     }
 
 
-def _outcome(case: Case, settings: Settings) -> Outcome:
+def _outcome(case: Verification, settings: Settings) -> Outcome:
     try:
         return case.run(settings)
     except PalpateError as error:

@@ -7,7 +7,7 @@ import numpy as np
 from palpate.analytic import scaling
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.case import Case, Outcome, Plot, Row, Series, Settings, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE
 
 LOAD, STRESS, TIME = 2.7, 5.0, 3.0
@@ -53,8 +53,8 @@ def _within_one_curve(kinematics: str, rows: list[Row]) -> Plot:
         ratio = ratio / np.sqrt(load)
         quantity = f"elastic, {kinematics} strain, {accuracy}: depth / sqrt(load) along one curve [nm/mN^0.5]"
         rows.append(worst(quantity, np.full(len(load), ratio.mean()), ratio, allowed, "expected: its mean"))
-        series.append(Series(accuracy, load.tolist(), ratio.tolist()))
+        series.append(PlottedSeries(accuracy, load.tolist(), ratio.tolist()))
     return Plot(f"similarity_{kinematics}", "load [mN]", f"depth / sqrt(load), {kinematics} strain", series)
 
 
-CASE = Case("similarity", "Exact scaling laws", run)
+CASE = Verification("similarity", "Exact scaling laws", run)

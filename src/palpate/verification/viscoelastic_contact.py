@@ -11,7 +11,7 @@ from palpate.analytic.linear_viscoelastic import LinearBurgers
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Case, Outcome, Plot, Series, Settings, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, worst
 
 MODULUS, RATIO = 3.28, 0.499
 VOIGT = ((0.24, 5.0), (0.10, 40.0))
@@ -49,10 +49,10 @@ def run(settings: Settings) -> Outcome:
                 "time [s]",
                 "depth [nm]",
                 [
-                    Series("closed form", time.tolist(), expected.tolist()),
-                    Series(f"finite elements, {accuracy}", time[::4].tolist(), found[::4].tolist(), marks=True),
+                    PlottedSeries("closed form", time.tolist(), expected.tolist()),
+                    PlottedSeries(f"finite elements, {accuracy}", time[::4].tolist(), found[::4].tolist(), marks=True),
                 ],
-                [Series(accuracy, time.tolist(), (100 * (found / expected - 1)).tolist())],
+                [PlottedSeries(accuracy, time.tolist(), (100 * (found / expected - 1)).tolist())],
             )
         )
     note = "The closed forms are those of nu = 0.5; the simulations have nu = 0.499, which changes depth by 0.05 %."
@@ -65,4 +65,4 @@ def _row(shape: str, protocol: Protocol, exact: Callable[[Protocol], np.ndarray]
     return worst(quantity, exact(protocol)[later], found[later], ALLOWED)
 
 
-CASE = Case("viscoelastic", "Linear viscoelastic half-space: Lee and Radok", run)
+CASE = Verification("viscoelastic", "Linear viscoelastic half-space: Lee and Radok", run)

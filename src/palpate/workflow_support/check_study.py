@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.configuration.study_file import Study, load_study
+from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given, written_by_workflow
@@ -18,20 +18,14 @@ from palpate.workflow_support.steps import settings_of
 UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
 
 
-def checked_study(path: str | Path, data: str | None = None) -> Study:
-    """Read a study, and check its recordings, the settings of its calibration and what its diagnosis considers.
-
-    Parameters
-    ----------
-    path, data
-        As for `palpate.configuration.study_file.load_study`.
+def checked(study: Study) -> Study:
+    """Check a study's recordings, the settings of its calibration and what its diagnosis considers, and return it.
 
     Raises
     ------
     InputError
         With file, place and remedy, on the first mistake.
     """
-    study = load_study(path, data=data)
     _check_folders(study)
     _check_concealed(study)
     _check_reference(study)

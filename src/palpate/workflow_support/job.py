@@ -1,15 +1,43 @@
-"""A job of the workflow: its log tells how it ended, and what palpate refuses ends it with one line."""
+"""A job of the workflow: its study, a log that tells how it ended, and one line for what palpate refuses."""
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+from palpate.configuration.study_file import Study, study_from
 from palpate.errors import PalpateError
+
+COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
+CONFIGURATION = "configuration of the workflow"
+EXPONENT = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+$")
+
+
+def study(snakemake: Any) -> Study:
+    """Return the study of a script, from the workflow's configuration."""
+    return study_from(plain(snakemake.config), CONFIGURATION)
+
+
+def plain(config: Any) -> Any:
+    """Return what a configuration says of a study.
+
+    Snakemake reads 1e9 as text, where a study's file means a number. What is only for the command line is left out, and
+    so is the place of vendors' files where the study at hand has none.
+    """
+    if isinstance(config, Mapping):
+        apart = COMMAND_LINE if "source" in config or "study" not in config else (*COMMAND_LINE, "data")
+        return {str(key): plain(value) for key, value in config.items() if key not in apart}
+    if isinstance(config, list | tuple):
+        return [plain(value) for value in config]
+    if isinstance(config, str) and EXPONENT.match(config):
+        return float(config)
+    return config
 
 
 @contextmanager

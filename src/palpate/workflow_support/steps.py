@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import joblib
 import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
+from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
 from palpate.inference.forward import FiniteElements
@@ -24,23 +24,34 @@ from palpate.output import html_report
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
+from palpate.surrogate.missing import check_missing, words
+from palpate.surrogate.saved import load
 
 
-def fit_surrogate(study: Study, files: Iterable[str | Path]) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
-    """Fit the surrogate of one condition to its snapshots.
+def fit_surrogate(
+    study: Study, condition: str, contents: Sequence[Mapping[str, Any]]
+) -> tuple[PODRBF, np.ndarray, np.ndarray, dict[str, Any]]:
+    """Fit the surrogate of one condition to the contents of its snapshots, see `palpate.solver.store.read`.
 
     Returns
     -------
     model, parameters, curves, summary
         The estimator, what it was fitted to, and its figures of merit.
+
+    Raises
+    ------
+    PalpateError
+        When too many snapshots failed, see `palpate.surrogate.missing`.
     """
-    files = list(files)
-    parameters, curves, failures = store.matrix(files, study.levels)
-    unit = UNITS[store.read(files[0])["quantity"]]
+    cells, failed = [found["parameters"] for found in contents], [found["status"] != "ok" for found in contents]
+    check_missing(condition, cells, failed)
+    parameters, curves, failures = store.matrix(contents, study.levels)
+    unit = UNITS[contents[0]["quantity"]]
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
+        "missing": words(condition, cells, failed),
         "modes": int(model.n_modes_),
         "energy_of_first_mode": float(model.energy_[0]),
         "shape": float(model.shape_),
@@ -82,8 +93,7 @@ def settings_of(study: Study) -> CalibrationSettings:
 
 def estimate_of(file: str | Path) -> dict[str, float]:
     """Return the estimate that the file of a calibration holds, by parameter."""
-    content = json.loads(Path(file).read_text(encoding="utf-8"))
-    return {name: row["estimate"] for name, row in content["parameters"].items()}
+    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
 
 
 def calibrate_study(
@@ -120,7 +130,7 @@ def run_calibration(
         takes the place of load_mN, and what is recorded, surrogate's and simulated is a load, such as recorded_mN.
     """
     members = study.condition_sets[condition_set]
-    models: dict[str, PODRBF] = {name: joblib.load(surrogate_files[name]) for name in members}
+    models: dict[str, PODRBF] = {name: load(surrogate_files[name]) for name in members}
     measured = observations(study, recordings)
     judged = {
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
@@ -198,18 +208,16 @@ def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
     return table
 
 
-def write_report(study: Study, folder: Path, path: Path) -> None:
-    """Write the report of a study from what its `folder` holds."""
+def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
+    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`."""
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
-    summary = (
-        f"<p>{len(index)} snapshots, {failed} failed, {index['solver_seconds'].sum():.0f} s of solver time "
-        f"({index['solver_seconds'].mean():.2f} s each).</p>"
-    )
+    summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
-    notes = []
+    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.conditions if c.role == "calibrate"]
+    notes = [summary["missing"] for summary in summaries if summary["missing"]]
     for recordings in study.recordings:
         found = folder / recordings
         if recordings in study.laboratory:
@@ -240,6 +248,10 @@ def write_report(study: Study, folder: Path, path: Path) -> None:
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
         sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
+    libraries = ", ".join(f"{name} {number}" for name, number in made_from["libraries"].items())
+    versions = f"Python {made_from['python']}, {libraries}; commit {made_from['git_commit']}; seed {made_from['seed']}."
+    table = pd.DataFrame({"file": made_from["files"].keys(), "SHA-256": made_from["files"].values()})
+    sections.append(("What this was made from", [html_report.paragraph(versions), html_report.table(table)]))
     html_report.build(study.title, sections, notes, path)
 
 
@@ -253,5 +265,14 @@ def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> 
 
 
 def read_json(path: str | Path) -> dict[str, Any]:
-    """Read JSON."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """Read JSON that the workflow wrote.
+
+    Raises
+    ------
+    PalpateError
+        When it was cut or altered so that it is JSON no more.
+    """
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise PalpateError(f"{path} is damaged ({error}); delete it and run the study again") from error

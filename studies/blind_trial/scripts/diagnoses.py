@@ -3,15 +3,15 @@
 import time
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
+from palpate.surrogate.saved import load
 from palpate.workflow_support import job
 from palpate.workflow_support.steps import write_json
 from studies.blind_trial.trial import diagnose_case
 
 
 def main(snakemake):
-    study, names = load_study(snakemake.params.study, data=snakemake.params.data), snakemake.params.conditions
-    surrogates = dict(zip(names, snakemake.input.surrogates, strict=True))
+    study, names = job.study(snakemake), snakemake.params.conditions
+    surrogates = dict(zip(names, map(load, snakemake.input.surrogates), strict=True))
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
         for folder in map(Path, snakemake.input.recordings):
             begin = time.process_time()

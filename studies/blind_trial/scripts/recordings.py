@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job
 from studies.blind_trial.cases import draw
 from studies.blind_trial.laboratory import write
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    study = job.study(snakemake)
     folders = [Path(folder) for folder in snakemake.output]
     names = {folder.name for folder in folders}
     write(study, [case for case in draw(study) if case.name in names], folders[0].parent)

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job
 from palpate.workflow_support.steps import write_json
 from studies.blind_trial.cases import Case
@@ -11,7 +10,7 @@ from studies.blind_trial.trial import score_case
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    study = job.study(snakemake)
     truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
     rows = []
     for folder in map(Path, snakemake.input.recordings):

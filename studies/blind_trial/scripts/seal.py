@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job
 from studies.blind_trial.cases import draw, seal
 
 
 def main(snakemake):
-    study = load_study(snakemake.params.study, data=snakemake.params.data)
+    study = job.study(snakemake)
     checksum = seal(draw(study), Path(snakemake.output.truth))
     Path(snakemake.output.checksum).write_text(f"{checksum}  sealed.json\n", encoding="utf-8")
     print(f"the truth is sealed; SHA-256 {checksum}")

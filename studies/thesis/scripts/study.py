@@ -1,24 +1,26 @@
-"""Make the tables of one study of the thesis from its curves."""
+"""Make the tables of one study of the thesis from its curves, and the records of what it fitted."""
 
 import time
 from pathlib import Path
 
-import joblib
-
 from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job, steps
+from palpate.workflow_support.run_records import recorded
 from studies import thesis
 
 
 def main(snakemake):
-    began = time.perf_counter()
+    began, key = time.perf_counter(), snakemake.wildcards.key
     context = thesis.Context(
         studies={Path(file).stem: load_study(file) for file in snakemake.input.studies},
         curves={Path(file).stem: thesis.Curves.load_from(file) for file in snakemake.input.designs},
         outcomes={Path(file).stem: steps.read_json(file) for file in snakemake.input.outcomes},
     )
-    outcome = thesis.STUDIES[snakemake.wildcards.key].run(context)
-    joblib.dump((Path(snakemake.input.studies[0]), outcome.fitted), snakemake.output.fitted)
+    fitted = Path(snakemake.output.fitted)
+    fitted.mkdir(parents=True, exist_ok=True)
+    with recorded("thesis", snakemake.output.record) as runs:
+        outcome = thesis.STUDIES[key].run(context)
+        runs += [each.run(fitted, key) for each in outcome.fitted]
     seconds = {"seconds": time.perf_counter() - began}
     steps.write_json(snakemake.output.outcome, outcome.to_mapping() | seconds)
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from palpate.output.export.cards import friction_cards
-from palpate.solver.pyramid.mesh_3d import Mesh
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.shell import WEDGE
 
 INCREMENTS = 8
@@ -21,7 +21,7 @@ FACES = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: 
 
 
 def deck(
-    mesh: Mesh,
+    mesh: Mesh3D,
     reach: float,
     slope: float,
     depth: float,
@@ -34,7 +34,7 @@ def deck(
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : Mesh3D
         Of the wedge, in um.
     reach, depth
         Distance from the axis up to which the surface may touch, and how far the indenter moves [um].
@@ -107,7 +107,7 @@ def _material(name: str, sets: Iterable[str], youngs_modulus: float, poisson_rat
     return [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{youngs_modulus:.12g}, {poisson_ratio:.12g}", *sections]
 
 
-def _surface(mesh: Mesh, reach: float) -> Iterable[str]:
+def _surface(mesh: Mesh3D, reach: float) -> Iterable[str]:
     top = np.isin(np.arange(len(mesh.nodes)), mesh.surface)
     for number, element in enumerate(mesh.elements, 1):
         if np.linalg.norm(mesh.nodes[element], axis=1).max() < reach:
@@ -117,7 +117,7 @@ def _surface(mesh: Mesh, reach: float) -> Iterable[str]:
                     yield f"{number}, S{face}"
 
 
-def _held(mesh: Mesh) -> list[str]:
+def _held(mesh: Mesh3D) -> list[str]:
     """Return what the mirror planes and the far boundary hold, along axes turned where the mesh turns them."""
     fixed, numbers = mesh.equations < 0, np.arange(1, len(mesh.nodes) + 1)
     turned, far = mesh.turn[:, 1] > 0, fixed.all(axis=1)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.base.discovery import discover
+from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import lacking, read_columns
@@ -93,6 +94,7 @@ def read_each(
         When no test can be read.
     """
     path = Path(path)
+    refuse_special(path)
     try:
         content = path.read_bytes()
     except OSError as error:

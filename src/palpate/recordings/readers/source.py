@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import codecs
-import io
-import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from palpate.base.bounded_workbook import Workbook, read_workbook
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain
-
-if TYPE_CHECKING:
-    from python_calamine import CalamineWorkbook
 
 WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
 TEST = re.compile(r"Test (\d+)\b")
@@ -76,20 +71,15 @@ class Source:
         """The first line that holds more than blanks; empty where there is none."""
         return next((line.strip() for line in self.lines if line.strip()), "")
 
-    @cached_property
-    def workbook(self) -> CalamineWorkbook | None:
-        """The Excel workbook, old or new, or None; raises `InputError` on one that is damaged."""
-        if not self.content.startswith(WORKBOOKS):
-            return None
-        from python_calamine import CalamineWorkbook
-
-        with self._opened("is no whole Excel workbook"):
-            return CalamineWorkbook.from_filelike(io.BytesIO(self.content))
+    @property
+    def workbook(self) -> bool:
+        """Whether the file is an Excel workbook, old or new, by its first bytes."""
+        return self.content.startswith(WORKBOOKS)
 
     @property
     def sheets(self) -> list[str]:
-        """Names of the workbook's sheets; empty for another file."""
-        return self.workbook.sheet_names if self.workbook else []
+        """Names of the workbook's sheets; empty for another file; raises `InputError` on one that is damaged."""
+        return [*self._cells.sheets, *self._cells.damaged]
 
     @property
     def tests(self) -> dict[str, str]:
@@ -109,43 +99,21 @@ class Source:
 
     def placed_sheet(self, name: str) -> tuple[int, list[list[Any]]]:
         """Return the rows of a sheet from the first that holds anything, and the number of that row, from 1."""
-        if self.workbook is None:
-            return 1, []
-        if name not in self._opened_sheets:
-            with self._opened("is damaged", f"sheet {name}"):
-                sheet = self.workbook.get_sheet_by_name(name)
-                self._opened_sheets[name] = (sheet.start or (0, 0))[0] + 1, sheet.to_python()
-        return self._opened_sheets[name]
+        if name in self._cells.damaged:
+            raise InputError(
+                f"is damaged ({self._cells.damaged[name]})", remedy="copy or export it again", file=self.path,
+                place=f"sheet {name}",
+            )  # fmt: skip
+        return self._cells.sheets.get(name, (1, []))
 
     @cached_property
-    def _opened_sheets(self) -> dict[str, tuple[int, list[list[Any]]]]:
-        """What `placed_sheet` has read, which takes a while."""
-        return {}
-
-    @contextmanager
-    def _opened(self, problem: str, place: str | None = None) -> Iterator[None]:
-        """Turn what the library says of a damaged workbook into one `InputError`.
-
-        On some damage it panics: it writes to the process's standard error by itself, which is closed to it meanwhile,
-        and raises what is no `Exception`.
-        """
-        from python_calamine import CalamineError
-
-        standard_error = os.dup(2)
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, 2)
-        try:
-            yield
-        except BaseException as error:
-            if not isinstance(error, CalamineError) and type(error).__name__ != "PanicException":
-                raise
-            raise InputError(
-                f"{problem} ({error})", remedy="copy or export it again", file=self.path, place=place
-            ) from error
-        finally:
-            os.dup2(standard_error, 2)
-            os.close(standard_error)
-            os.close(nowhere)
+    def _cells(self) -> Workbook:
+        """The cells of all sheets; raises `InputError` on a workbook that is damaged."""
+        found = read_workbook(self.content) if self.workbook else Workbook()
+        if found.problem:
+            problem = f"is no whole Excel workbook ({found.problem})"
+            raise InputError(problem, remedy="copy or export it again, or as text", file=self.path)
+        return found
 
     def columns(self, sheet: str, wanted: Mapping[str, str]) -> dict[str, np.ndarray]:
         """Return columns of a sheet whose first row holds names and whose second holds units.

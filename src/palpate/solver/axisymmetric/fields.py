@@ -78,7 +78,7 @@ class Fields:
 
     Attributes
     ----------
-    mesh : Mesh or palpate.solver.pyramid.mesh_3d.Mesh
+    mesh : Mesh or palpate.solver.pyramid.mesh_3d.Mesh3D
     time, depth, load : float
         [s], [nm], [mN]
     displacement : ndarray, shape (n, 2) or (n, 3)

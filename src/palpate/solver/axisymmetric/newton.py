@@ -7,11 +7,10 @@ displacements, depth and area, those of the area v and b, and what S is too larg
 
     K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh - e.
 
-A factor of the matrix serves `REUSES` iterations. Each lane goes its own path: a line search along Newton's direction,
-by the secant, until the work of the forces along it falls below 0.8 of what it was. All lanes are assembled and
-factored together, at iterations that depend on their number alone; a lane that has converged or searches along a line
-leaves the solution unused: lanes never depend on each other. A lane whose matrix is not positive definite takes its
-step without what takes that away.
+A factor of the matrix serves `REUSES` iterations. Each lane searches along Newton's direction, by the secant, until the
+work of the forces along it falls below 0.8 of what it was. All lanes are assembled and factored together, at iterations
+that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
+never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
 """
 
 from __future__ import annotations

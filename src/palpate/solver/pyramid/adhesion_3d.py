@@ -2,7 +2,7 @@
 
 A free node feels the potential  -A sigma_0 d exp(-g / d)  with its gap g = f(x + u_x, y + u_y) - depth - u_z and its
 area A. Where the surface touches, the gap stays zero, so that the attraction does no work: there it only lets the
-contact carry tension, and raises its friction (`palpate.solver.pyramid.contact_3d.Contact.pressure`).
+contact carry tension, and raises its friction (`palpate.solver.pyramid.contact_3d.Contact3D.pressure`).
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
-from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.linear_system import LinearSystem
-from palpate.solver.pyramid.mesh_3d import FACES, Mesh
+from palpate.solver.pyramid.mesh_3d import FACES, Mesh3D
 
 TRIANGLES = ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))  # of a facet, divided along one diagonal or the other
 
 
-def attract(adhesion: Adhesion, contact: Contact, work: LinearSystem, force: np.ndarray, softening: bool) -> float:
+def attract(adhesion: Adhesion, contact: Contact3D, work: LinearSystem, force: np.ndarray, softening: bool) -> float:
     """Add the attraction of free nodes to the assembled system and to the `force` (n, 3) of the indenter on them.
 
     Parameters
@@ -52,7 +52,7 @@ def attract(adhesion: Adhesion, contact: Contact, work: LinearSystem, force: np.
     return float(stiffness.sum())
 
 
-def nodal_areas(mesh: Mesh) -> np.ndarray:
+def nodal_areas(mesh: Mesh3D) -> np.ndarray:
     """Return the undeformed area (k,) that belongs to each surface node of the wedge [um^2].
 
     Each corner of a triangle gets a third of it; a facet is the mean of its two divisions into triangles.

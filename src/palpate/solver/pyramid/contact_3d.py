@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.solver.pyramid.friction_3d import Friction
-from palpate.solver.pyramid.mesh_3d import Mesh
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.tip_3d import Tip
 
 if TYPE_CHECKING:
-    from palpate.solver.pyramid.newton_3d import Problem, State
+    from palpate.solver.pyramid.newton_3d import Problem3D, State
 
 PENETRATION = 1e-9  # of the depth, below which a node counts as outside
 
 
 @dataclass(eq=False)
-class Contact:
+class Contact3D:
     """The contact during the iterations of one time step.
 
     Attributes
@@ -50,7 +50,7 @@ class Contact:
         Whether some gap is still to be closed.
     """
 
-    mesh: Mesh
+    mesh: Mesh3D
     tip: Tip
     friction: Friction
     place: np.ndarray
@@ -67,7 +67,7 @@ class Contact:
     joined: bool = False
 
     @classmethod
-    def resume(cls, problem: Problem, state: State, guess: State) -> Contact:
+    def resume(cls, problem: Problem3D, state: State, guess: State) -> Contact3D:
         """Begin a step at a `state`, with another that guesses its end."""
         mesh, tip = problem.mesh, problem.tip
         surface = mesh.surface
@@ -172,7 +172,7 @@ class Contact:
 
 
 def _indenter(
-    mesh: Mesh, tip: Tip, place: np.ndarray, moved: np.ndarray, large: bool
+    mesh: Mesh3D, tip: Tip, place: np.ndarray, moved: np.ndarray, large: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return f (k,), its slopes (k, 2) and curvatures (k, 2, 2), for nodes of some `place` (k, 2) that `moved` (k, 2).
 

@@ -23,14 +23,14 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from palpate.solver.pyramid.contact_3d import Contact
+from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.linear_system import LinearSystem
 
 ACCURACY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Coupling:
+class Coupling3D:
     """The unsymmetric part C R of the tangent, for t nodes in contact.
 
     Parameters
@@ -55,8 +55,8 @@ class Coupling:
 
     @classmethod
     def add(
-        cls, contact: Contact, force: np.ndarray, pressing: np.ndarray, band: np.ndarray, residual: np.ndarray
-    ) -> Coupling:
+        cls, contact: Contact3D, force: np.ndarray, pressing: np.ndarray, band: np.ndarray, residual: np.ndarray
+    ) -> Coupling3D:
         """Add friction to the frictionless `residual` and `band`, and return what the band has no room for.
 
         Parameters
@@ -99,7 +99,7 @@ class Coupling:
         return forces
 
 
-def _bent(contact: Contact, touching: np.ndarray, force: np.ndarray) -> np.ndarray:
+def _bent(contact: Contact3D, touching: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Return what the indenter's curvature gives to dP/dx_i (t, 2), for some surface nodes (t,)."""
     nodes = contact.mesh.surface[touching]
     lateral = contact.mesh.equations[nodes, 1] >= 0
@@ -109,7 +109,7 @@ def _bent(contact: Contact, touching: np.ndarray, force: np.ndarray) -> np.ndarr
     return np.stack([first * one + mixed * two, mixed * one + second * two], axis=1)
 
 
-def coupled_direction(work: LinearSystem, coupling: Coupling, forces: np.ndarray, corner: float) -> np.ndarray | None:
+def coupled_direction(work: LinearSystem, coupling: Coupling3D, forces: np.ndarray, corner: float) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
     None where K is not positive definite or GMRES does not converge.

@@ -30,7 +30,7 @@ def assemble(
     displacement : ndarray, shape (n, 3)
         Along the axes of each node.
     elements, equations, turn, gradients, volumes
-        See `palpate.solver.pyramid.mesh_3d.Mesh`.
+        See `palpate.solver.pyramid.mesh_3d.Mesh3D`.
     region : ndarray of int, shape (m,)
         The law of each element.
     coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
@@ -49,7 +49,7 @@ def assemble(
     contact : ndarray of bool, shape (n,)
         Nodes in contact.
     rule : ndarray, shape (n, 6)
-        Slopes, curvatures and gap there, see `palpate.solver.pyramid.contact_3d.Contact`.
+        Slopes, curvatures and gap there, see `palpate.solver.pyramid.contact_3d.Contact3D`.
     slot : ndarray of int, shape (n,)
         Row of `pressing` that a surface node takes.
     band : ndarray, shape (size, bandwidth + 1)

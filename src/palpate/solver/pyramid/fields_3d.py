@@ -14,13 +14,13 @@ from palpate.materials.flow.row import BULK
 from palpate.solver.axisymmetric.fields import Fields
 from palpate.solver.pyramid.hencky_3d import PLACE
 from palpate.solver.pyramid.linear_3d import COMPONENTS
-from palpate.solver.pyramid.newton_3d import Problem, State
+from palpate.solver.pyramid.newton_3d import Problem3D, State
 
 NAMES = ("xx", "yy", "zz", "xy", "yz", "zx")
 CLOSE = 1e-6  # relative distance of squared stretches below which their divided difference is its limit
 
 
-def fields_of(problem: Problem, state: State) -> Fields:
+def fields_of(problem: Problem3D, state: State) -> Fields:
     """Return the fields of a `state`; displacements along x, y and z."""
     return Fields(
         problem.mesh,
@@ -34,13 +34,13 @@ def fields_of(problem: Problem, state: State) -> Fields:
     )
 
 
-def along_xyz(problem: Problem, state: State) -> np.ndarray:
+def along_xyz(problem: Problem3D, state: State) -> np.ndarray:
     """Return displacements (n, 3) along x, y and z in place of the axes of each node [um]."""
     (cos, sin), (one, two, vertical) = problem.mesh.turn.T, state.displacement.T
     return np.stack([cos * one - sin * two, sin * one + cos * two, vertical], axis=1)
 
 
-def cauchy_stress(problem: Problem, state: State) -> np.ndarray:
+def cauchy_stress(problem: Problem3D, state: State) -> np.ndarray:
     """Return the Cauchy stress (m, 8, 6) at the Gauss points [GPa]."""
     mesh = problem.mesh
     gradient = np.einsum("eai,egaj->egij", along_xyz(problem, state)[mesh.elements], mesh.gradients)

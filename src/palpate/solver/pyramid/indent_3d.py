@@ -18,7 +18,7 @@ from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.pyramid.adhesion_3d import nodal_areas
 from palpate.solver.pyramid.march_3d import march_by
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem, State, Workspace, advance_or_ease
+from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace, advance_or_ease
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
@@ -39,7 +39,7 @@ def indent_3d(
     resolution: Resolution,
     large: bool = False,
     radii: np.ndarray | None = None,
-    observe: Callable[[Problem, State], None] | None = None,
+    observe: Callable[[Problem3D, State], None] | None = None,
 ) -> History:
     """Simulate an indentation by any indenter with three mirror planes.
 
@@ -71,7 +71,7 @@ def indent_3d(
     mesh = wedge_mesh(radii, shell(resolution.sectors))
     specimen = resolved(specimen, indenter, radii[0])
     adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh))
-    problem = Problem.of(mesh, tip_of(indenter), specimen, indenter.friction, large, adhesion)
+    problem = Problem3D.of(mesh, tip_of(indenter), specimen, indenter.friction, large, adhesion)
     work = Workspace.of(problem)
     step = partial(advance_or_ease, problem, work, protocol.max_load)
     state, before = State.initial(problem), None

@@ -40,7 +40,7 @@ def newton_direction(
 
 
 @dataclass
-class Search:
+class Search3D:
     """A line search for the zero of the work of the residual along Newton's direction, by the secant.
 
     Without friction and large strains there is an incremental potential; its minimum is where that work vanishes.
@@ -52,7 +52,7 @@ class Search:
     tries: int = 0
 
     @classmethod
-    def along(cls, direction: np.ndarray, forces: np.ndarray) -> Search:
+    def along(cls, direction: np.ndarray, forces: np.ndarray) -> Search3D:
         """Begin a search at the point whose out-of-balance `forces` gave the `direction`."""
         return cls(direction, float(direction @ forces))
 
@@ -72,7 +72,7 @@ class Search:
         return move
 
 
-def retreat(search: Search | None, time: float) -> np.ndarray:
+def retreat(search: Search3D | None, time: float) -> np.ndarray:
     """Return the change (size + 1,) of displacements and depth that leads back from where an element is inside out.
 
     Raises

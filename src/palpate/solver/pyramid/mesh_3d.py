@@ -17,7 +17,7 @@ CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1,
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh3D:
     """Hexahedra with everything that does not change during a simulation.
 
     A node has three displacements: along two horizontal axes of its own and along z. Its own axes are turned from x and
@@ -73,7 +73,7 @@ class Mesh:
         return above / whole
 
 
-def wedge_mesh(radii: np.ndarray, shell: Shell) -> Mesh:
+def wedge_mesh(radii: np.ndarray, shell: Shell) -> Mesh3D:
     """Mesh the wedge with copies of `shell` at `radii` [um] about the tip; the outermost nodes are held.
 
     The innermost hexahedra collapse to pyramids whose apex is the tip.
@@ -91,7 +91,7 @@ def wedge_mesh(radii: np.ndarray, shell: Shell) -> Mesh:
     equations = np.where(free, np.cumsum(free.ravel()).reshape(free.shape) - 1, -1)
     angle = np.append(0.0, np.tile(np.where(shell.edge_plane & ~shell.axis, WEDGE, 0.0), len(radii)))
     gradients, weights = integration(nodes[elements])
-    return Mesh(
+    return Mesh3D(
         nodes,
         elements,
         equations,

@@ -13,13 +13,13 @@ from palpate.solver.axisymmetric.adhesive_traction import Adhesion
 from palpate.solver.axisymmetric.regions import laws_of
 from palpate.solver.pyramid import banded_3d
 from palpate.solver.pyramid.adhesion_3d import attract
-from palpate.solver.pyramid.contact_3d import Contact
-from palpate.solver.pyramid.coupled import Coupling, coupled_direction
+from palpate.solver.pyramid.contact_3d import Contact3D
+from palpate.solver.pyramid.coupled import Coupling3D, coupled_direction
 from palpate.solver.pyramid.eased import grown
 from palpate.solver.pyramid.element_3d import CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
 from palpate.solver.pyramid.linear_3d import COMPONENTS
-from palpate.solver.pyramid.linear_system import Search, newton_direction, retreat
-from palpate.solver.pyramid.mesh_3d import Mesh
+from palpate.solver.pyramid.linear_system import Search3D, newton_direction, retreat
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.tip_3d import Tip
 from palpate.study.specimen import Specimen, halfway
 
@@ -31,12 +31,12 @@ SIXTH = 6.0  # of the load acts on the wedge
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem3D:
     """What does not change during a simulation.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : Mesh3D
     tip : Tip
     specimen : Specimen
     coefficients : ndarray, shape (regions, c)
@@ -51,7 +51,7 @@ class Problem:
         Attraction between them.
     """
 
-    mesh: Mesh
+    mesh: Mesh3D
     tip: Tip
     specimen: Specimen
     coefficients: np.ndarray
@@ -63,13 +63,13 @@ class Problem:
     @classmethod
     def of(
         cls,
-        mesh: Mesh,
+        mesh: Mesh3D,
         tip: Tip,
         specimen: Specimen,
         friction: float = 0.0,
         large: bool = False,
         adhesion: Adhesion | None = None,
-    ) -> Problem:
+    ) -> Problem3D:
         """Divide the specimen into its regions."""
         laws, elements = laws_of(specimen, mesh), np.arange(len(mesh.elements))
         region = elements if len(laws) > 1 else np.zeros_like(elements)
@@ -99,7 +99,7 @@ class State:
     force : ndarray, shape (n, 3)
         Force of the indenter on the nodes of the wedge, along the axes of each node [mN].
     anchor : ndarray, shape (k, 2)
-        Where each surface node sticks, see `palpate.solver.pyramid.contact_3d.Contact` [um]; NaN where it does not
+        Where each surface node sticks, see `palpate.solver.pyramid.contact_3d.Contact3D` [um]; NaN where it does not
         touch.
     """
 
@@ -118,7 +118,7 @@ class State:
         return -SIXTH * float(self.force[:, 2].sum())
 
     @classmethod
-    def initial(cls, problem: Problem) -> State:
+    def initial(cls, problem: Problem3D) -> State:
         """Return the unloaded body that the apex just touches."""
         n, m = len(problem.mesh.nodes), len(problem.mesh.elements)
         material = np.zeros((m, 8, state_size(problem.coefficients[0], COMPONENTS)))
@@ -143,7 +143,7 @@ class Workspace:
     iterations: int = 0
 
     @classmethod
-    def of(cls, problem: Problem) -> Workspace:
+    def of(cls, problem: Problem3D) -> Workspace:
         """Allocate for `problem`."""
         mesh = problem.mesh
         m, k = len(mesh.elements), len(mesh.surface)
@@ -163,7 +163,7 @@ class Workspace:
 
 
 def advance_or_ease(
-    problem: Problem, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
+    problem: Problem3D, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
 ) -> State:
     """Do what `advance` does; where attraction keeps it from converging, let that grow in parts."""
     try:
@@ -175,7 +175,7 @@ def advance_or_ease(
 
 
 def advance(
-    problem: Problem, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
+    problem: Problem3D, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
 ) -> State:
     """Advance to `time` under `load` [mN]; forces converge to 1e-7 of `scale`, the largest load of the history.
 
@@ -195,7 +195,7 @@ def advance(
     weights = step_weights(coefficients, time - state.time, problem.specimen.resistance(1e3 * midway))
     begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
-    contact = Contact.resume(problem, state, guess)
+    contact = Contact3D.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
     free, search, geometric, coupling = mesh.equations >= 0, None, True, None
     farthest, limit, delicate = np.inf, ITERATIONS, problem.adhesion is not None
@@ -221,7 +221,7 @@ def advance(
             corner += attract(problem.adhesion, contact, work, force, geometric)
         work.border[:, 1] = work.border[:, 0]
         if problem.friction > 0.0:
-            coupling = Coupling.add(contact, force, work.pressing, work.band, work.residual)
+            coupling = Coupling3D.add(contact, force, work.pressing, work.band, work.residual)
         pulled = contact.pulled(force, TOLERANCE * part)
         if iteration > 0 and pulled.any() and not contact.joined and contact.touching.sum() > 1:
             contact.release(pulled)
@@ -250,7 +250,7 @@ def advance(
         geometric = True
         if (largest := np.abs(direction).max()) > farthest:
             direction *= farthest / largest
-        search = Search.along(direction, forces)
+        search = Search3D.along(direction, forces)
         displacement[free] += direction[:-1]
         depth += direction[-1]
     raise ConvergenceError(f"no equilibrium in {limit} iterations (imbalance {norm:.1e})", time=state.time)

@@ -1,0 +1,63 @@
+"""``palpate run``: the whole workflow of a study, from any folder, with or without a clone of the repository."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+NAME = "run"
+HELP = "run a study from its recordings to its report"
+CLONE = Path(__file__).parents[3]
+WHEEL = Path(__file__).parents[1] / "workflow"
+PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
+    parser.add_argument("--cores", type=int, default=os.cpu_count() or 1, metavar="N", help="default: all")
+    parser.add_argument("--data", help="vendor's file, in place of the study's source.file")
+    parser.add_argument("-n", "--dry-run", action="store_true", help="say what would be done")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Check the study, and execute the workflow on it in the present folder; return Snakemake's exit code.
+
+    After Ctrl-C nothing goes on, and the next run continues where this one stopped.
+    """
+    from palpate.configuration.study_file import load_study
+    from palpate.workflow_support.check_study import checked
+
+    checked(load_study(arguments.study, arguments.data))
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
+    command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
+    command += ["--config", f"data={arguments.data}"] if arguments.data else []
+    command += ["--dry-run"] if arguments.dry_run else []
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        return process.wait()
+    except KeyboardInterrupt:
+        _stop(process)
+        raise
+
+
+def snakefile() -> Path:
+    """Return the workflow: that of the clone this code lies in, or that which was installed with it."""
+    return next(folder / "Snakefile" for folder in (CLONE, WHEEL) if (folder / "Snakefile").is_file())
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """End an execution and all its jobs, and take away the lock that it holds."""
+    os.killpg(process.pid, signal.SIGINT)
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(PATIENCE)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    for lock in Path(".snakemake/locks").glob("*.lock"):
+        lock.unlink()

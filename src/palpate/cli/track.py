@@ -1,0 +1,33 @@
+"""``palpate track``: which runs have not reached MLflow yet, and sending them."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+NAME = "track"
+HELP = "send to MLflow the runs that are still on disk only"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--send", action="store_true", help="send them; without it they are listed")
+    parser.add_argument("--results", type=Path, default=Path("results"), metavar="FOLDER", help="default: results")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List or send what every study of a results folder has not sent; exit code 1 where something stays behind."""
+    from palpate.workflow_support.tracking import pending, send
+
+    left = 0
+    for folder in sorted(arguments.results.glob("*/tracking")):
+        if arguments.send:
+            send(folder)
+        waiting = pending(folder)
+        left += len(waiting)
+        print(
+            f"{folder.parent.name}: {len(waiting)} records are on disk only"
+            if waiting
+            else f"{folder.parent.name}: sent"
+        )
+    return 1 if left else 0

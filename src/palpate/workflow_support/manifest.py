@@ -1,0 +1,86 @@
+"""What a report was made from: versions, seed, the configuration, and checksums of recordings and results."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from palpate.configuration.study_file import Study
+from palpate.inference.study_recordings import find
+from palpate.workflow_support.run_records import git_commit
+from palpate.workflow_support.steps import read_json
+
+NAME = "report.manifest.json"
+LIBRARIES = ("palpate", "numpy", "scipy", "pandas", "numba", "scikit-learn", "deap", "snakemake", "mlflow")
+
+
+def of(study: Study, configuration: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return what a report of a study is made from, as it is now.
+
+    Parameters
+    ----------
+    configuration
+        The study as it was read.
+    folder
+        Of the study's results.
+    """
+    return {
+        "seed": study.seed,
+        "configuration": without_data(configuration),
+        "python": platform.python_version(),
+        "libraries": {name: _version(name) for name in LIBRARIES},
+        "git_commit": git_commit(),
+        "files": {str(file): checksum(file) for file in files(study, folder)},
+    }
+
+
+def files(study: Study, folder: Path) -> Iterator[Path]:
+    """Yield the recordings of a study, its vendor's file, and the results that its report shows."""
+    if study.source:
+        yield Path(study.source["file"])
+    yield folder / "snapshots.csv"
+    for name in study.recordings:
+        yield from (file for group in find(study, name).values() for file in group)
+        yield folder / name / "calibration.json"
+        yield from (folder / name / "calibrations" / f"{condition_set}.json" for condition_set in study.condition_sets)
+        if study.diagnosis["enabled"]:
+            yield folder / name / "diagnosis.json"
+
+
+def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> list[str]:
+    """Return, a line each, what is no longer as it was when the report in `folder` was made."""
+    if not (folder / NAME).is_file():
+        return []
+    then = read_json(folder / NAME)
+    lines, now = [], json.loads(json.dumps(without_data(configuration)))
+    if now != then["configuration"]:
+        keys = [key for key in {**now, **then["configuration"]} if now.get(key) != then["configuration"].get(key)]
+        lines.append(f"{', '.join(sorted(keys))} in the study's file changed since {folder / 'report.html'} was made")
+    for name, known in then["files"].items():
+        if not Path(name).is_file():
+            lines.append(f"{name} is gone since {folder / 'report.html'} was made")
+        elif checksum(Path(name)) != known:
+            lines.append(f"{name} changed since {folder / 'report.html'} was made")
+    return lines
+
+
+def without_data(configuration: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a configuration without the place of the vendor's file, which differs from machine to machine."""
+    return {key: value for key, value in configuration.items() if key != "data"}
+
+
+def checksum(file: Path) -> str:
+    """Return the SHA-256 of a file, or nothing where it is missing."""
+    return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,103 @@
+"""Files that are meant to do harm, or look as if: one clear line, soon, and nothing executed."""
+
+import os
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+from palpate.base.yaml_file import read_yaml
+from palpate.errors import InputError
+from palpate.recordings.readers import read_vendor_file
+
+PALPATE = Path(sys.executable).parent / "palpate"
+CONTENT_TYPES = (
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Override PartName="/xl/workbook.xml" ContentType='
+    '"application/vnd.openxmlformats-officedocument.spreadsheetml.sheet.main+xml"/>'
+    '<Override PartName="/xl/worksheets/sheet1.xml" ContentType='
+    '"application/vnd.openxmlformats-officedocument.spreadsheetml.worksheet+xml"/></Types>'
+)
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+PACKAGE = "http://schemas.openxmlformats.org/package/2006/relationships"
+
+
+def workbook(path, cells):
+    """Write a workbook of one sheet whose cells are given as XML, a text or an iterable of bytes."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("[Content_Types].xml", CONTENT_TYPES)
+        root = f'<Relationship Id="r1" Type="{OFFICE}/officeDocument" Target="xl/workbook.xml"/>'
+        archive.writestr("_rels/.rels", f'<Relationships xmlns="{PACKAGE}">{root}</Relationships>')
+        sheet = '<sheet name="Test 001" sheetId="1" r:id="r1"/>'
+        book = f'<workbook xmlns="{MAIN}" xmlns:r="{OFFICE}"><sheets>{sheet}</sheets></workbook>'
+        archive.writestr("xl/workbook.xml", book)
+        own = f'<Relationship Id="r1" Type="{OFFICE}/worksheet" Target="worksheets/sheet1.xml"/>'
+        archive.writestr("xl/_rels/workbook.xml.rels", f'<Relationships xmlns="{PACKAGE}">{own}</Relationships>')
+        with archive.open("xl/worksheets/sheet1.xml", "w", force_zip64=True) as stream:
+            stream.write(f'<worksheet xmlns="{MAIN}"><sheetData>'.encode())
+            for part in cells:
+                stream.write(part)
+            stream.write(b"</sheetData></worksheet>")
+    return path
+
+
+def dense(path):
+    """Two cells, a whole sheet apart."""
+    row = b'<row r="%d"><c r="%s%d"><v>1</v></c></row>'
+    return workbook(path, [row % (1, b"A", 1), row % (1048576, b"XFD", 1048576)])
+
+
+def bomb(path):
+    """Small in the archive, gigabytes once unpacked."""
+    return workbook(
+        path, [b'<row r="1"><c r="A1" t="inlineStr"><is><t>', *[b" " * (1 << 24)] * 160, b"</t></is></c></row>"]
+    )
+
+
+@pytest.mark.parametrize("make", [dense, bomb])
+def test_a_workbook_that_grows_without_bound_is_refused_soon(tmp_path, make):
+    path, began = make(tmp_path / "hostile.xlsx"), time.monotonic()
+    with pytest.raises(InputError, match="is no whole Excel workbook"):
+        read_vendor_file(path)
+    assert time.monotonic() - began < 30.0
+
+
+def test_aliases_that_multiply_are_refused(tmp_path):
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 30)]
+    (tmp_path / "study.yaml").write_text("\n".join(lines))
+    with pytest.raises(InputError, match="once its aliases are filled in; write it without aliases"):
+        read_yaml(tmp_path / "study.yaml")
+    (tmp_path / "study.yaml").write_text("a: &a [*a]")
+    with pytest.raises(InputError, match="aliases"):
+        read_yaml(tmp_path / "study.yaml")
+
+
+@pytest.mark.parametrize("command", [["check"], ["read", "-o", "out"], ["draft", "-o", "out"], ["run"]])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
+    os.mkfifo(tmp_path / "pipe")
+    asked = [PALPATE, command[0], "pipe", *command[1:]]
+    run = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 2
+    assert run.stderr.splitlines() == ["palpate: pipe: is no regular file; give a file"]
+
+
+def test_nothing_in_a_study_is_executed(tmp_path):
+    (tmp_path / "study.yaml").write_text(f"study: !!python/object/apply:os.mkdir [{tmp_path}/made]")
+    with pytest.raises(InputError):
+        read_yaml(tmp_path / "study.yaml")
+    assert not (tmp_path / "made").exists()
+
+
+def test_braces_in_a_title_are_a_title(tmp_path):
+    from test_workflow import TINY, copied, planned
+
+    study = TINY | {"title": "A {title} with {braces"}
+    assert "report" in planned(copied(tmp_path), study=study)
+    assert yaml.safe_load((tmp_path / "study.yaml").read_text())["title"] == study["title"]
