@@ -197,7 +197,7 @@ def test_a_study_of_a_mapping_is_that_of_its_file(tmp_path):
         "points": 20,
     }  # fmt: skip
     assert "Young's modulus" in read.summary() and "4 materials" in read.summary()
-    assert repr(read) == "<Study 'small': elastic under cone, 1 conditions>"
+    assert repr(read) == "<Study 'small': elastic under cone, conditions A>"
     assert "<table" in read._repr_html_()
     axes = read.plot()
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "load [mN]")

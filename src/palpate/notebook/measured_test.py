@@ -99,7 +99,7 @@ class MeasuredTest:
             f"{len(self.time)} points in {np.ptp(self.time):.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
             f"corrections in depth: {in_words(self.corrections)}",
-            f"the file says {len(self.metadata)} things of the test (metadata)",
+            f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
         ]
         parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
         said.insert(1, "; ".join(parts) or "too short to tell its segments")

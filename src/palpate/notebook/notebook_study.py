@@ -174,7 +174,8 @@ class NotebookStudy(Study):
         return ax
 
     def __repr__(self) -> str:
-        return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, {len(self.conditions)} conditions>"
+        names = ", ".join(condition.name for condition in self.conditions)
+        return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, conditions {names}>"
 
     def _repr_html_(self) -> str:
         return page(repr(self).strip("<>"), self._sentences(), self._parameters(), self.to_frame())
