@@ -14,7 +14,7 @@ import yaml
 
 from palpate.configuration.study_file import load_study
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 from palpate.solver import store
 from palpate.study.protocol import trapezoid
 from palpate.workflow_support.steps import fit_surrogate

@@ -14,7 +14,7 @@ from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS, Scale
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 from palpate.study.indenter import AREA, SHAPES
 
 STUDY = {

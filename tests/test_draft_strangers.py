@@ -14,7 +14,7 @@ from palpate.configuration.study_file import load_study
 from palpate.draft import Solid, Stated, not_taken, ranges, study_name
 from palpate.draft.yaml_text import scalar
 from palpate.materials import LAWS
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 
 HEADER = "Indentation\n   Poisson's ratio(nu)=\t{}\nTime (s)\tPd (nm)\tFn (mN)\n"
 

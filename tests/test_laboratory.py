@@ -10,7 +10,7 @@ import yaml
 from palpate.configuration.study_file import load_study
 from palpate.errors import PalpateError
 from palpate.laboratory import virtual
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import trapezoid
 

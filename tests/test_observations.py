@@ -7,7 +7,8 @@ from test_config import CONDITION, load
 from palpate.cli.main import main
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check, check_given, observations
-from palpate.recordings.recording import Recording, read_recording
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import trapezoid
 
 

@@ -12,7 +12,8 @@ from palpate.errors import InputError
 from palpate.recordings.readers import READERS, ColumnMap, read_vendor_file, select
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import usable
-from palpate.recordings.recording import Recording, read_recording
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
 needs_recordings = pytest.mark.skipif(

@@ -7,7 +7,7 @@ from test_readers import ANON, needs_recordings
 from palpate.cli.main import main
 from palpate.errors import InputError
 from palpate.recordings.readers import read_each, read_vendor_file, select
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 
 TIME = np.arange(0, 60, 0.1)
 LOAD = np.interp(TIME, [0, 30, 60], [0, 5, 0])

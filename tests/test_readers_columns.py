@@ -10,7 +10,7 @@ from workbooks import write_workbook
 from palpate.cli.main import main
 from palpate.errors import InputError
 from palpate.recordings.readers import ColumnMap, read_vendor_file
-from palpate.recordings.recording import read_recording
+from palpate.recordings.recording_file import read_recording
 
 NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
 MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})

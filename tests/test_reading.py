@@ -10,7 +10,8 @@ from palpate.errors import InputError
 from palpate.inference.study_recordings import convert_source
 from palpate.output.recordings_page import write_reading
 from palpate.recordings.readers import locate, read_source, read_vendor_file
-from palpate.recordings.recording import Recording, read_recording
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
 from palpate.recordings.survey import survey
 
 STUDY = {

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording, read_recording, recording_files
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording, recording_files
 from palpate.study.protocol import MOST_KNOTS, recorded
 
 

@@ -19,7 +19,8 @@ from palpate.errors import InputError
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
 from palpate.recordings.readers import VendorTest, locate, read_source
-from palpate.recordings.recording import Recording, condition_of, read_history, read_recording, recording_files
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
 from palpate.study.protocol import LOAD, Protocol, recorded

@@ -15,7 +15,8 @@ from palpate.inference.observation import WHOLE, Observation
 from palpate.recordings.alignment import aligned
 from palpate.recordings.readers import read_source
 from palpate.recordings.readers.units import CHANNELS, to_turn
-from palpate.recordings.recording import Recording, condition_of, copies, read_recording, recording_files
+from palpate.recordings.recording import Recording, copies
+from palpate.recordings.recording_file import condition_of, read_recording, recording_files
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
 from palpate.study.quantity import Quantity

@@ -19,7 +19,8 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
-from palpate.recordings.recording import Recording, recording_files
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import recording_files
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import Protocol
 from palpate.study.quantity import Quantity

@@ -1,17 +1,15 @@
-"""A recording: time, load and depth of one test, and the CSV it is kept in."""
+"""A recording: time, load and depth of one test, and how it is written as a CSV."""
 
 from __future__ import annotations
 
 import io
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.study.protocol import DISPLACEMENT, LOAD
 
 HEADER = "time_s,load_mN,depth_nm"
 LOAD_HISTORY = "time_s,load_mN"
@@ -175,129 +173,3 @@ def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]
         if first is not recording:
             found.append((recording, first))
     return found
-
-
-def recording_files(folder: Path) -> list[Path]:
-    """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
-    files = folder.iterdir() if folder.is_dir() else ()
-    return sorted(file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
-
-
-def condition_of(file: Path) -> str:
-    """Return the condition that the name of a recording's file begins with."""
-    return file.stem.rpartition("_")[0]
-
-
-def read_recording(path: str | Path) -> Recording:
-    """Read a recording CSV and check it; its stiffness may stand in a folder beside (`Recording.write_apart`).
-
-    Raises
-    ------
-    InputError
-        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
-        beside it is that of other times.
-    """
-    path = Path(path)
-    recording = _recording_at(path)
-    beside = path.parent / APART / path.name
-    if recording.stiffness is not None or not beside.is_file():
-        return recording
-    measured = _recording_at(beside)
-    if not np.array_equal(measured.time, recording.time):
-        raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
-    return replace(recording, stiffness=measured.stiffness)
-
-
-def read_history(path: Path, control: str = LOAD) -> Recording:
-    """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
-
-    A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
-    `InputError` as `read_recording`, and when a file holds the other of the two.
-    """
-    body = _body(_lines_of(path))
-    heading = body[0][1].strip() if body else ""
-    alone = {LOAD: LOAD_HISTORY, DISPLACEMENT: DISPLACEMENT_HISTORY}
-    if heading not in alone.values():
-        return read_recording(path)
-    if heading != alone[control]:
-        raise InputError(
-            f"header is {heading!r}, but the {control} is prescribed",
-            remedy=f"give {alone[control]!r}, or a recording",
-            file=path,
-        )
-    time, drive = _numbers(body[1:], 2, path).T
-    load, depth = (drive, np.zeros_like(drive)) if control == LOAD else (np.zeros_like(drive), drive)
-    try:
-        return Recording(time, load, depth, path.stem)
-    except InputError as error:
-        raise error.located(file=path) from None
-
-
-def _recording_at(path: Path) -> Recording:
-    """Return the recording in one CSV, checked."""
-    return recording_in(_lines_of(path), path)
-
-
-def _lines_of(path: Path) -> list[str]:
-    """Return the lines of a text file; raises `InputError`."""
-    try:
-        return path.read_text(encoding="utf-8-sig").split("\n")
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
-        ) from error
-
-
-def _body(lines: Sequence[str]) -> list[tuple[int, str]]:
-    """Return the numbered lines that are neither empty nor comments."""
-    return [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-
-
-def _numbers(body: Sequence[tuple[int, str]], width: int, path: Path) -> np.ndarray:
-    """Return the numbers (n, width) in numbered lines; raises `InputError` with the first line that holds others."""
-    rows = []
-    for number, line in body:
-        try:
-            row = [float(cell) for cell in line.split(",")]
-        except ValueError:
-            row = []
-        if len(row) != width:
-            columns = {2: "time and load", 3: "time, load and depth"}.get(width, "time, load, depth and stiffness")
-            raise InputError(
-                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[width - 2]} numbers",
-                remedy=f"write {columns} with decimal points",
-                file=path,
-                place=f"line {number}",
-            )
-        rows.append(row)
-    return np.reshape(rows, (-1, width))
-
-
-def recording_in(lines: Sequence[str], path: Path) -> Recording:
-    """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
-    notes = tuple(line[1:].strip() for line in lines if line.startswith("#"))
-    body = _body(lines)
-    if not body:
-        raise InputError("the recording is empty", remedy="export the test again", file=path)
-    number, header = body[0]
-    if re.split(r"[;\t]", header.strip()) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
-        raise InputError(
-            "the columns are not separated by commas",
-            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
-            file=path,
-            place=f"line {number}",
-        )
-    if header.strip() not in (HEADER, WITH_STIFFNESS):
-        raise InputError(
-            f"header is {header.strip()[:60]!r}, expected {HEADER!r}",
-            remedy="rename the columns, with these units",
-            file=path,
-            place=f"line {number}",
-        )
-    time, load, depth, *stiffness = _numbers(body[1:], len(header.split(",")), path).T
-    try:
-        return Recording(time, load, depth, path.stem, notes, stiffness[0] if stiffness else None)
-    except InputError as error:
-        raise error.located(file=path) from None

@@ -10,7 +10,8 @@ import numpy as np
 from palpate.configuration.study_file import Study
 from palpate.inference.study_recordings import find, written_by_workflow
 from palpate.recordings.readers.zero import begins_off_contact
-from palpate.recordings.recording import Recording, read_recording, recording_files
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording, recording_files
 
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is told
 LONGER = 1.05  # ratio of durations beyond which something of a test is left out

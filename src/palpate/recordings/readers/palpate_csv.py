@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
-from palpate.recordings.recording import HEADER, WITH_STIFFNESS, recording_in
+from palpate.recordings.recording import HEADER, WITH_STIFFNESS
+from palpate.recordings.recording_file import recording_in
 
 
 def matches(source: Source) -> bool:

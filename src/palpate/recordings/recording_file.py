@@ -1,0 +1,190 @@
+"""Recordings in CSV files: found in a folder, read and checked.
+
+Large files are read by columns, in blocks; what such a reader does not accept is read again line by line, which says
+what is wrong and where.
+"""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.base.yaml_file import refuse_special
+from palpate.errors import InputError
+from palpate.recordings.recording import APART, HEADER, WITH_STIFFNESS, Recording
+from palpate.study.protocol import DISPLACEMENT, LOAD
+
+LOAD_HISTORY = "time_s,load_mN"
+DISPLACEMENT_HISTORY = "time_s,displacement_nm"
+LARGE = 1_000_000  # bytes, from which a file is read by columns
+
+
+def recording_files(folder: Path) -> list[Path]:
+    """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
+
+
+def condition_of(file: Path) -> str:
+    """Return the condition that the name of a recording's file begins with."""
+    return file.stem.rpartition("_")[0]
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read a recording CSV and check it; its stiffness may stand in a folder beside (`Recording.write_apart`).
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
+        beside it is that of other times.
+    """
+    path = Path(path)
+    recording = _recording_at(path)
+    beside = path.parent / APART / path.name
+    if recording.stiffness is not None or not beside.is_file():
+        return recording
+    measured = _recording_at(beside)
+    if not np.array_equal(measured.time, recording.time):
+        raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
+    return replace(recording, stiffness=measured.stiffness)
+
+
+def read_history(path: Path, control: str = LOAD) -> Recording:
+    """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
+
+    A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
+    `InputError` as `read_recording`, and when a file holds the other of the two.
+    """
+    lines = _numbered(path)
+    _, _, heading = _begun(lines)
+    alone = {LOAD: LOAD_HISTORY, DISPLACEMENT: DISPLACEMENT_HISTORY}
+    if heading not in alone.values():
+        return read_recording(path)
+    if heading != alone[control]:
+        raise InputError(
+            f"header is {heading!r}, but the {control} is prescribed",
+            remedy=f"give {alone[control]!r}, or a recording",
+            file=path,
+        )
+    time, drive = _columns(lines, 2, path)
+    load, depth = (drive, np.zeros_like(drive)) if control == LOAD else (np.zeros_like(drive), drive)
+    try:
+        return Recording(time, load, depth, path.stem)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _recording_at(path: Path) -> Recording:
+    """Return the recording in one CSV, checked."""
+    return _checked(_numbered(path), path, large=path.stat().st_size > LARGE if path.is_file() else False)
+
+
+def recording_in(lines: Sequence[str], path: Path) -> Recording:
+    """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
+    return _checked(enumerate(lines, 1), path, large=False)
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a text file with their numbers; raises `InputError`."""
+    refuse_special(path)
+    try:
+        with path.open(encoding="utf-8-sig") as stream:
+            yield from enumerate(stream, 1)
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
+        ) from error
+
+
+def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
+    """Return the comments that precede the header, its number, and the header; empty where there is none."""
+    notes = []
+    for number, line in lines:
+        if line.startswith("#"):
+            notes.append(line[1:].strip())
+        elif line.strip():
+            return notes, number, line.strip()
+    return notes, 0, ""
+
+
+def _columns(lines: Iterable[tuple[int, str]], width: int, path: Path, notes: list[str] | None = None) -> np.ndarray:
+    """Return the numbers (width, n) in numbered lines, less comments; raises `InputError` with the first other line."""
+    numbers = array("d")
+    for number, line in lines:
+        if line.startswith("#"):
+            if notes is not None:
+                notes.append(line[1:].strip())
+            continue
+        if not line.strip():
+            continue
+        cells = line.split(",")
+        try:
+            row = [float(cell) for cell in cells] if len(cells) == width else []
+        except ValueError:
+            row = []
+        if not row:
+            named = {2: "time and load", 3: "time, load and depth"}.get(width, "time, load, depth and stiffness")
+            raise InputError(
+                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[width - 2]} numbers",
+                remedy=f"write {named} with decimal points",
+                file=path,
+                place=f"line {number}",
+            )
+        numbers.extend(row)
+    return np.frombuffer(numbers, dtype=float).reshape(-1, width).T.copy()
+
+
+def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
+    """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    names = [str(k) for k in range(width)]
+    reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=1 << 23)
+    converting = csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()), null_values=[])
+    parts: list[list[np.ndarray]] = [[] for _ in names]
+    try:
+        with csv.open_csv(path, read_options=reading, convert_options=converting) as stream:
+            for block in stream:
+                for own, column in zip(parts, block.columns, strict=True):
+                    own.append(column.to_numpy())
+    except pa.ArrowInvalid:
+        return None
+    found = [np.concatenate(parts.pop(0)) for _ in names if parts[0]]
+    return found if found and all(np.isfinite(column).all() for column in found) else None
+
+
+def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recording:
+    """Return the recording that numbered lines hold; raises `InputError` as `read_recording` does."""
+    notes, number, header = _begun(lines)
+    if not header:
+        raise InputError("the recording is empty", remedy="export the test again", file=path)
+    if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+        raise InputError(
+            "the columns are not separated by commas",
+            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
+            file=path,
+            place=f"line {number}",
+        )
+    if header not in (HEADER, WITH_STIFFNESS):
+        raise InputError(
+            f"header is {header[:60]!r}, expected {HEADER!r}",
+            remedy="rename the columns, with these units",
+            file=path,
+            place=f"line {number}",
+        )
+    width = len(header.split(","))
+    found = _by_columns(path, number, width) if large else None
+    time, load, depth, *stiffness = _columns(lines, width, path, notes) if found is None else found
+    try:
+        return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
+    except InputError as error:
+        raise error.located(file=path) from None
