@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from documents import HOOKS
 
 import palpate
 from palpate.cli.main import main
@@ -33,7 +34,7 @@ STUDY = {
 }
 TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
 SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
-REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
+REFERENCE = HOOKS.expanded((Path(__file__).parents[1] / "docs/study.md").read_text())
 CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
