@@ -42,7 +42,11 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 
 def number(value: float) -> str:
     """Return a number as people write it."""
-    return re.sub(r"e([+-])0*(\d)", lambda found: f"e{found[1].strip('+')}{found[2]}", f"{value:.4g}")
+    return re.sub(
+        r"e([+-])0*(\d)",
+        lambda found: f"e{found[1].strip('+')}{found[2]}",
+        f"{value:.{4 if abs(value) < 1000 else 6}g}",
+    )
 
 
 def span(lower: float, upper: float) -> str:

@@ -143,8 +143,18 @@ def test_python_compiles_and_imports_what_exists(file):
                     assert hasattr(module, name.name), f"{node.module}.{name.name}"
 
 
+def write_recordings(values):
+    """Write what a study of the documents follows."""
+    for folder in map(Path, values["recordings"].values()):
+        folder.mkdir(parents=True)
+        for condition in values["conditions"]:
+            curve = "time_s,load_mN,depth_nm\n0,0,0\n30,1,500\n60,1,520\n90,0,400\n"
+            (folder / f"{condition['name']}_1.csv").write_text(curve)
+
+
 @pytest.mark.parametrize("file", named(SITE))
-def test_studies_and_specifications_load(file):
+def test_studies_and_specifications_load(file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     for block in blocks(file, "yaml"):
         values = yaml.safe_load(block)
         if block.startswith(PART):
@@ -154,6 +164,7 @@ def test_studies_and_specifications_load(file):
         elif "protocol" in values:
             specification_from(values)
         else:
+            write_recordings(values)
             study_from(values, file)
 
 
