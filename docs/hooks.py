@@ -143,6 +143,9 @@ def mechanisms() -> str:
         )
         facts = [("Key", f"`{mechanism.key}`"), ("Searched", searched)]
         facts += [("Acts on", _acts(mechanism)), ("Value", _values(mechanism))]
+        facts += [("Considered", "where a study names it")] if not getattr(mechanism, "by_default", True) else []
+        special = ", ".join(f"[`{key}`](#{key})" for key in getattr(mechanism, "includes", ()))
+        facts += [("Special case", special)] if special else []
         facts += [("Measured apart by", remedy)] if (remedy := getattr(mechanism, "remedy", "")) else []
         facts += [("Source", mechanism.source)]
         parts += ["\n".join(f"- **{name}**: {fact}." for name, fact in facts) + "\n"]

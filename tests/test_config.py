@@ -34,7 +34,7 @@ STUDY = {
 }
 TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
 SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
-REFERENCE = HOOKS.expanded((Path(__file__).parents[1] / "docs/study.md").read_text())
+REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
 CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
@@ -155,8 +155,9 @@ def tables(rule, name=""):
 
 
 def section(name):
-    """Return what the reference says under a heading."""
-    return re.search(rf"^##+ `?{re.escape(name)}`?\n(.*?)(?=^##|\Z)", REFERENCE, re.MULTILINE | re.DOTALL)[1]
+    """Return what the reference says under a heading, with what is generated there."""
+    found = re.search(rf"^##+ `?{re.escape(name)}`?\n(.*?)(?=^##|\Z)", REFERENCE, re.MULTILINE | re.DOTALL)
+    return HOOKS.expanded(found[1])
 
 
 @pytest.mark.parametrize(("name", "rules"), [pytest.param(*table, id=table[0]) for table in tables(SCHEMA)])
