@@ -51,7 +51,7 @@ def number(value: float) -> str:
 
 def span(lower: float, upper: float) -> str:
     """Return a range, which no line breaks."""
-    return f"{number(lower)} to {number(upper)}".replace(" ", "&nbsp;")
+    return f"{number(lower)} to {number(upper)}".replace(" ", "&nbsp;").replace("-", "&#8209;")
 
 
 def unit(text: str) -> str:
