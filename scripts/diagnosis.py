@@ -4,7 +4,7 @@ input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV)
 (JSON: what MLflow is told). settings: `diagnosis`, `calibration`, `seed`.
 """
 
-from palpate.diagnosis.run import run_diagnosis
+from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 from palpate.workflow_support import job, steps

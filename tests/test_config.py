@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from documents import HOOKS
 
 import palpate
 from palpate.cli.main import main
@@ -154,8 +155,9 @@ def tables(rule, name=""):
 
 
 def section(name):
-    """Return what the reference says under a heading."""
-    return re.search(rf"^##+ `?{re.escape(name)}`?\n(.*?)(?=^##|\Z)", REFERENCE, re.MULTILINE | re.DOTALL)[1]
+    """Return what the reference says under a heading, with what is generated there."""
+    found = re.search(rf"^##+ `?{re.escape(name)}`?\n(.*?)(?=^##|\Z)", REFERENCE, re.MULTILINE | re.DOTALL)
+    return HOOKS.expanded(found[1])
 
 
 @pytest.mark.parametrize(("name", "rules"), [pytest.param(*table, id=table[0]) for table in tables(SCHEMA)])

@@ -18,7 +18,7 @@ from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import count_of_filters
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.run import optimum_on_surrogates, run_diagnosis
+from palpate.diagnosis.study_diagnosis import optimum_on_surrogates, run_diagnosis
 from palpate.errors import PalpateError
 from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS

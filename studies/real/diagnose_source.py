@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.run import optimum_on_surrogates, run_diagnosis
+from palpate.diagnosis.study_diagnosis import optimum_on_surrogates, run_diagnosis
 from palpate.errors import InputError
 from palpate.inference.study_recordings import convert_source, observations
 from palpate.solver import store
@@ -24,7 +24,7 @@ def diagnose_source(
     Returns
     -------
     content, curves
-        As `palpate.diagnosis.run.run_diagnosis` does.
+        As `palpate.diagnosis.study_diagnosis.run_diagnosis` does.
 
     Raises
     ------

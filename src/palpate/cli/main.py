@@ -36,6 +36,18 @@ def discovered() -> Iterator[Any]:
             yield importlib.import_module(f"palpate.cli.{found.name}")
 
 
+def command_line() -> Parser:
+    """Return the parser of ``palpate`` with all of its subcommands."""
+    parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
+    parser.add_argument("--version", action="version", version=f"palpate {__version__}")
+    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
+    for command in sorted(discovered(), key=lambda command: command.NAME):
+        subparser = subparsers.add_parser(command.NAME, help=command.HELP, description=command.HELP)
+        command.add_arguments(subparser)
+        subparser.set_defaults(run=command.run)
+    return parser
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run ``palpate``; return its exit code.
 
@@ -45,14 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     one_thread_each()
-    parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
-    parser.add_argument("--version", action="version", version=f"palpate {__version__}")
-    subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in sorted(discovered(), key=lambda command: command.NAME):
-        subparser = subparsers.add_parser(command.NAME, help=command.HELP, description=command.HELP)
-        command.add_arguments(subparser)
-        subparser.set_defaults(run=command.run)
-    chosen = parser.parse_args(arguments)
+    chosen = command_line().parse_args(arguments)
     try:
         code = chosen.run(chosen)
         sys.stdout.flush()

@@ -78,7 +78,8 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     evidence first; each is fitted together with the material on the finite elements, and what it leaves is tested. One
     stands that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be wrong
     in less than one case of a hundred. While none stands, sets with one mechanism more are tried in the same way, up to
-    the study's ``diagnosis.largest_set``. One that contradicts an exact law never passes. A name is given alone only
+    the study's ``diagnosis.largest_set``. Beyond those that stand, a set with one mechanism more is fitted where it
+    promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only
     where the recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
@@ -95,8 +96,12 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         tried = best_first(found + tried)
         if standing := standing_of(found, tried, level):
             smaller = _smaller(search, standing[0], tried, report)
-            tried = likeliest_of_each(smaller + tried)
-            standing = without_idle(standing_of(smaller + standing, tried, level))
+            larger: list[Candidate] = []
+            if number + 1 < search.study.diagnosis["largest_set"]:
+                likelier = max(each.fit.log_evidence for each in smaller + standing) + search.policy.outdone
+                larger = _fitted(search, standing, search.policy.most_sets, level, failed, report, likelier)
+            tried = likeliest_of_each(larger + smaller + tried)
+            standing = without_idle(standing_of(larger + smaller + standing, tried, level))
             break
     verdict, probabilities = judged(standing)
     if verdict == "identified":
@@ -150,8 +155,11 @@ def _fitted(
     level: float,
     failed: dict[str, str],
     report: Callable[[str], None],
+    floor: float = -np.inf,
 ) -> list[Candidate]:
     """Fit the sets with one mechanism more of the greatest optimistic evidence, and return them, best first.
+
+    None is fitted whose optimistic evidence lies below the `floor`.
 
     What falls far behind is left out, and once one leaves only noise, what falls behind by so much that it would not
     stand beside it. The first order holds near a place alone: where a set comes near to what noise leaves,
@@ -163,7 +171,7 @@ def _fitted(
         way = max(ways.values(), key=lambda way: way.optimistic)
         del ways[way.members]
         enough = len(done) >= policy.least or any(candidate.adequate(level) for candidate in done)
-        if enough and way.optimistic < behind:
+        if way.optimistic < floor or (enough and way.optimistic < behind):
             break
         name = "+".join([*way.fit.explanation, way.key])
         try:

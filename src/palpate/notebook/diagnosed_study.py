@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.run import diagnosed
+from palpate.diagnosis.study_diagnosis import diagnosed
 from palpate.errors import InputError
 from palpate.notebook.calibrated_study import CalibratedStudy, calibrate
 from palpate.notebook.notebook_study import NotebookStudy, study_of

@@ -1,0 +1,305 @@
+"""What MkDocs asks of this project: pages that the code itself writes, and formulas as MathML.
+
+A comment such as ``<!-- generated: laws -->`` in a page is replaced by what `GENERATED` returns under that name, and
+``<!-- generated: source FILE -->`` by a file of the package. One page of the Python API is made for each package of
+``src/palpate``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import html
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+SOURCE = Path(__file__).parents[1] / "src/palpate"
+MARK = re.compile(r"<!-- generated: (\w+)(?: ([\w./]+))? -->")
+FORMULA = re.compile(
+    r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
+)  # as pymdownx.arithmatex leaves it
+NOTEBOOK = "notebook.md"
+MEANING = {
+    "FILE": "a recording, or an instrument's file",
+    "STUDY.yaml": "the study",
+    "SPEC.yaml": "the specification",
+    "FOLDER": "the folder that is written",
+    "CURVE.csv": "the recording that is written",
+}
+TYPICAL = {"depth": 500.0, "load": 1.0, "modulus": 3.0, "duration": 60.0, "loading_time": 30.0, "half_angle": 70.3}
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """Return a table (Markdown)."""
+    head = list(head)
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines) + "\n"
+
+
+def number(value: float) -> str:
+    """Return a number as people write it."""
+    return re.sub(
+        r"e([+-])0*(\d)",
+        lambda found: f"e{found[1].strip('+')}{found[2]}",
+        f"{value:.{4 if abs(value) < 1000 else 6}g}",
+    )
+
+
+def span(lower: float, upper: float) -> str:
+    """Return a range, which no line breaks."""
+    return f"{number(lower)} to {number(upper)}".replace(" ", "&nbsp;").replace("-", "&#8209;")
+
+
+def unit(text: str) -> str:
+    """Return a unit with raised exponents (HTML)."""
+    raised = re.sub(r"\^(-?\([^)]*\)|-?\d+)", r"<sup>\1</sup>", text)
+    return re.sub(r"m_(\w)", r"m<sub>\1</sub>", raised)
+
+
+def documentation(member: Any) -> str:
+    """Return the docstring of the module that declares a law or mechanism."""
+    return inspect.cleandoc(sys.modules[member.__module__].__doc__ or "")
+
+
+def parameters(declared: Iterable[Any]) -> str:
+    """Return the table of some parameters."""
+    rows = (
+        (
+            f"`{p.name}`", f"${p.symbol}$", p.meaning, unit(p.unit), span(p.lower, p.upper),
+            "required" if p.default is None else f"`{number(p.default)}`",
+        )
+        for p in declared
+    )  # fmt: skip
+    return table(("parameter", "symbol", "meaning", "unit", "range", "default"), rows)
+
+
+def laws() -> str:
+    """Return one section a law: its equations and its parameters."""
+    from palpate.materials import LAWS
+    from palpate.materials.law import ELASTIC
+
+    parts = ["## Parameters of every law\n", parameters(ELASTIC)]
+    for law in sorted(LAWS.values(), key=lambda law: (law.key != "elastic", law.key)):
+        parts += [f"## `{law.key}`\n", _described(law) + "\n"]
+        parts += [parameters(law.flow)] if law.flow and law.parts == (law.key,) else []
+    return "\n".join(parts)
+
+
+def _described(law: Any) -> str:
+    """Return what the file of a law says of it, or which laws it joins."""
+    if law.parts == (law.key,):
+        return documentation(law.terms)
+    return f"The same as `{'+'.join(law.parts)}`: strains add, and parameters are those of both."
+
+
+def law_parameters() -> str:
+    """Return one table of the parameters of all laws, with the laws that have each."""
+    from palpate.materials import LAWS
+    from palpate.materials.law import ELASTIC
+
+    owners: dict[str, list[str]] = {}
+    declared = {p.name: p for p in ELASTIC}
+    single = [law for law in LAWS.values() if law.parts == (law.key,)]
+    for law in single:
+        for p in law.flow:
+            declared.setdefault(p.name, p)
+            owners.setdefault(p.name, []).append(f"`{law.key}`")
+    rows = (
+        (
+            f"`{p.name}`", p.meaning, unit(p.unit), span(p.lower, p.upper),
+            "required" if p.default is None else f"`{number(p.default)}`", ", ".join(owners.get(p.name, ["all"])),
+        )
+        for p in declared.values()
+    )  # fmt: skip
+    return table(("parameter", "meaning", "unit", "range", "default", "laws"), rows)
+
+
+def law_names() -> str:
+    """Return one table of all laws, with what the first line of each says."""
+    from palpate.materials import LAWS
+
+    rows = ((f"[`{law.key}`](laws.md#{law.key})", _first_line(_described(law))) for law in LAWS.values())
+    return table(("law", "what it describes"), rows)
+
+
+def mechanisms() -> str:
+    """Return one section a mechanism: what it is, its parameters, and where a diagnosis searches them."""
+    from palpate.mechanisms import MECHANISMS, Scale
+
+    scale = Scale(**TYPICAL, pressure=0.1)
+    every = sorted(MECHANISMS.values(), key=lambda each: each.title)
+    rows = ((f"[{m.title}](#{m.key})", f"`{m.key}`", _acts(m), _values(m)) for m in every)
+    parts = [table(("mechanism", "key", "acts on", "value"), rows)]
+    for mechanism in every:
+        parts += [f"## {mechanism.title[0].upper()}{mechanism.title[1:]} {{ #{mechanism.key} }}\n"]
+        parts += [documentation(mechanism.plausible) + "\n", parameters(mechanism.parameters)]
+        searched = "; ".join(
+            f"`{name}` {number(found.lower)} to {number(found.upper)}"
+            for name, found in mechanism.plausible(scale).items()
+        )
+        facts = [("Key", f"`{mechanism.key}`"), ("Searched", searched)]
+        facts += [("Acts on", _acts(mechanism)), ("Value", _values(mechanism))]
+        facts += [("Considered", "where a study names it")] if not getattr(mechanism, "by_default", True) else []
+        special = ", ".join(f"[`{key}`](#{key})" for key in getattr(mechanism, "includes", ()))
+        facts += [("Special case", special)] if special else []
+        facts += [("Measured apart by", remedy)] if (remedy := getattr(mechanism, "remedy", "")) else []
+        facts += [("Source", mechanism.source)]
+        parts += ["\n".join(f"- **{name}**: {fact}." for name, fact in facts) + "\n"]
+    return "\n".join(parts)
+
+
+def _acts(mechanism: Any) -> str:
+    return "the body" if mechanism.acts_on_body else "the recorded depth"
+
+
+def _values(mechanism: Any) -> str:
+    return "each recording has its own" if mechanism.varies else "one for all recordings"
+
+
+def commands() -> str:
+    """Return one section a subcommand of ``palpate``: usage and arguments."""
+    from palpate.cli.main import command_line
+
+    chosen = next(a for a in command_line()._actions if isinstance(a, argparse._SubParsersAction))
+    parts = []
+    for name, parser in chosen.choices.items():
+        usage = parser.format_usage().removeprefix("usage: ")
+        arguments = [a for a in parser._actions if not isinstance(a, argparse._HelpAction)]
+        rows = ((f"`{_spelt(a)}`", _meaning(a)) for a in arguments)
+        description = parser.description or ""
+        parts += [f"## `palpate {name}`\n", f"{description[:1].upper()}{description[1:]}.\n"]
+        parts += [f"```text\n{usage}```\n", table(("argument", "meaning"), rows)]
+    return "\n".join(parts)
+
+
+def _spelt(action: argparse.Action) -> str:
+    """Return an argument as it is typed."""
+    name = action.metavar or action.dest.upper()
+    if not action.option_strings:
+        return f"{name} ..." if action.nargs == "+" else str(name)
+    value = "" if action.nargs == 0 else f" {{{', '.join(action.choices)}}}" if action.choices else f" {name}"
+    return ", ".join(action.option_strings) + value
+
+
+def _meaning(action: argparse.Action) -> str:
+    return action.help or MEANING.get(str(action.metavar), "")
+
+
+def rooms() -> str:
+    """Return one table of the rooms of the package, in the order in which one may import another."""
+    rows = []
+    for name in _order():
+        file = SOURCE / f"{name}.py"
+        modules = [file] if file.is_file() else sorted((SOURCE / name).rglob("*.py"))
+        lines = sum(len(module.read_text(encoding="utf-8").splitlines()) for module in modules)
+        first = _first_line(_docstring(file if file.is_file() else SOURCE / name / "__init__.py"))
+        rows.append((f"`{name}`", first, len(modules), lines))
+    return table(("room", "what it holds", "files", "lines"), rows)
+
+
+def _order() -> list[str]:
+    """Return the rooms as the test of the architecture lists them."""
+    text = (SOURCE.parents[1] / "tests/test_architecture.py").read_text(encoding="utf-8")
+    return re.search(r'ROOMS = """(.*?)"""', text, re.DOTALL)[1].split()  # type: ignore[index]
+
+
+def _docstring(file: Path) -> str:
+    return ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+
+
+def _first_line(text: str) -> str:
+    """Return the first sentence of a docstring, with double backticks made single."""
+    return text.split("\n\n")[0].replace("\n", " ").replace("``", "`")
+
+
+def packages() -> Iterator[tuple[str, Path]]:
+    """Yield name and folder of every package, in the order of the rooms."""
+    order = [name for name in _order() if (SOURCE / name).is_dir()]
+    for room in order:
+        for init in sorted((SOURCE / room).rglob("__init__.py")):
+            if "__pycache__" not in init.parts:
+                yield ".".join(init.parent.relative_to(SOURCE.parent).parts), init.parent
+
+
+def api_page(name: str, folder: Path) -> str:
+    """Return the page of one package (Markdown for mkdocstrings): the package, then each module by itself."""
+    text = [f"# `{name}`\n", f"{_first_line(_docstring(folder / '__init__.py'))}\n"]
+    for module in sorted(folder.glob("*.py")):
+        if module.stem != "__init__" and _docstring(module):
+            text.append(f"::: {name}.{module.stem}\n    options:\n      heading_level: 2\n")
+    return "\n".join(text)
+
+
+def api_index() -> str:
+    """Return the first page of the Python API: every package with its first line."""
+    rows = ((f"[`{name}`]({name}.md)", _first_line(_docstring(f / "__init__.py"))) for name, f in packages())
+    return "# Python API\n\nGenerated from the docstrings.\n\n" + table(("package", "what it holds"), rows)
+
+
+def source(file: str) -> str:
+    """Return a file of the package as a block of code."""
+    return f"```python\n{(SOURCE / file).read_text(encoding='utf-8')}```\n"
+
+
+GENERATED: dict[str, Callable[..., str]] = {
+    "laws": laws,
+    "law_names": law_names,
+    "law_parameters": law_parameters,
+    "mechanisms": mechanisms,
+    "commands": commands,
+    "rooms": rooms,
+    "source": source,
+}
+
+
+def expanded(markdown: str) -> str:
+    """Return a page with everything that the code writes in it."""
+    return MARK.sub(lambda found: GENERATED[found[1]](*filter(None, [found[2]])), markdown)
+
+
+def mathml(page: str) -> str:
+    """Return a page (HTML) with its formulas as MathML, which every browser draws without a script."""
+    from latex2mathml.converter import convert
+
+    def converted(found: re.Match[str]) -> str:
+        block = found["tag"] == "div"
+        formula = convert(html.unescape(found["tex"]).strip(), display="block" if block else "inline")
+        return f'<div class="formula">{formula}</div>' if block else formula
+
+    return FORMULA.sub(converted, page)
+
+
+def on_config(config: Any) -> Any:
+    """List what exists only in some trees in the navigation: the API's pages, and the notebook's."""
+    for section in config.nav:
+        for title, entries in section.items():
+            if title == "How-to" and (Path(config.docs_dir) / NOTEBOOK).is_file():
+                entries.insert(1, {"In a notebook": NOTEBOOK})
+            for entry in entries if title == "Reference" else ():
+                if "Python API" in entry:
+                    entry["Python API"] = ["api/index.md", *(f"api/{name}.md" for name, _ in packages())]
+    return config
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages of the Python API."""
+    from mkdocs.structure.files import File
+
+    files.append(File.generated(config, "api/index.md", content=api_index()))
+    for name, folder in packages():
+        files.append(File.generated(config, f"api/{name}.md", content=api_page(name, folder)))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Expand what the code writes."""
+    return expanded(markdown)
+
+
+def on_page_content(content: str, **_: Any) -> str:
+    """Turn formulas into MathML."""
+    return mathml(content)
