@@ -18,12 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from palpate.diagnosis.covariance import BACKGROUND
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS
 
 NORMAL_95 = 1.96
 LEAST = 1e-9
-UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
 
 
 @dataclass(frozen=True)
@@ -91,6 +90,6 @@ def departures(laws: Sequence[Law], amplitudes: Mapping[str, Mapping[str, float]
             return 0.0
         if law.key in amplitudes:
             return law.departure(amplitudes[law.key][law.parameter])
-        return law.departure(0.0, UNNAMED[law.key])
+        return law.departure(0.0, MECHANISMS[law.key].background)
 
     return np.array([departure(law) for law in laws])

@@ -1,8 +1,6 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
-Every instrument drifts a little. A steady rate that differs between recordings with a standard deviation of up to
-0.01 nm/s counts as background, not as an effect (Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, began their tests
-once the rate was below 0.05 nm/s).
+What every instrument has a little of, as a drift, counts as noise up to the `background` that its mechanism declares.
 """
 
 from __future__ import annotations

@@ -133,10 +133,8 @@ def limits(study: Study, problem: Problem) -> list[str]:
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
     if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        said.append(
-            f"All tests reach the same {kinds.pop()}: an effect with a length (rounding, "
-            "film, size effect) or of the frame can hide in the material's parameters."
-        )
+        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.hides_at_one_load)
+        said.append(f"All tests reach the same {kinds.pop()}: {hidden} can hide in the material's parameters.")
     if study.calibration["solver_error"] >= COARSE:
         said.append(
             f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "

@@ -14,6 +14,7 @@ from palpate.diagnosis.covariance import components_under, varying
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
@@ -23,7 +24,6 @@ POINTS = 30
 DRAWS = 7  # with the best one they fill the lanes of one run
 REPLICATES = 3
 FALSE_ALARM = 0.01
-OF_THE_TIP = ("tip_angle", "tip_rounding")  # effects that stay behind with the tip
 SPHERE = 10_000.0  # nm
 BERKOVICH = 70.3  # deg, the equivalent cone
 
@@ -169,5 +169,5 @@ def _of_test(specification: Specification, test: FeasibleTest) -> Specification:
     """Return what is simulated with the tip of a test; effects of the old tip stay behind with it."""
     if test.indenter is None:
         return specification
-    kept = {key: values for key, values in specification.mechanisms.items() if key not in OF_THE_TIP}
+    kept = {key: values for key, values in specification.mechanisms.items() if not MECHANISMS[key].of_the_tip}
     return replace(specification, indenter=test.indenter, mechanisms=kept)

@@ -25,10 +25,6 @@ from palpate.mechanisms import MECHANISMS
 EVEN = 1.0 / 3.0
 SHOWN_BEFOREHAND = 4.0 / 3.0  # variance of even values in units of three quarters of a range, from the middle
 COARSE = 0.01
-REMEDIES = {
-    "thermal_drift": "a hold of a minute or more at a few per cent of the load after unloading",
-    "frame_compliance": "four or more unloadings from loads that span a factor of ten, within each test,",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,13 +108,13 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
     said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
     for name, entry in amplitudes.items():
         key = name.split(".")[0]
-        half = 0.5 * (entry["upper"] - entry["lower"])
-        if key in REMEDIES and half * float(np.abs(_unit_column(fit, key)).max()) > least:
-            unit = MECHANISMS[key].parameters[0].unit
+        mechanism, half = MECHANISMS[key], 0.5 * (entry["upper"] - entry["lower"])
+        if mechanism.remedy and half * float(np.abs(_unit_column(fit, key)).max()) > least:
+            unit = mechanism.parameters[0].unit
             done = any(law.key == key and np.isfinite(law.lower) for law in fit.laws)
-            remedy = "" if done else f" {REMEDIES[key][0].upper()}{REMEDIES[key][1:]} would narrow it."
+            remedy = "" if done else f" It would be narrowed by {mechanism.remedy}."
             said.append(
-                f"If all effects considered may act at once, {MECHANISMS[key].title} lies between "
+                f"If all effects considered may act at once, {mechanism.title} lies between "
                 f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
                 f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
             )
