@@ -103,7 +103,7 @@ def p_value(task, rng):
 def test_an_effect_errs_by_the_same_part_everywhere():
     task = problem(recordings(np.random.default_rng(1)))
     noise, film = noise_of(task, (), task.mean, 0.01), {"film_on_substrate": np.full(len(task.mean), 40.0)}
-    plain, wider = (errors(task, ("film_on_substrate",), task.mean, noise, 0.003, effects) for effects in ({}, film))
+    plain, wider = (errors(task, (), task.mean, noise, 0.003, effects) for effects in ({}, film))
     off = 40.0 * MECHANISMS["film_on_substrate"].solver_scatter
     assert wider.model - plain.model == pytest.approx(np.full(plain.model.shape, off**2))
 
@@ -202,7 +202,7 @@ def test_what_acts_on_the_body_is_screened_and_fitted_on_the_forward_model():
     assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.25, 0.75, 1.0])
     found = search.examined(search.joined(search.base.fit, "tip_rounding"))
     assert search.base.p_value < 0.01 < found.p_value
-    radius, slope = found.fit.problem.amplitude(("tip_rounding",), found.fit.z, "tip_rounding")
+    radius, slope = found.fit.problem.quantity(("tip_rounding",), found.fit.z, "tip_rounding.radius")
     assert abs(radius - 60.0) < 3.0 * slope * np.sqrt(found.fit.posterior[-1, -1])
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
+from palpate.output.mechanism_table import SCALE
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
@@ -40,6 +41,20 @@ def test_neutral_amplitude_is_the_identity(key, plain):
 @pytest.mark.parametrize("key", MECHANISMS)
 def test_effect_is_visible(key, plain):
     assert np.abs(depth({key: VISIBLE[key]}) - plain).max() > 1.0
+
+
+@pytest.mark.parametrize("key", [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body])
+def test_what_only_adds_to_the_depth_is_linear_in_the_amplitudes(key):
+    """And the same at every depth; its parameters are what is searched."""
+    mechanism, time = MECHANISMS[key], np.linspace(1.0, 70.0, 28)
+    load, twice = np.sin(time), {name: 2.0 * VISIBLE[key][name] for name in mechanism.amplitudes}
+    deep = np.sqrt(time)
+    once, double = (
+        mechanism.record(time, load, depth, values) - depth
+        for depth, values in ((deep, VISIBLE[key]), (0.0 * deep, {**VISIBLE[key], **twice}))
+    )
+    assert double == pytest.approx(2.0 * once)
+    assert set(mechanism.plausible(SCALE)) == {parameter.name for parameter in mechanism.parameters}
 
 
 WITHOUT_LOAD = pytest.mark.xfail(reason="a rounded tip finds no equilibrium while a lag keeps the load at none")

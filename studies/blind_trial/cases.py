@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import MECHANISMS, known
-from palpate.mechanisms.amplitudes import log_uniform
+from palpate.mechanisms.draws import log_uniform
 from studies.blind_trial.unknown import UNKNOWN
 
 INNER = 0.1

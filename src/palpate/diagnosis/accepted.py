@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import chi2
 
-from palpate.diagnosis.amplitude_constraint import NORMAL_95
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.search import Candidate
@@ -48,14 +48,18 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
 
 
 def not_told_from_none(fit: Fit) -> list[str]:
-    """Return the instrument's effects of an explanation whose mean amplitude may as well be none, at 95 %.
+    """Return the instrument's effects of an explanation whose mean amplitudes may as well all be none, at 95 %.
 
-    What they explain is then that single recordings differ, which chance, or another law, may do, too.
+    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. What they explain is that
+    single recordings differ, which chance, or another law, may do, too.
     """
-    open_ones, own = [], fit.problem.places(fit.explanation)
+    open_ones, problem = [], fit.problem
     for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
-        (place,), (value, slope) = own[key], fit.problem.amplitude(fit.explanation, fit.z, key)
-        if abs(value) <= NORMAL_95 * abs(slope) * np.sqrt(fit.posterior[place, place]):
+        names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
+        places = [problem.place(fit.explanation, name) for name in names]
+        values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])
+        steps = values / slopes
+        if steps @ np.linalg.solve(fit.posterior[np.ix_(places, places)], steps) <= chi2.ppf(0.95, len(names)):
             open_ones.append(key)
     return open_ones
 

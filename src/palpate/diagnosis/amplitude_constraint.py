@@ -32,7 +32,7 @@ class Law:
     Parameters
     ----------
     key, parameter
-        Mechanism and its only parameter.
+        Mechanism and its amplitude.
     estimate, lower, upper
         In the parameter's unit; 95 % interval. Of a bound, the estimate is the bound and `lower` is minus infinity.
     source
@@ -54,6 +54,11 @@ class Law:
             raise InputError(
                 f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
             )
+
+    @property
+    def quantity(self) -> str:
+        """What it measures, ``key.name``."""
+        return f"{self.key}.{self.parameter}"
 
     def holds_under(self, mechanisms: Iterable[str]) -> bool:
         """Return whether none of the mechanisms at work breaks what it assumes."""

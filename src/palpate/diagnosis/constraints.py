@@ -169,6 +169,6 @@ def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
     covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
     if fit.laws:
         z = z + covariance @ white.T @ fit.white
-    value, slope = problem.amplitude(fit.explanation, z, law.key)
-    (place,) = problem.places(fit.explanation)[law.key]
+    value, slope = problem.quantity(fit.explanation, z, law.quantity)
+    place = problem.place(fit.explanation, law.quantity)
     return value, slope * float(np.sqrt(covariance[place, place]))

@@ -162,7 +162,7 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     if diagnosis.verdict != "unexplained":
         return []
     found = p_between_tests(diagnosis.tried[0].fit, rng)
-    titles = [MECHANISMS[key].title for key, p in found.items() if p < level]
+    titles = sorted({MECHANISMS[name.split(".")[0]].title for name, p in found.items() if p < level})
     if not titles:
         return []
     return [

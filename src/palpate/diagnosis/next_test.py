@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.covariance import components_under, varying
+from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
@@ -131,9 +131,9 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
     A mechanism that varies will have values in the new recordings that nobody knows yet. The simulation's error counts
     as it does in a diagnosis: a common factor of the depth tells nothing apart.
     """
-    keys, errors = varying(fit.explanation), fit.errors
-    parts = components_under(fit.problem, keys, condition, curve)
-    own = [(errors.noise.variances[key] / REPLICATES + errors.between.get(key, 0.0)) * parts[key] for key in keys]
+    errors, parts = fit.errors, components_under(fit.problem, fit.own, condition, curve)
+    names = [str(amplitude) for amplitude in fit.own]
+    own = [(errors.noise.variances[name] / REPLICATES + errors.between.get(name, 0.0)) * parts[name] for name in names]
     return about(study, fit, condition, curve, REPLICATES) + sum(own)
 
 

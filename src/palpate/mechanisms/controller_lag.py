@@ -8,8 +8,8 @@ import numpy as np
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
-from palpate.mechanisms.amplitudes import log_uniform
 from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.base.parameters import Parameter
-from palpate.mechanisms.amplitudes import log_uniform
 from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 

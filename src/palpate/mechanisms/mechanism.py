@@ -110,7 +110,7 @@ class Mechanism:
     record
         Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
     varies
-        Whether each recording has a value of its own.
+        Whether each recording has amplitudes of its own; further parameters are the same in all.
     from_search
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
@@ -149,6 +149,11 @@ class Mechanism:
     hides_at_one_load: bool = False
     of_the_tip: bool = False
     remedy: str = ""
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Names of the parameters that are zero where it does nothing; what it adds to a depth is linear in them."""
+        return tuple(p.name for p in self.parameters if self.neutral[p.name] == 0.0)
 
     @property
     def acts_on_body(self) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import LAW, PLASTIC
-from palpate.mechanisms.amplitudes import log_uniform
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.study.specification import Specification
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.nonlinear_burgers import VOIGT
-from palpate.mechanisms.amplitudes import log_uniform
 from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.study.specification import Specification
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.mechanisms.amplitudes import signed
+from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import HALF_ANGLE
 from palpate.study.specification import Specification

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.mechanisms.amplitudes import log_uniform
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import RADIUS
 from palpate.study.specification import Specification

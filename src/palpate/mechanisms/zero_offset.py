@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.base.parameters import Parameter
-from palpate.mechanisms.amplitudes import signed
+from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
