@@ -12,7 +12,7 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis.accepted import may_be_named, without_idle
 from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import _smaller
+from palpate.diagnosis.diagnose import _special_cases
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.outside import outside
@@ -285,7 +285,7 @@ def test_a_set_whose_search_stopped_early_is_fitted_again_where_a_larger_one_end
     away = search.fitted(("thermal_drift",), [drift.fit.z + 0.05], drift.fit.curve)
     stopped = replace(drift, fit=replace(drift.fit, curve=drift.fit.curve + 5.0, z=away.z), p_value=0.001)
     larger = search.examined(search.joined(drift.fit, "frame_compliance"))
-    again = _smaller(search, larger, [larger, stopped, search.base], print)[-1]
+    again = _special_cases(search, larger, [larger, stopped, search.base], print)[-1]
     assert again.fit.explanation == ("thermal_drift",)
     assert again.fit.log_evidence == pytest.approx(drift.fit.log_evidence, abs=0.5)
     assert without_idle([larger, again]) == [again]

@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_diagnosis import problem, recordings, search_of
 
+from palpate.diagnosis.diagnose import diagnose
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
 from palpate.output.mechanism_table import SCALE
@@ -19,6 +21,7 @@ BASE = {
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
 }
+RECORDED = [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body]
 VISIBLE = {key: dict(mechanism.example) for key, mechanism in MECHANISMS.items()}
 
 
@@ -43,7 +46,7 @@ def test_effect_is_visible(key, plain):
     assert np.abs(depth({key: VISIBLE[key]}) - plain).max() > 1.0
 
 
-@pytest.mark.parametrize("key", [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body])
+@pytest.mark.parametrize("key", RECORDED)
 def test_what_only_adds_to_the_depth_is_linear_in_the_amplitudes(key):
     """And the same at every depth; its parameters are what is searched."""
     mechanism, time = MECHANISMS[key], np.linspace(1.0, 70.0, 28)
@@ -55,6 +58,31 @@ def test_what_only_adds_to_the_depth_is_linear_in_the_amplitudes(key):
     )
     assert double == pytest.approx(2.0 * once)
     assert set(mechanism.plausible(SCALE)) == {parameter.name for parameter in mechanism.parameters}
+
+
+@pytest.mark.parametrize(
+    ("key", "included"), [(key, inner) for key, mechanism in MECHANISMS.items() for inner in mechanism.includes]
+)
+def test_a_mechanism_equals_what_it_includes_where_all_else_does_nothing(key, included, plain):
+    example = VISIBLE[included]
+    assert depth({key: dict(MECHANISMS[key].neutral) | example}) - plain == pytest.approx(
+        depth({included: example}) - plain, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("key", RECORDED)
+def test_what_is_planted_is_diagnosed_as_itself(key):
+    """On a closed form, with values that differ by a fifth between recordings where they are each one's own."""
+    mechanism, rng = MECHANISMS[key], np.random.default_rng(4)
+
+    def planted(condition, _):
+        time, load = condition.protocol.sample_time, condition.protocol.sample_load
+        sizes = {name: 3.0 * (1.0 + 0.2 * mechanism.varies * rng.standard_normal()) for name in mechanism.amplitudes}
+        values = {name: value * sizes.get(name, 1.0) for name, value in VISIBLE[key].items()}
+        return mechanism.record(time, load, np.zeros_like(time), values)
+
+    found = diagnose(search_of(problem(recordings(np.random.default_rng(5), planted)), RECORDED), lambda said: None)
+    assert (found.verdict, [each.fit.explanation for each in found.standing]) == ("identified", [(key,)])
 
 
 WITHOUT_LOAD = pytest.mark.xfail(reason="a rounded tip finds no equilibrium while a lag keeps the load at none")

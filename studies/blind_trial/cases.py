@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Study
-from palpate.mechanisms import MECHANISMS, known
+from palpate.mechanisms import considered
 from palpate.mechanisms.draws import log_uniform
 from studies.blind_trial.unknown import UNKNOWN
 
@@ -57,7 +57,7 @@ def draw(study: Study) -> list[Case]:
     settings = study.challenge
     rng = np.random.default_rng(settings["seed"])
     kinds = [kind for kind in ("none", "one", "two", "unknown") for _ in range(settings[kind])]
-    concealed = known(settings["mechanisms"] or MECHANISMS, "challenge.mechanisms")
+    concealed = considered(settings["mechanisms"], "challenge.mechanisms")
     available = list(concealed)
     singles = itertools.cycle(rng.permutation(available))
     unknown = itertools.cycle(rng.permutation(list(UNKNOWN)))

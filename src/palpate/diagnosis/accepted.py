@@ -11,6 +11,7 @@ from palpate.diagnosis.search import Candidate
 from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)
+NEEDED = 2.0  # of the log evidence: a parameter costs one by Akaike's criterion, about three by Schwarz's
 
 
 def standing_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
@@ -88,6 +89,25 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def without_idle(standing: list[Candidate]) -> list[Candidate]:
-    """Return the sets that stand, but for those around a smaller one that does, too: they hold what does nothing."""
-    sets = [set(candidate.fit.explanation) for candidate in standing]
-    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in sets)]
+    """Return the sets that stand, but for those of which a special case stands: they hold what does nothing.
+
+    With as many mechanisms as its special case, a set must also be no likelier. What the variance of own values may
+    explain is not paid for in the evidence, so that it must exceed the special case's by `NEEDED`.
+    """
+
+    def idle(each: Fit, other: Fit) -> bool:
+        fewer = len(other.explanation) < len(each.explanation)
+        special = is_special_case(other.explanation, each.explanation)
+        return special and (fewer or each.log_evidence <= other.log_evidence + NEEDED)
+
+    fits = [candidate.fit for candidate in standing]
+    return [candidate for candidate in standing if not any(idle(candidate.fit, other) for other in fits)]
+
+
+def is_special_case(explanation: Explanation, other: Explanation) -> bool:
+    """Return whether an explanation is another one with fewer mechanisms, or with some that those of the other include.
+
+    It cannot fit better, and says less.
+    """
+    included = {inner for key in other for inner in MECHANISMS[key].includes}
+    return set(explanation) != set(other) and set(explanation) <= included.union(other)

@@ -15,6 +15,8 @@ import numpy as np
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import Values
 
+PROBE = np.geomspace(1e-3, 1e3, 30)  # s or mN
+
 
 @dataclass(frozen=True, order=True)
 class Amplitude:
@@ -34,11 +36,18 @@ class Amplitude:
 
     @classmethod
     def of(cls, key: str, values: Values) -> tuple[Amplitude, ...]:
-        """Return all amplitudes of a mechanism that has parameters `values`; the others count to three digits."""
-        mechanism = MECHANISMS[key]
+        """Return all amplitudes of a mechanism that has parameters `values`.
+
+        Two that add the same are equal, so that a noise with them is fitted once: further parameters count to two
+        digits, and where they make no difference as where the mechanism does nothing.
+        """
+        mechanism, found = MECHANISMS[key], []
         others = [p.name for p in mechanism.parameters if p.name not in mechanism.amplitudes]
-        beside = tuple((name, float(f"{values[name]:.3g}")) for name in others)
-        return tuple(cls(key, name, beside) for name in mechanism.amplitudes)
+        for name in mechanism.amplitudes:
+            here = cls(key, name, tuple((other, float(f"{values[other]:.2g}")) for other in others))
+            plain = cls(key, name, tuple((other, mechanism.neutral[other]) for other in others))
+            found.append(plain if np.array_equal(here.added(PROBE, PROBE), plain.added(PROBE, PROBE)) else here)
+        return tuple(found)
 
     def __str__(self) -> str:
         return f"{self.key}.{self.name}"

@@ -12,7 +12,7 @@ from palpate.configuration.study_file import Study
 from palpate.design.sampling import factorial
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate
-from palpate.mechanisms import MECHANISMS, Mechanism, Scale, known
+from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.profile import Profile
@@ -76,7 +76,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
-    wanted = known(study.diagnosis["mechanisms"] or MECHANISMS, "diagnosis.mechanisms")
+    wanted = considered(study.diagnosis["mechanisms"], "diagnosis.mechanisms")
     tests = {condition.protocol.control: condition for condition in study.conditions if condition.role == "calibrate"}
     specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
     _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from palpate.diagnosis.accepted import (
     best_first,
+    is_special_case,
     judged,
     likeliest_of_each,
     may_be_named,
@@ -17,8 +18,10 @@ from palpate.diagnosis.accepted import (
     without_idle,
 )
 from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.problem import Explanation
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +97,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         found = _fitted(search, found, most, level, failed, report)
         tried = best_first(found + tried)
         if standing := standing_of(found, tried, level):
-            smaller = _smaller(search, standing[0], tried, report)
-            tried = likeliest_of_each(smaller + tried)
-            standing = without_idle(standing_of(smaller + standing, tried, level))
+            special = _special_cases(search, standing[0], tried, report)
+            tried = likeliest_of_each(special + tried)
+            standing = without_idle(standing_of(likeliest_of_each(special + standing), tried, level))
             break
     verdict, probabilities = judged(standing)
     if verdict == "identified":
@@ -106,16 +109,15 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     return Diagnosis(verdict, base, standing, probabilities, tried, failed)
 
 
-def _smaller(
+def _special_cases(
     search: Search, standing: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
 ) -> list[Candidate]:
-    """Return the sets with one mechanism less, fitted again from where one that stands ended, where that fits better.
+    """Return the special cases of a set that stands, fitted again from where it ended, where that fits better.
 
     Their own searches may have stopped in another valley, out of which the mechanism that does nothing led.
     """
     fit, better = standing.fit, []
-    for key in fit.explanation if len(fit.explanation) > 1 else ():
-        explanation, z = search.problem.without(fit.explanation, fit.z, key)
+    for explanation, z in _begun(search, fit):
         stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
         try:
             again = search.examined(search.fitted(explanation, [z], fit.curve))
@@ -127,16 +129,29 @@ def _smaller(
     return better
 
 
+def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]:
+    """Yield the special cases of a set, each with the coordinates (k,) at which the set's own fit leaves it."""
+    for key in fit.explanation:
+        if len(fit.explanation) > 1:
+            yield search.problem.without(fit.explanation, fit.z, key)
+        for included in [other for other in MECHANISMS[key].includes if other in search.screen.keys]:
+            yield search.problem.special_case(fit.explanation, fit.z, key, included)
+
+
 def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
     """Return what one mechanism more makes of fits, by its mechanisms; of each set the most optimistic way.
 
-    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins.
+    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins. A
+    mechanism and one that it includes do not act together.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
         off = dict(zip(fit.laws, fit.from_laws(fit.z), strict=True))
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
-            asked = sum(departure**2 for law, departure in off.items() if law.key == key)
+            if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
+                continue
+            own = (key, *MECHANISMS[key].includes)
+            asked = sum(departure**2 for law, departure in off.items() if law.key in own)
             way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way

@@ -122,6 +122,14 @@ class Problem:
         places = self.places(explanation)[key]
         return tuple(other for other in explanation if other != key), np.delete(z, places)
 
+    def special_case(
+        self, explanation: Explanation, z: np.ndarray, key: str, included: str
+    ) -> tuple[Explanation, np.ndarray]:
+        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,)."""
+        smaller, rest = self.without(explanation, z, key)
+        values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
+        return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])
+
     def amplitudes(self, explanation: Explanation, z: np.ndarray) -> dict[str, dict[str, float]]:
         """Return the parameters of each mechanism at coordinates z (k,)."""
         return self.model(explanation).amplitudes(z)

@@ -23,6 +23,12 @@ def known(keys: Iterable[str], place: str) -> dict[str, Mechanism]:
     return found
 
 
+def considered(named: Iterable[str], place: str) -> dict[str, Mechanism]:
+    """Return the mechanisms that a study names at `place`; those that count by default where it names none."""
+    every = {key: mechanism for key, mechanism in MECHANISMS.items() if mechanism.by_default}
+    return known(named, place) or every
+
+
 def breaking(*assumptions: Assumption) -> tuple[str, ...]:
     """Return the keys of the mechanisms that break any of some assumptions of an exact law."""
     return tuple(key for key, mechanism in MECHANISMS.items() if mechanism.breaks.intersection(assumptions))
@@ -49,4 +55,14 @@ def checked_mechanisms(given: Any) -> dict[str, dict[str, float]]:
     return checked
 
 
-__all__ = ["MECHANISMS", "Assumption", "Mechanism", "Range", "Scale", "breaking", "checked_mechanisms", "known"]
+__all__ = [
+    "MECHANISMS",
+    "Assumption",
+    "Mechanism",
+    "Range",
+    "Scale",
+    "breaking",
+    "checked_mechanisms",
+    "considered",
+    "known",
+]

@@ -128,6 +128,12 @@ class Mechanism:
         Whether it stays behind when the tip is exchanged.
     remedy
         The test that measures its amplitude apart from the material, in words; empty where none does.
+    includes
+        Keys of its special cases: mechanisms whose parameters it has, too, and which it equals where its others do
+        nothing. It fits whatever they fit, and is named only where they do not suffice.
+    by_default
+        Whether a diagnosis considers it where the study names no mechanisms. One that includes another differs little
+        from it in most recordings: it costs a fit where the other one acts, and makes more tests of the same residuals.
     """
 
     key: str
@@ -149,6 +155,8 @@ class Mechanism:
     hides_at_one_load: bool = False
     of_the_tip: bool = False
     remedy: str = ""
+    includes: tuple[str, ...] = ()
+    by_default: bool = True
 
     @property
     def amplitudes(self) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.mechanisms import MECHANISMS, Mechanism, Range, Scale
 
-HEAD = "| mechanism | effect on a recording | quantities of `ranges` | value |\n|---|---|---|---|\n"
+HEAD = "| mechanism | effect on a recording | quantities of `ranges` | value | considered |\n|---|---|---|---|---|\n"
 SCALE = Scale(depth=500.0, load=1.0, modulus=3.0, duration=60.0, loading_time=30.0, half_angle=70.3, pressure=0.1)
 
 
@@ -31,7 +31,8 @@ def updated(text: str, mechanisms: Iterable[Mechanism]) -> str:
 def _row(mechanism: Mechanism) -> str:
     quantities = "; ".join(_quantity(mechanism, name, found) for name, found in mechanism.plausible(SCALE).items())
     value = "each recording's own" if mechanism.varies else "one for all"
-    return f"| `{mechanism.key}` | {mechanism.effect} | {quantities} | {value} |"
+    considered = "by default" if mechanism.by_default else "where it is named"
+    return f"| `{mechanism.key}` | {mechanism.effect} | {quantities} | {value} | {considered} |"
 
 
 def _quantity(mechanism: Mechanism, name: str, searched: Range) -> str:
