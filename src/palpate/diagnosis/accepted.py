@@ -91,8 +91,8 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
 def without_idle(standing: list[Candidate]) -> list[Candidate]:
     """Return the sets that stand, but for those of which a special case stands: they hold what does nothing.
 
-    With as many mechanisms as its special case, a set must also be no likelier. What the variance of own values may
-    explain is not paid for in the evidence, so that it must exceed the special case's by `NEEDED`.
+    One with as many mechanisms as its special case stays where its evidence is larger by more than `NEEDED`: the
+    evidence charges nothing for the variance of values that recordings have of their own.
     """
 
     def idle(each: Fit, other: Fit) -> bool:
