@@ -23,7 +23,7 @@ def drifting(rate, replicates=3, seed=3):
 
 
 def p_of_drift(task):
-    return p_between_tests(fitted(task, DRIFT), np.random.default_rng(1)).get("thermal_drift")
+    return p_between_tests(fitted(task, DRIFT), np.random.default_rng(1)).get("thermal_drift.rate")
 
 
 @pytest.mark.parametrize("seed", range(5))

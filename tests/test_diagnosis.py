@@ -12,7 +12,7 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis.accepted import may_be_named, without_idle
 from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import _smaller
+from palpate.diagnosis.diagnose import _special_cases
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.outside import outside
@@ -103,7 +103,7 @@ def p_value(task, rng):
 def test_an_effect_errs_by_the_same_part_everywhere():
     task = problem(recordings(np.random.default_rng(1)))
     noise, film = noise_of(task, (), task.mean, 0.01), {"film_on_substrate": np.full(len(task.mean), 40.0)}
-    plain, wider = (errors(task, ("film_on_substrate",), task.mean, noise, 0.003, effects) for effects in ({}, film))
+    plain, wider = (errors(task, (), task.mean, noise, 0.003, effects) for effects in ({}, film))
     off = 40.0 * MECHANISMS["film_on_substrate"].solver_scatter
     assert wider.model - plain.model == pytest.approx(np.full(plain.model.shape, off**2))
 
@@ -202,7 +202,7 @@ def test_what_acts_on_the_body_is_screened_and_fitted_on_the_forward_model():
     assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.25, 0.75, 1.0])
     found = search.examined(search.joined(search.base.fit, "tip_rounding"))
     assert search.base.p_value < 0.01 < found.p_value
-    radius, slope = found.fit.problem.amplitude(("tip_rounding",), found.fit.z, "tip_rounding")
+    radius, slope = found.fit.problem.quantity(("tip_rounding",), found.fit.z, "tip_rounding.radius")
     assert abs(radius - 60.0) < 3.0 * slope * np.sqrt(found.fit.posterior[-1, -1])
 
 
@@ -285,7 +285,7 @@ def test_a_set_whose_search_stopped_early_is_fitted_again_where_a_larger_one_end
     away = search.fitted(("thermal_drift",), [drift.fit.z + 0.05], drift.fit.curve)
     stopped = replace(drift, fit=replace(drift.fit, curve=drift.fit.curve + 5.0, z=away.z), p_value=0.001)
     larger = search.examined(search.joined(drift.fit, "frame_compliance"))
-    again = _smaller(search, larger, [larger, stopped, search.base], print)[-1]
+    again = _special_cases(search, larger, [larger, stopped, search.base], print)[-1]
     assert again.fit.explanation == ("thermal_drift",)
     assert again.fit.log_evidence == pytest.approx(drift.fit.log_evidence, abs=0.5)
     assert without_idle([larger, again]) == [again]

@@ -10,6 +10,7 @@ from scipy.special import expit, logit
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.covariance import Errors
 from palpate.diagnosis.estimated_noise import adjusted, freedom
 from palpate.diagnosis.locate import location
@@ -110,7 +111,7 @@ def test_many_replicates_tell_the_noise():
     widths = []
     for count in (2, 20):
         fit = fitted(problem(recordings(np.random.default_rng(3), replicates=count)))
-        column = np.concatenate([fit.problem.unit_effect("thermal_drift", c) for c in fit.problem.conditions])
+        column = fit.problem.unit_effects(Amplitude("thermal_drift", "rate"))
         white = fit.whiten(np.column_stack([fit.tangent, column]))
         deviation = np.sqrt(np.linalg.inv(white.T @ white + np.diag([12.0, 12.0, 0.0]))[-1, -1])
         drift = may_hide(fit, ["thermal_drift"])["thermal_drift.rate"]

@@ -5,9 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_diagnosis import problem, recordings, search_of
 
+from palpate.diagnosis.diagnose import diagnose
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
+from palpate.output.mechanism_table import SCALE
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
@@ -18,20 +21,8 @@ BASE = {
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
 }
-VISIBLE = {
-    "thermal_drift": {"rate": 0.1},
-    "frame_compliance": {"compliance": 5.0},
-    "zero_offset": {"offset": 4.0},
-    "tip_rounding": {"radius": 200.0},
-    "tip_angle": {"half_angle": 71.0},
-    "second_voigt": {"coefficient": 0.1, "exponent": 0.3, "retardation_time": 10.0},
-    "plastic_yield": {"yield_stress": 0.15, "hardening": 0.2},
-    "controller_lag": {"lag": 1.0},
-    "friction": {"coefficient": 0.25},
-    "film_on_substrate": {"thickness": 1500.0, "substrate_modulus": 70.0},
-    "size_effect": {"length": 50.0},
-    "adhesion": {"work": 100.0},
-}
+RECORDED = [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body]
+VISIBLE = {key: dict(mechanism.example) for key, mechanism in MECHANISMS.items()}
 
 
 def depth(mechanisms=None):
@@ -45,10 +36,6 @@ def plain():
     return depth()
 
 
-def test_every_mechanism_has_a_visible_example():
-    assert set(VISIBLE) == set(MECHANISMS)
-
-
 @pytest.mark.parametrize("key", MECHANISMS)
 def test_neutral_amplitude_is_the_identity(key, plain):
     assert depth({key: dict(MECHANISMS[key].neutral)}) == pytest.approx(plain, rel=2e-3)
@@ -57,6 +44,45 @@ def test_neutral_amplitude_is_the_identity(key, plain):
 @pytest.mark.parametrize("key", MECHANISMS)
 def test_effect_is_visible(key, plain):
     assert np.abs(depth({key: VISIBLE[key]}) - plain).max() > 1.0
+
+
+@pytest.mark.parametrize("key", RECORDED)
+def test_what_only_adds_to_the_depth_is_linear_in_the_amplitudes(key):
+    """And the same at every depth; its parameters are what is searched."""
+    mechanism, time = MECHANISMS[key], np.linspace(1.0, 70.0, 28)
+    load, twice = np.sin(time), {name: 2.0 * VISIBLE[key][name] for name in mechanism.amplitudes}
+    deep = np.sqrt(time)
+    once, double = (
+        mechanism.record(time, load, depth, values) - depth
+        for depth, values in ((deep, VISIBLE[key]), (0.0 * deep, {**VISIBLE[key], **twice}))
+    )
+    assert double == pytest.approx(2.0 * once)
+    assert set(mechanism.plausible(SCALE)) == {parameter.name for parameter in mechanism.parameters}
+
+
+@pytest.mark.parametrize(
+    ("key", "included"), [(key, inner) for key, mechanism in MECHANISMS.items() for inner in mechanism.includes]
+)
+def test_a_mechanism_equals_what_it_includes_where_all_else_does_nothing(key, included, plain):
+    example = VISIBLE[included]
+    assert depth({key: dict(MECHANISMS[key].neutral) | example}) - plain == pytest.approx(
+        depth({included: example}) - plain, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("key", RECORDED)
+def test_what_is_planted_is_diagnosed_as_itself(key):
+    """On a closed form, with values that differ by a fifth between recordings where they are each one's own."""
+    mechanism, rng = MECHANISMS[key], np.random.default_rng(4)
+
+    def planted(condition, _):
+        time, load = condition.protocol.sample_time, condition.protocol.sample_load
+        sizes = {name: 3.0 * (1.0 + 0.2 * mechanism.varies * rng.standard_normal()) for name in mechanism.amplitudes}
+        values = {name: value * sizes.get(name, 1.0) for name, value in VISIBLE[key].items()}
+        return mechanism.record(time, load, np.zeros_like(time), values)
+
+    found = diagnose(search_of(problem(recordings(np.random.default_rng(5), planted)), RECORDED), lambda said: None)
+    assert (found.verdict, [each.fit.explanation for each in found.standing]) == ("identified", [(key,)])
 
 
 WITHOUT_LOAD = pytest.mark.xfail(reason="a rounded tip finds no equilibrium while a lag keeps the load at none")

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.covariance import noise_between_replicates, noise_of
 
-SETS = [(), ("zero_offset",), ("thermal_drift",), ("thermal_drift", "zero_offset")]
+DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
+SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -10,6 +10,7 @@ from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.amplitude_constraint import Law
 from palpate.diagnosis.candidates import longest_rise
 from palpate.diagnosis.diagnosis_result import curves
@@ -25,6 +26,7 @@ CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=50, loading_time=20, half_angle=70.3, pressure=0.2)
 OFFSETS = np.array([48.0, 52.0, 55.0, 161.0])
 ELASTIC = Coordinates(MATERIAL.free[:1], {"fluidity": 0.0})
+DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 STUDY = SimpleNamespace(
     conditions=(CONDITION,),
     calibration={"solver_error": 0.001, "site_scatter": 0.01},
@@ -44,10 +46,11 @@ def solved(explanation, forward=ClosedForms):
 
 
 def varied(**variances):
-    """Return a fit to which the noise's variances are known, and its curve."""
+    """Return a fit to which the noise's variances are known, those of drift, zero and site, and its curve."""
     _, fit = solved(("thermal_drift", "zero_offset"))
     none = dict.fromkeys(fit.errors.noise.variances, 0.0)
-    noise = replace(fit.errors.noise, variances=none | variances)
+    names = {"drift": str(DRIFT), "zero": str(ZERO), "site": "site"}
+    noise = replace(fit.errors.noise, variances=none | {names[name]: v for name, v in variances.items()})
     return replace(fit, errors=replace(fit.errors, noise=noise)), fit.problem.split(fit.curve)["a"]
 
 
@@ -65,21 +68,21 @@ def test_every_recording_has_its_own_zero():
 
 def test_two_effects_that_vary_share_what_they_both_could_explain():
     """A departure of the zero point alone is not counted again as a drift."""
-    fit, curve = varied(thermal_drift=0.1, zero_offset=100.0)
-    departure = 5.0 * fit.problem.unit_effect("zero_offset", CONDITION)
+    fit, curve = varied(drift=0.1, zero=100.0)
+    departure = 5.0 * fit.problem.unit_effect(ZERO, CONDITION)
     assert in_mean(STUDY, fit, CONDITION, curve, recorded(curve + departure)) == pytest.approx(departure, rel=0.05)
 
 
 def test_a_zero_far_from_all_others_is_believed():
     """The tip met dirt: 800 nm, where the other tests differ by 4."""
-    fit, curve = varied(zero_offset=16.0, site=1e-4)
-    departure = 800.0 * fit.problem.unit_effect("zero_offset", CONDITION)
+    fit, curve = varied(zero=16.0, site=1e-4)
+    departure = 800.0 * fit.problem.unit_effect(ZERO, CONDITION)
     assert in_mean(STUDY, fit, CONDITION, curve, recorded(curve + departure)) == pytest.approx(departure, abs=1.0)
 
 
 def test_the_depth_factor_of_a_site_is_not_taken_for_a_drift():
     """A drift of 0.3 nm/s would add 15 nm at the end, where a site that is softer by 1 % adds 3 to 10 nm."""
-    fit, curve = varied(thermal_drift=0.1, site=1e-4)
+    fit, curve = varied(drift=0.1, site=1e-4)
     assert np.abs(in_mean(STUDY, fit, CONDITION, curve, recorded(1.01 * curve))).max() < 0.05 * 0.01 * curve.max()
 
 
@@ -152,7 +155,7 @@ def test_values_that_differ_between_tests_count_in_the_means_where_replicates_ag
     rates = dict(zip("abcd", (0.17, -0.1, -0.17, 0.1), strict=True))
     observed = recordings(np.random.default_rng(4), lambda c, r: (0.4 + rates[c.name]) * c.protocol.sample_time)
     fit = fitted(task(observed), ("thermal_drift",))
-    assert fit.errors.between["thermal_drift"] > 10.0 * fit.errors.noise.variances["thermal_drift"]
+    assert fit.errors.between[str(DRIFT)] > 10.0 * fit.errors.noise.variances[str(DRIFT)]
     curves = fit.problem.split(fit.curve)
     mean = fit.problem.amplitudes(fit.explanation, fit.z)["thermal_drift"]["rate"]
     found, departed = [], []

@@ -10,10 +10,11 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, reco
 
 from palpate.diagnosis.accepted import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
 from palpate.diagnosis.amplitude_constraint import Law
-from palpate.diagnosis.diagnose import _fitted, _prospects, diagnose
+from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 
 LEVEL = 0.01
 POLICY = SearchPolicy()
@@ -84,6 +85,50 @@ def test_a_set_around_a_smaller_one_that_stands_holds_what_does_nothing():
     narrow, apart = candidate("friction", 7.0), candidate("tip_rounding", 6.0)
     assert without_idle([wide, other, narrow, apart]) == [other, narrow, apart]
     assert without_idle([wide, other]) == [wide, other]
+
+
+@pytest.fixture
+def wide(monkeypatch):
+    """A mechanism that includes the thermal drift."""
+    declared = replace(MECHANISMS["thermal_drift"], key="wide", includes=("thermal_drift",))
+    monkeypatch.setitem(MECHANISMS, "wide", declared)
+
+
+@pytest.mark.usefixtures("wide")
+def test_a_mechanism_is_not_needed_where_one_that_it_includes_explains_as_much():
+    steady = candidate("thermal_drift", 7.0)
+    assert named(without_idle([candidate("wide", 8.5), steady])) == ["thermal_drift"]
+    assert named(without_idle([candidate("wide", 9.5), steady])) == ["wide", "thermal_drift"]
+    assert named(without_idle([candidate("wide+friction", 11.5), steady])) == ["thermal_drift"]
+    pair = candidate("thermal_drift+friction", 7.0)
+    assert named(without_idle([candidate("wide+friction", 8.5), pair])) == ["thermal_drift+friction"]
+    assert named(without_idle([candidate("wide+adhesion", 8.5), pair])) == ["wide+adhesion", "thermal_drift+friction"]
+
+
+@pytest.mark.usefixtures("wide")
+def test_a_mechanism_and_one_that_it_includes_do_not_act_together():
+    found = [candidate("wide", 9.0), candidate("thermal_drift", 7.0)]
+    ways = prospects(found, {}, ["thermal_drift", "wide", "friction"])
+    assert [way.members for way in ways] == [{"wide", "friction"}, {"thermal_drift", "friction"}]
+
+
+@pytest.mark.usefixtures("wide")
+def test_what_a_law_asks_of_a_mechanism_is_promised_of_one_that_includes_it():
+    base = candidate("friction", 10.0)
+    base.fit.laws, base.fit.from_laws = (LAW,), lambda z: np.array([-6.0])
+    assert [(way.key, way.optimistic) for way in prospects([base], {}, ["wide"])] == [("wide", 28.0)]
+
+
+@pytest.mark.usefixtures("wide")
+def test_what_a_mechanism_includes_is_fitted_where_it_ended_itself():
+    """Whatever was tried before: the special case begins at its rate, and reaches what it reached."""
+    observed = recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time)
+    search = search_of(problem(observed), ["thermal_drift", "wide"])
+    ended = search.examined(search.joined(search.base.fit, "wide"))
+    (special,) = _special_cases(search, ended, [search.base], lambda said: None)
+    assert special.fit.explanation == ("thermal_drift",)
+    assert special.fit.z == pytest.approx(ended.fit.z, abs=0.01)
+    assert special.fit.log_evidence == pytest.approx(ended.fit.log_evidence, abs=0.1)
 
 
 def test_a_set_that_was_tried_again_is_listed_once():

@@ -13,47 +13,11 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Study
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import considered
+from palpate.mechanisms.draws import log_uniform
 from studies.blind_trial.unknown import UNKNOWN
 
 INNER = 0.1
-
-
-def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """Draw a number whose logarithm is uniform."""
-    return float(low * (high / low) ** rng.random())
-
-
-def signed(rng: np.random.Generator, low: float, high: float) -> float:
-    """Draw such a number with either sign."""
-    return float(rng.choice([-1.0, 1.0])) * log_uniform(rng, low, high)
-
-
-AMPLITUDES: dict[str, Any] = {
-    "thermal_drift": lambda rng: {"rate": signed(rng, 0.005, 0.3)},
-    "frame_compliance": lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
-    "zero_offset": lambda rng: {"offset": signed(rng, 0.5, 20.0)},
-    "tip_rounding": lambda rng: {"radius": log_uniform(rng, 10.0, 400.0)},
-    "tip_angle": lambda rng: {"half_angle": 70.3 + signed(rng, 0.2, 2.5)},
-    "friction": lambda rng: {"coefficient": log_uniform(rng, 0.02, 0.5)},
-    "second_voigt": lambda rng: {
-        "coefficient": log_uniform(rng, 0.02, 0.5),
-        "exponent": rng.uniform(0.1, 0.5),
-        "retardation_time": log_uniform(rng, 2.0, 150.0),
-    },
-    "plastic_yield": lambda rng: {
-        "yield_stress": log_uniform(rng, 0.07, 0.3),
-        "hardening": rng.uniform(0.05, 0.8),
-    },
-    "film_on_substrate": lambda rng: {
-        "thickness": log_uniform(rng, 3000.0, 30000.0),
-        "substrate_modulus": log_uniform(rng, 0.8, 100.0),
-    },
-    "size_effect": lambda rng: {"length": log_uniform(rng, 5.0, 300.0)},
-    "adhesion": lambda rng: {"work": log_uniform(rng, 2.0, 300.0)},
-    "controller_lag": lambda rng: {"lag": log_uniform(rng, 0.02, 1.0)},
-}
-"""Ranges for the tests of `config/challenge.yaml`: 0.1 to 10 mN on polymers."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +57,8 @@ def draw(study: Study) -> list[Case]:
     settings = study.challenge
     rng = np.random.default_rng(settings["seed"])
     kinds = [kind for kind in ("none", "one", "two", "unknown") for _ in range(settings[kind])]
-    available = [key for key in AMPLITUDES if key in MECHANISMS]
+    concealed = considered(settings["mechanisms"], "challenge.mechanisms")
+    available = list(concealed)
     singles = itertools.cycle(rng.permutation(available))
     unknown = itertools.cycle(rng.permutation(list(UNKNOWN)))
     drawn = []
@@ -104,7 +69,7 @@ def draw(study: Study) -> list[Case]:
         elif kind == "two":
             keys = sorted(rng.choice(available, 2, replace=False))
         strange = {"key": str(next(unknown)), "strength": log_uniform(rng, 0.2, 1.0)} if kind == "unknown" else {}
-        mechanisms = {str(key): {k: float(v) for k, v in AMPLITUDES[key](rng).items()} for key in keys}
+        mechanisms = {str(key): {k: float(v) for k, v in concealed[key].concealed(rng).items()} for key in keys}
         drawn.append((kind, _material(study, rng), mechanisms, strange, _noise(rng), int(rng.integers(2**31))))
     order = rng.permutation(len(drawn))
     return [Case(f"case_{number:03d}", *drawn[k]) for number, k in enumerate(order)]

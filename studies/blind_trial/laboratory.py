@@ -56,9 +56,10 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
     for replicate in range(1, REPLICATES + 1):
         h = depth * (1.0 + noise["site_scatter"] * rng.standard_normal())
         for key, values in case.mechanisms.items():
-            if MECHANISMS[key].varies:
-                own = {name: v * (1.0 + noise["own"] * rng.standard_normal()) for name, v in values.items()}
-                h = MECHANISMS[key].record(time, load, h, own)
+            mechanism = MECHANISMS[key]
+            if mechanism.varies:
+                own = {name: 1.0 + noise["own"] * rng.standard_normal() for name in mechanism.amplitudes}
+                h = mechanism.record(time, load, h, {name: v * own.get(name, 1.0) for name, v in values.items()})
         h = h + noise["sigma_nm"] * first_order(len(time), noise["memory"], rng)
         h = h + background(time, noise["drift_nm_s"], noise["drift_time_s"], rng)
         notes = ("SYNTHETIC: written by palpate's blind trial, not measured",)

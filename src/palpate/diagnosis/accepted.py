@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import chi2
 
-from palpate.diagnosis.amplitude_constraint import NORMAL_95
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.search import Candidate
 from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)
+NEEDED = 2.0  # of the log evidence: a parameter costs one by Akaike's criterion, about three by Schwarz's
 
 
 def standing_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
@@ -48,14 +49,18 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
 
 
 def not_told_from_none(fit: Fit) -> list[str]:
-    """Return the instrument's effects of an explanation whose mean amplitude may as well be none, at 95 %.
+    """Return the instrument's effects of an explanation whose mean amplitudes may as well all be none, at 95 %.
 
-    What they explain is then that single recordings differ, which chance, or another law, may do, too.
+    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. What they explain is that
+    single recordings differ, which chance, or another law, may do, too.
     """
-    open_ones, own = [], fit.problem.places(fit.explanation)
+    open_ones, problem = [], fit.problem
     for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
-        (place,), (value, slope) = own[key], fit.problem.amplitude(fit.explanation, fit.z, key)
-        if abs(value) <= NORMAL_95 * abs(slope) * np.sqrt(fit.posterior[place, place]):
+        names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
+        places = [problem.place(fit.explanation, name) for name in names]
+        values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])
+        steps = values / slopes
+        if steps @ np.linalg.solve(fit.posterior[np.ix_(places, places)], steps) <= chi2.ppf(0.95, len(names)):
             open_ones.append(key)
     return open_ones
 
@@ -84,6 +89,25 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def without_idle(standing: list[Candidate]) -> list[Candidate]:
-    """Return the sets that stand, but for those around a smaller one that does, too: they hold what does nothing."""
-    sets = [set(candidate.fit.explanation) for candidate in standing]
-    return [each for each in standing if not any(fewer < set(each.fit.explanation) for fewer in sets)]
+    """Return the sets that stand, but for those of which a special case stands: they hold what does nothing.
+
+    One with as many mechanisms as its special case stays where its evidence is larger by more than `NEEDED`: the
+    evidence charges nothing for the variance of values that recordings have of their own.
+    """
+
+    def idle(each: Fit, other: Fit) -> bool:
+        fewer = len(other.explanation) < len(each.explanation)
+        special = is_special_case(other.explanation, each.explanation)
+        return special and (fewer or each.log_evidence <= other.log_evidence + NEEDED)
+
+    fits = [candidate.fit for candidate in standing]
+    return [candidate for candidate in standing if not any(idle(candidate.fit, other) for other in fits)]
+
+
+def is_special_case(explanation: Explanation, other: Explanation) -> bool:
+    """Return whether an explanation is another one with fewer mechanisms, or with some that those of the other include.
+
+    It cannot fit better, and says less.
+    """
+    included = {inner for key in other for inner in MECHANISMS[key].includes}
+    return set(explanation) != set(other) and set(explanation) <= included.union(other)

@@ -18,12 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from palpate.diagnosis.covariance import BACKGROUND
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS
 
 NORMAL_95 = 1.96
 LEAST = 1e-9
-UNNAMED = {"thermal_drift": BACKGROUND, "frame_compliance": 0.0}
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class Law:
     Parameters
     ----------
     key, parameter
-        Mechanism and its only parameter.
+        Mechanism and its amplitude.
     estimate, lower, upper
         In the parameter's unit; 95 % interval. Of a bound, the estimate is the bound and `lower` is minus infinity.
     source
@@ -55,6 +54,11 @@ class Law:
             raise InputError(
                 f"{self.key}: {self.estimate} lies outside {self.lower} to {self.upper}", remedy="order the interval"
             )
+
+    @property
+    def quantity(self) -> str:
+        """What it measures, ``key.name``."""
+        return f"{self.key}.{self.parameter}"
 
     def holds_under(self, mechanisms: Iterable[str]) -> bool:
         """Return whether none of the mechanisms at work breaks what it assumes."""
@@ -91,6 +95,6 @@ def departures(laws: Sequence[Law], amplitudes: Mapping[str, Mapping[str, float]
             return 0.0
         if law.key in amplitudes:
             return law.departure(amplitudes[law.key][law.parameter])
-        return law.departure(0.0, UNNAMED[law.key])
+        return law.departure(0.0, MECHANISMS[law.key].background)
 
     return np.array([departure(law) for law in laws])

@@ -16,7 +16,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.explanation import Fit
 
 DRAWS = 20000
@@ -24,37 +23,36 @@ JITTER = 1e-9
 
 
 def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
-    """Return, for each mechanism whose value varies, the p-value of tests differing no more than replicates do.
+    """Return, for each amplitude ``key.name`` that varies, the p-value of tests differing no more than replicates do.
 
     Conditions with a single recording do not count; with fewer than two others there is nothing to compare, and no
     p-value.
     """
-    keys = varying(fit.explanation)
     conditions = fit.problem.repeated
-    if not keys or len(conditions) < 2:
+    if not fit.own or len(conditions) < 2:
         return {}
     count = len(fit.problem.conditions)
-    estimators, variances, values = zip(*(_own_values(fit, k, keys) for k in range(count)), strict=True)
+    estimators, variances, values = zip(*(_own_values(fit, k) for k in range(count)), strict=True)
     found = {}
-    for place, key in enumerate(keys):
+    for place, amplitude in enumerate(fit.own):
         every = block_diag(*(estimator[place] for estimator in estimators))[conditions]
         rows, noise = ([of[k][place] for k in conditions] for of in (values, variances))
-        found[key] = p_of_means(rows, np.array(noise), every @ fit.errors.model @ every.T, rng)
+        found[str(amplitude)] = p_of_means(rows, np.array(noise), every @ fit.errors.model @ every.T, rng)
     return found
 
 
-def _own_values(fit: Fit, number: int, keys: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _own_values(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the values' departures from their means in the recordings of a condition.
 
     Returns
     -------
     estimator, variances, values : ndarray, shapes (k, n), (k,) and (k, r)
         What makes values of depths, by generalised least squares; their variances from the noise of a recording, apart
-        from what the mechanisms `keys` add to it; and the values.
+        from how its own amplitudes scatter; and the values.
     """
-    condition, noise = fit.problem.conditions[number], fit.errors.noise
-    rest = {name: part for name, part in fit.errors.components[number].items() if name not in keys}
-    design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
+    condition, noise, own = fit.problem.conditions[number], fit.errors.noise, [str(amplitude) for amplitude in fit.own]
+    rest = {name: part for name, part in fit.errors.components[number].items() if name not in own}
+    design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
     weighed = np.linalg.solve(noise.matrix(number, rest), design)
     spread = np.linalg.inv(design.T @ weighed)
     estimator = spread @ weighed.T

@@ -12,7 +12,7 @@ from palpate.configuration.study_file import Study
 from palpate.design.sampling import factorial
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate
-from palpate.mechanisms import MECHANISMS, Mechanism, Scale
+from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.profile import Profile
@@ -76,22 +76,15 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
-    wanted = study.diagnosis["mechanisms"] or list(MECHANISMS)
+    wanted = considered(study.diagnosis["mechanisms"], "diagnosis.mechanisms")
     tests = {condition.protocol.control: condition for condition in study.conditions if condition.role == "calibrate"}
     specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
     _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
-    _check_ranges(scale, [key for key in wanted if key in MECHANISMS])
+    _check_ranges(scale, list(wanted))
     for key in scale.stated:
         _check_ends(study, scale, MECHANISMS[key])
     found = {}
-    for key in wanted:
-        if key not in MECHANISMS:
-            raise InputError(
-                f"mechanism {key!r} is not known",
-                remedy=f"use one of: {', '.join(MECHANISMS)}",
-                place="diagnosis.mechanisms",
-            )
-        mechanism = MECHANISMS[key]
+    for key, mechanism in wanted.items():
         ranges = mechanism.searched(scale).items()
         some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
         values = dict(mechanism.from_search(some, scale))

@@ -19,16 +19,18 @@ import numpy as np
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.amplitude_constraint import UNNAMED, Law
+from palpate.diagnosis.amplitude_constraint import Law
 from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS, Assumption, breaking
 from palpate.recordings.recording import Recording
 from palpate.recordings.sharp_origin import sharp_origin
 from palpate.recordings.survey import Survey, survey
 from palpate.study.area_function import AreaFunction
 
-UNEVEN = ("film_on_substrate", "size_effect", "adhesion")  # hardness or modulus depend on the depth
-SLOW = ("second_voigt",)  # creep that the base model does not have
+OF_HOLDS = (Assumption.ALL_CREEP_IS_KNOWN, Assumption.STEADY_DRIFT)
+OF_TOPS = (Assumption.UNIFORM, Assumption.RECORDED_LOAD_ACTS, Assumption.ONE_COMPLIANCE)
+OF_OSCILLATION = (Assumption.UNIFORM, Assumption.ONE_COMPLIANCE)
 
 
 @lru_cache(maxsize=256)
@@ -61,7 +63,8 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
         laws.append(drift)
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
-        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, f"no faster than late in holds, {len(fastest)}"))
+        words = f"no faster than late in holds, {len(fastest)}"
+        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, words, breaking(Assumption.STEADY_DRIFT)))
     return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
@@ -86,15 +89,14 @@ def _drift_in_holds(seen: Sequence[Survey]) -> Law | None:
     if not drifts:
         return None
     rate, lower, upper = np.mean(drifts, axis=0).tolist()
-    return Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", SLOW)
+    return Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", breaking(*OF_HOLDS))
 
 
 def _frame_by_tops(seen: Sequence[Survey]) -> Law | None:
     """Return the law of the tops of unloadings, a test's own drift taken off where a hold shows it."""
-    drifting = () if all(found.drift for found in seen) else ("thermal_drift",)
+    of_drift = OF_HOLDS if all(found.drift for found in seen) else (*OF_HOLDS, Assumption.NO_DRIFT)
     frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
-    void_with = (*UNEVEN, *SLOW, "controller_lag", *drifting)
-    return _law_of(frame, "tops of unloadings", void_with) if frame else None
+    return _law_of(frame, "tops of unloadings", OF_TOPS + of_drift) if frame else None
 
 
 def _without_drift(found: Survey) -> np.ndarray:
@@ -104,7 +106,7 @@ def _without_drift(found: Survey) -> np.ndarray:
 def _frame_by_oscillation(seen: Sequence[Survey]) -> Law | None:
     tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
     frame = frame_by_oscillation(tests)
-    return _law_of(frame, "stiffness by oscillation, levels of load", UNEVEN) if frame else None
+    return _law_of(frame, "stiffness by oscillation, levels of load", OF_OSCILLATION) if frame else None
 
 
 def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
@@ -116,12 +118,12 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]
     reduced = 1.0 / (solid + study.indenter.compliance)
     reference = ReferenceSample(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
     frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
-    return [_law_of(frame, "unloadings of a solid of known modulus")]
+    return [_law_of(frame, "unloadings of a solid of known modulus", (Assumption.ONE_COMPLIANCE,))]
 
 
-def _law_of(frame: FrameCompliance, words: str, void_with: tuple[str, ...] = ()) -> Law:
-    source = f"{words}, {frame.unloadings}"
-    return Law("frame_compliance", "compliance", frame.compliance, frame.lower, frame.upper, source, void_with)
+def _law_of(frame: FrameCompliance, words: str, assumed: Sequence[Assumption]) -> Law:
+    interval, source = (frame.compliance, frame.lower, frame.upper), f"{words}, {frame.unloadings}"
+    return Law("frame_compliance", "compliance", *interval, source, breaking(*assumed))
 
 
 def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
@@ -161,12 +163,12 @@ def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
     zero, to within what counts as background.
     """
     if law.key not in fit.explanation:
-        return 0.0, UNNAMED[law.key]
+        return 0.0, MECHANISMS[law.key].background
     problem, z = fit.problem, fit.z
     white = fit.whiten(fit.tangent)
     covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
     if fit.laws:
         z = z + covariance @ white.T @ fit.white
-    value, slope = problem.amplitude(fit.explanation, z, law.key)
-    (place,) = problem.places(fit.explanation)[law.key]
+    value, slope = problem.quantity(fit.explanation, z, law.quantity)
+    place = problem.place(fit.explanation, law.quantity)
     return value, slope * float(np.sqrt(covariance[place, place]))

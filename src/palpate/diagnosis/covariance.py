@@ -1,13 +1,11 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
-Every instrument drifts a little. A steady rate that differs between recordings with a standard deviation of up to
-0.01 nm/s counts as background, not as an effect (Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, began their tests
-once the rate was below 0.05 nm/s).
+What every instrument has a little of, as a drift, counts as noise up to the `background` that its mechanism declares.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -15,16 +13,17 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
 from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Explanation, Problem
+from palpate.diagnosis.problem import Problem
 from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS
 
 ASSUMED_WANDER = 0.02
-BACKGROUND = 0.01
-LARGEST = {"background": BACKGROUND**2}
+BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
+LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +33,7 @@ class Errors:
     Attributes
     ----------
     noise
-        Noise of single recordings; contains a component for each mechanism whose value varies.
+        Noise of single recordings; contains a component for each amplitude that varies, ``key.name``.
     components
         The components' matrices for each condition.
     model : ndarray, shape (n_all, n_all)
@@ -42,7 +41,7 @@ class Errors:
     counts
         Number of recordings of each condition.
     between
-        Variance of a mechanism's value between conditions, beyond that between recordings.
+        Variance of an amplitude ``key.name`` between conditions, beyond that between recordings.
     """
 
     noise: NoiseModel
@@ -80,56 +79,51 @@ class Errors:
         ]
 
 
-def varying(explanation: Explanation) -> tuple[str, ...]:
-    """Return the mechanisms of an explanation that have a value of their own for each recording."""
-    return tuple(sorted(key for key in explanation if MECHANISMS[key].varies))
-
-
-def components(problem: Problem, keys: Iterable[str], depth: np.ndarray) -> list[dict[str, np.ndarray]]:
+def components(problem: Problem, own: Sequence[Amplitude], depth: np.ndarray) -> list[dict[str, np.ndarray]]:
     """Return the matrices of the variance components of each condition, of curves `depth` (n_all,) [nm]."""
-    keys, curves = list(keys), problem.split(depth)
-    return [components_under(problem, keys, condition, curves[condition.name]) for condition in problem.conditions]
+    curves = problem.split(depth)
+    return [components_under(problem, own, condition, curves[condition.name]) for condition in problem.conditions]
 
 
 def components_under(
-    problem: Problem, keys: Iterable[str], condition: Condition, curve: np.ndarray
+    problem: Problem, own: Sequence[Amplitude], condition: Condition, curve: np.ndarray
 ) -> dict[str, np.ndarray]:
     """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm].
 
-    Where a steady drift is among the mechanisms `keys`, the background is part of how its value scatters: two
-    components alike would leave the variance of each unknown.
+    Where an amplitude that recordings have of their `own` adds the same as a background, the background is part of how
+    that amplitude scatters: two components alike would leave the variance of each unknown.
     """
     time = condition.protocol.sample_time
-    keys = list(keys)
-    columns = {key: problem.unit_effect(key, condition) for key in keys}
     site = problem.shares.get(condition.name, 1.0) * curve
     parts = {"site": np.outer(site, site), "wander": np.minimum.outer(time, time)}
-    if not any(np.array_equal(added_to_depth(key, time), time) for key in keys):
-        parts["background"] = np.outer(time, time)
-    return parts | {key: np.outer(column, column) for key, column in columns.items()}
+    none = np.zeros_like(time)
+    unloaded = [amplitude.added(time, none) for amplitude in own]
+    for key in BACKGROUNDS:
+        (background,) = problem.typical(key)
+        column = background.added(time, none)
+        if not any(np.array_equal(column, other) for other in unloaded):
+            parts[f"{key}.background"] = np.outer(column, column)
+    columns = {str(amplitude): problem.unit_effect(amplitude, condition) for amplitude in own}
+    return parts | {name: np.outer(column, column) for name, column in columns.items()}
 
 
-def added_to_depth(key: str, time: np.ndarray) -> np.ndarray:
-    """Return what one unit of a mechanism's parameter adds to the depth of an unloaded tip (n,) [nm]."""
-    mechanism, none = MECHANISMS[key], np.zeros_like(time)
-    return mechanism.record(time, none, none, {p.name: 1.0 for p in mechanism.parameters})
-
-
-def assumed_variances(problem: Problem, keys: Iterable[str], site_scatter: float) -> dict[str, float]:
+def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
     """Return the variances that count where most conditions are not repeated; of a plausible range, a tenth."""
-    assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2, "background": (0.3 * BACKGROUND) ** 2}
-    for key in keys:
-        assumed[key] = (0.1 * problem.largest(key)) ** 2
-    return assumed
+    assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2}
+    assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
+    return assumed | {str(amplitude): (0.1 * problem.largest(amplitude)) ** 2 for amplitude in own}
 
 
-def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
-    """Fit the noise with components for `keys`; a `residual` (n_all,) serves where most conditions are not repeated."""
+def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
+    """Fit the noise where recordings have some amplitudes of their `own`.
+
+    Where most conditions are not repeated a `residual` (n_all,) [nm] serves.
+    """
     if problem.replicated:
-        found = noise_between_replicates(problem, keys, site_scatter)
+        found = noise_between_replicates(problem, own, site_scatter)
         return found.spread(problem.repeated, len(problem.conditions))
-    assumed, models = assumed_variances(problem, keys, site_scatter), []
-    for condition, part in zip(problem.conditions, components(problem, keys, problem.mean), strict=True):
+    assumed, models = assumed_variances(problem, own, site_scatter), []
+    for condition, part in zip(problem.conditions, components(problem, own, problem.mean), strict=True):
         item = problem.observed[condition.name]
         basis = without_trend(list(segments(condition.protocol).values()))
         rest = np.sqrt(len(item.response)) * problem.split(residual)[condition.name]
@@ -139,21 +133,21 @@ def noise_of(problem: Problem, keys: tuple[str, ...], residual: np.ndarray, site
 
 
 @lru_cache(maxsize=64)
-def noise_between_replicates(problem: Problem, keys: tuple[str, ...], site_scatter: float) -> NoiseModel:
+def noise_between_replicates(problem: Problem, own: tuple[Amplitude, ...], site_scatter: float) -> NoiseModel:
     """Fit the noise of the repeated conditions to what distinguishes replicates, whatever else an explanation holds."""
-    replicates, parts = [], components(problem, keys, problem.mean)
+    replicates, parts = [], components(problem, own, problem.mean)
     for k in problem.repeated:
         item = problem.observed[problem.conditions[k].name]
         identity = np.eye(len(item.time))
         replicates.append(Replicates(contrasts(item.response), identity, parts[k], float(np.abs(item.mean).max())))
-    narrower = [tuple(k for k in keys if k != key) for key in keys]
+    narrower = [tuple(other for other in own if other != amplitude) for amplitude in own]
     within = [noise_between_replicates(problem, rest, site_scatter) for rest in narrower]
-    return fit_noise(replicates, assumed_variances(problem, keys, site_scatter), True, LARGEST, within)
+    return fit_noise(replicates, assumed_variances(problem, own, site_scatter), True, LARGEST, within)
 
 
 def errors(
     problem: Problem,
-    explanation: Explanation,
+    own: Sequence[Amplitude],
     depth: np.ndarray,
     noise: NoiseModel,
     solver_error: float,
@@ -167,6 +161,8 @@ def errors(
 
     Parameters
     ----------
+    own
+        Amplitudes of which each recording has its own.
     effects
         What mechanisms add to the curves (n_all,) [nm], as far as that is known.
     """
@@ -174,4 +170,4 @@ def errors(
     for key, effect in (effects or {}).items():
         model = model + np.outer(effect, effect) * MECHANISMS[key].solver_scatter ** 2
     counts = [len(problem.observed[c.name].response) for c in problem.conditions]
-    return Errors(noise, components(problem, varying(explanation), depth), model, counts)
+    return Errors(noise, components(problem, own, depth), model, counts)

@@ -26,7 +26,7 @@ from scipy.linalg import cholesky
 from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import noise_of, varying
+from palpate.diagnosis.covariance import noise_of
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.prescribed_segments import segments
 from palpate.diagnosis.problem import Problem
@@ -117,19 +117,26 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
 
 
 def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:
-    """Return p-values for values that vary between replicates: likelihood ratios with the variance at its bound.
+    """Return p-values for amplitudes that vary between replicates: likelihood ratios with the variances at their bound.
+
+    The ratio of one variance is chi-square of one degree of freedom or, as often, zero; that of k is a mixture, and no
+    mixture exceeds a value more often than one of k - 1 and of k degrees, half each. A mechanism whose amplitudes add
+    what those of the explanation do has nothing to show.
 
     Source: S.G. Self and K.-Y. Liang, J. Am. Stat. Assoc. 82 (1987) 605-610, case 5.
     """
     if not fit.errors.noise.replicated:
         return []
-    present = varying(fit.explanation)
-    found = []
-    for key in keys:
-        if MECHANISMS[key].varies and key not in present:
-            wider = noise_of(fit.problem, varying((*present, key)), fit.residual, site_scatter)
+    problem, found = fit.problem, []
+    present = [problem.unit_effects(amplitude) for amplitude in fit.own]
+    for key in [key for key in keys if MECHANISMS[key].varies]:
+        columns = {amplitude: problem.unit_effects(amplitude) for amplitude in problem.typical(key)}
+        more = [a for a, column in columns.items() if not any(np.allclose(column, other) for other in present)]
+        if more:
+            wider = noise_of(problem, tuple(sorted((*fit.own, *more))), fit.residual, site_scatter)
             ratio = 2.0 * max(wider.log_likelihood - fit.errors.noise.log_likelihood, 0.0)
-            found.append(0.5 * float(chi2.sf(ratio, 1)))
+            fewer = float(chi2.sf(ratio, len(more) - 1)) if len(more) > 1 else 0.0
+            found.append(0.5 * (fewer + float(chi2.sf(ratio, len(more)))))
     return found
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from palpate.diagnosis.accepted import (
     best_first,
+    is_special_case,
     judged,
     likeliest_of_each,
     may_be_named,
@@ -17,8 +18,10 @@ from palpate.diagnosis.accepted import (
     without_idle,
 )
 from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.problem import Explanation
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +82,8 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     stands that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be wrong
     in less than one case of a hundred. While none stands, sets with one mechanism more are tried in the same way, up to
     the study's ``diagnosis.largest_set``. Beyond those that stand, a set with one mechanism more is fitted where it
-    promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only
-    where the recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
+    promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only where the
+    recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -95,13 +98,13 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         found = _fitted(search, found, most, level, failed, report)
         tried = best_first(found + tried)
         if standing := standing_of(found, tried, level):
-            smaller = _smaller(search, standing[0], tried, report)
+            special = _special_cases(search, standing[0], tried, report)
             larger: list[Candidate] = []
             if number + 1 < search.study.diagnosis["largest_set"]:
-                likelier = max(each.fit.log_evidence for each in smaller + standing) + search.policy.outdone
+                likelier = max(each.fit.log_evidence for each in special + standing) + search.policy.outdone
                 larger = _fitted(search, standing, search.policy.most_sets, level, failed, report, likelier)
-            tried = likeliest_of_each(larger + smaller + tried)
-            standing = without_idle(standing_of(larger + smaller + standing, tried, level))
+            tried = likeliest_of_each(larger + special + tried)
+            standing = without_idle(standing_of(likeliest_of_each(larger + special + standing), tried, level))
             break
     verdict, probabilities = judged(standing)
     if verdict == "identified":
@@ -111,16 +114,15 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     return Diagnosis(verdict, base, standing, probabilities, tried, failed)
 
 
-def _smaller(
+def _special_cases(
     search: Search, standing: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
 ) -> list[Candidate]:
-    """Return the sets with one mechanism less, fitted again from where one that stands ended, where that fits better.
+    """Return the special cases of a set that stands, fitted again from where it ended, where that fits better.
 
     Their own searches may have stopped in another valley, out of which the mechanism that does nothing led.
     """
     fit, better = standing.fit, []
-    for key in fit.explanation if len(fit.explanation) > 1 else ():
-        explanation, z = search.problem.without(fit.explanation, fit.z, key)
+    for explanation, z in _begun(search, fit):
         stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
         try:
             again = search.examined(search.fitted(explanation, [z], fit.curve))
@@ -132,16 +134,29 @@ def _smaller(
     return better
 
 
+def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]:
+    """Yield the special cases of a set, each with the coordinates (k,) at which the set's own fit leaves it."""
+    for key in fit.explanation:
+        if len(fit.explanation) > 1:
+            yield search.problem.without(fit.explanation, fit.z, key)
+        for included in [other for other in MECHANISMS[key].includes if other in search.screen.keys]:
+            yield search.problem.special_case(fit.explanation, fit.z, key, included)
+
+
 def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
     """Return what one mechanism more makes of fits, by its mechanisms; of each set the most optimistic way.
 
-    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins.
+    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins. A
+    mechanism and one that it includes do not act together.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
         off = dict(zip(fit.laws, fit.from_laws(fit.z), strict=True))
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
-            asked = sum(departure**2 for law, departure in off.items() if law.key == key)
+            if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
+                continue
+            own = (key, *MECHANISMS[key].includes)
+            asked = sum(departure**2 for law, departure in off.items() if law.key in own)
             way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way

@@ -133,10 +133,8 @@ def limits(study: Study, problem: Problem) -> list[str]:
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
     if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        said.append(
-            f"All tests reach the same {kinds.pop()}: an effect with a length (rounding, "
-            "film, size effect) or of the frame can hide in the material's parameters."
-        )
+        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.hides_at_one_load)
+        said.append(f"All tests reach the same {kinds.pop()}: {hidden} can hide in the material's parameters.")
     if study.calibration["solver_error"] >= COARSE:
         said.append(
             f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "
@@ -164,7 +162,7 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     if diagnosis.verdict != "unexplained":
         return []
     found = p_between_tests(diagnosis.tried[0].fit, rng)
-    titles = [MECHANISMS[key].title for key, p in found.items() if p < level]
+    titles = sorted({MECHANISMS[name.split(".")[0]].title for name, p in found.items() if p < level})
     if not titles:
         return []
     return [

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
+from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
 from palpate.diagnosis.amplitude_constraint import Law, departures
 from palpate.diagnosis.covariance import Errors
 from palpate.diagnosis.problem import Explanation, Problem
@@ -49,6 +50,11 @@ class Fit:
     curve: np.ndarray
     tangent: np.ndarray
     laws: tuple[Law, ...] = ()
+
+    @cached_property
+    def own(self) -> tuple[Amplitude, ...]:
+        """Amplitudes of which each recording has its own."""
+        return own_amplitudes(self.model.amplitudes(self.z)) if self.explanation else ()
 
     @cached_property
     def coordinates(self) -> Coordinates:

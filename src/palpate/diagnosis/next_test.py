@@ -10,10 +10,11 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.covariance import components_under, varying
+from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
@@ -23,7 +24,6 @@ POINTS = 30
 DRAWS = 7  # with the best one they fill the lanes of one run
 REPLICATES = 3
 FALSE_ALARM = 0.01
-OF_THE_TIP = ("tip_angle", "tip_rounding")  # effects that stay behind with the tip
 SPHERE = 10_000.0  # nm
 BERKOVICH = 70.3  # deg, the equivalent cone
 
@@ -131,9 +131,9 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
     A mechanism that varies will have values in the new recordings that nobody knows yet. The simulation's error counts
     as it does in a diagnosis: a common factor of the depth tells nothing apart.
     """
-    keys, errors = varying(fit.explanation), fit.errors
-    parts = components_under(fit.problem, keys, condition, curve)
-    own = [(errors.noise.variances[key] / REPLICATES + errors.between.get(key, 0.0)) * parts[key] for key in keys]
+    errors, parts = fit.errors, components_under(fit.problem, fit.own, condition, curve)
+    names = [str(amplitude) for amplitude in fit.own]
+    own = [(errors.noise.variances[name] / REPLICATES + errors.between.get(name, 0.0)) * parts[name] for name in names]
     return about(study, fit, condition, curve, REPLICATES) + sum(own)
 
 
@@ -169,5 +169,5 @@ def _of_test(specification: Specification, test: FeasibleTest) -> Specification:
     """Return what is simulated with the tip of a test; effects of the old tip stay behind with it."""
     if test.indenter is None:
         return specification
-    kept = {key: values for key, values in specification.mechanisms.items() if key not in OF_THE_TIP}
+    kept = {key: values for key, values in specification.mechanisms.items() if not MECHANISMS[key].of_the_tip}
     return replace(specification, indenter=test.indenter, mechanisms=kept)

@@ -1,4 +1,4 @@
-"""The value of each single recording, for a mechanism that has one for each: the departure from the common curve."""
+"""The amplitudes of each single recording, where it has its own: the departure from the common curve."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.amplitude_constraint import NORMAL_95, Law
-from palpate.diagnosis.covariance import components_under, varying
+from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.recording_noise import model_covariance
@@ -36,8 +37,7 @@ def recording_values(
     own_laws
         Laws of each recording of each condition.
     """
-    keys = varying(fit.explanation)
-    if not keys:
+    if not fit.own:
         return {}
     best = fit.problem.amplitudes(fit.explanation, fit.z)
     found: dict[str, list[dict[str, Any]]] = {}
@@ -49,21 +49,20 @@ def recording_values(
         if isinstance(curve, str):
             continue
         covariance = about(study, fit, condition, curve)
-        design = np.column_stack([fit.problem.unit_effect(key, condition) for key in keys])
+        design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
         weighed = np.linalg.solve(covariance, design)
         for number, depth in enumerate(item.response, 1):
             said = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()
             laws = [law for law in said if law.holds_under(fit.explanation)]
-            departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), keys, best, laws)
+            departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), fit.own, best, laws)
             if condition.name in slopes:
                 moved = spread @ weighed.T @ slopes[condition.name]
                 spread = spread + moved @ left_open @ moved.T
-            for key, departure, variance in zip(keys, departures, np.diag(spread), strict=True):
-                ((name, mean),) = best[key].items()
+            for amplitude, departure, variance in zip(fit.own, departures, np.diag(spread), strict=True):
                 half = NORMAL_95 * float(np.sqrt(variance))
-                value = float(mean + departure)
+                value = float(best[amplitude.key][amplitude.name] + departure)
                 row = {"condition": condition.name, "number": number, "estimate": value}
-                found.setdefault(f"{key}.{name}", []).append(row | {"lower": value - half, "upper": value + half})
+                found.setdefault(str(amplitude), []).append(row | {"lower": value - half, "upper": value + half})
     return found
 
 
@@ -75,11 +74,11 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     outside what the others show, as where a tip met dirt, is believed.
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.response), [], []
-    for key in varying(fit.explanation):
-        shown = noise.variances[key] / count + fit.errors.between.get(key, 0.0)
-        spread = shown if noise.replicated else (0.3 * fit.problem.largest(key)) ** 2
+    for amplitude in fit.own:
+        shown = noise.variances[str(amplitude)] / count + fit.errors.between.get(str(amplitude), 0.0)
+        spread = shown if noise.replicated else (0.3 * fit.problem.largest(amplitude)) ** 2
         if spread > 0:
-            columns.append(fit.problem.unit_effect(key, condition))
+            columns.append(fit.problem.unit_effect(amplitude, condition))
             spreads.append(spread)
     if not columns:
         return np.zeros_like(curve)
@@ -105,7 +104,7 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
 def _with_laws(
     precision: np.ndarray,
     pull: np.ndarray,
-    keys: Sequence[str],
+    own: Sequence[Amplitude],
     means: Mapping[str, Mapping[str, float]],
     laws: Sequence[Law],
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -113,7 +112,8 @@ def _with_laws(
 
     A second pass lets a law weigh by the side on which the first has put the value.
     """
-    places = [(keys.index(law.key), law) for law in laws if law.key in keys]
+    names = [str(amplitude) for amplitude in own]
+    places = [(names.index(law.quantity), law) for law in laws if law.quantity in names]
     departures = np.linalg.solve(precision, pull)
     for _ in range(2):
         weighed, pulled = precision.copy(), pull.copy()

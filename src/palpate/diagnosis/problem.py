@@ -10,14 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.errors import PalpateError
-from palpate.inference.coordinates import Coordinates
+from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
 from palpate.inference.observation import Observation
 from palpate.mechanisms import MECHANISMS, Scale
@@ -121,13 +122,25 @@ class Problem:
         places = self.places(explanation)[key]
         return tuple(other for other in explanation if other != key), np.delete(z, places)
 
+    def special_case(
+        self, explanation: Explanation, z: np.ndarray, key: str, included: str
+    ) -> tuple[Explanation, np.ndarray]:
+        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,)."""
+        smaller, rest = self.without(explanation, z, key)
+        values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
+        return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])
+
     def amplitudes(self, explanation: Explanation, z: np.ndarray) -> dict[str, dict[str, float]]:
         """Return the parameters of each mechanism at coordinates z (k,)."""
         return self.model(explanation).amplitudes(z)
 
-    def amplitude(self, explanation: Explanation, z: np.ndarray, key: str) -> tuple[float, float]:
-        """Return the value of the only parameter of a mechanism at coordinates z (k,), and its slope by its own."""
-        (place,) = self.places(explanation)[key]
+    def place(self, explanation: Explanation, name: str) -> int:
+        """Return the place of the coordinate of a quantity that is searched, ``key.name``."""
+        return self.coordinates(explanation).names.index(name)
+
+    def quantity(self, explanation: Explanation, z: np.ndarray, name: str) -> tuple[float, float]:
+        """Return the value of such a quantity at coordinates z (k,), and its slope by its own."""
+        place = self.place(explanation, name)
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
@@ -135,42 +148,52 @@ class Problem:
         """Return whether the body feels a mechanism under any of the conditions."""
         return any(MECHANISMS[key].felt_under(condition.protocol.control) for condition in self.conditions)
 
-    def unit_effect(self, key: str, condition: Condition) -> np.ndarray:
-        """Return what a mechanism that varies adds for one unit of its parameter (n_points,) [nm].
+    def typical(self, key: str) -> tuple[Amplitude, ...]:
+        """Return the amplitudes of a mechanism that only adds to the depth; what else it has, in the middle of it."""
+        mechanism = MECHANISMS[key]
+        ranges = mechanism.searched(self.scale).items()
+        return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
+
+    def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
+        """Return what one unit of an amplitude adds (n_points,) [nm].
 
         Where a displacement is prescribed it is the slope at the middle material; of a condition that takes no part,
         what the same depth amounts to at the largest load.
         """
-        protocol, one = condition.protocol, {p.name: 1.0 for p in MECHANISMS[key].parameters}
+        protocol = condition.protocol
         if protocol.control == LOAD:
-            return added_by_instrument({key: one}, protocol)
+            return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol)
         if condition.name in self.names:
-            return self._unit_loads[key][condition.name]
-        none = np.zeros(len(protocol.sample_time))
-        return -MECHANISMS[key].record(protocol.sample_time, none, none, one)
+            return _unit_loads(self, amplitude)[condition.name]
+        return -amplitude.added(protocol.sample_time, np.zeros(len(protocol.sample_time)))
+
+    def unit_effects(self, amplitude: Amplitude) -> np.ndarray:
+        """Return what one unit of an amplitude adds under all conditions (n_all,) [nm]."""
+        return np.concatenate([self.unit_effect(amplitude, condition) for condition in self.conditions])
 
     def own_values(self, key: str) -> np.ndarray:
-        """Return what one unit of a mechanism that varies adds under each condition (n_all, n_conditions) [nm]."""
-        return block_diag(*(self.unit_effect(key, condition)[:, None] for condition in self.conditions))
+        """Return what one unit of each amplitude of a mechanism adds in each condition alone (n_all, k) [nm]."""
+        columns = [self.split(self.unit_effects(amplitude)) for amplitude in self.typical(key)]
+        return block_diag(*(np.column_stack([of[name] for of in columns]) for name in self.names))
 
-    @cached_property
-    def _unit_loads(self) -> dict[str, dict[str, np.ndarray]]:
-        """Slopes by each mechanism that varies, where it does nothing, under a prescribed displacement [nm]."""
-        found = {}
-        for key in [key for key, mechanism in MECHANISMS.items() if mechanism.varies]:
-            coordinate = self.coordinates((key,)).free[-1]
-            z = np.append(np.full(self.material, 0.5), coordinate.scaled(0.0))
-            (outcome,) = self.model((key,)).tangents([z])
-            if isinstance(outcome, str):
-                raise PalpateError(f"{key}, {outcome}")
-            slopes = self.split(self.stacked(outcome[1])[:, -1] / coordinate.slope(float(z[-1])))
-            found[key] = slopes
-        return found
-
-    def largest(self, key: str) -> float:
-        """Return the largest plausible value, of either sign, of a mechanism that has a single parameter."""
-        (plausible,) = MECHANISMS[key].searched(self.scale).values()
+    def largest(self, amplitude: Amplitude) -> float:
+        """Return the largest plausible value of an amplitude, of either sign."""
+        plausible = MECHANISMS[amplitude.key].searched(self.scale)[amplitude.name]
         return max(abs(plausible.lower), abs(plausible.upper))
+
+
+@lru_cache(maxsize=64)
+def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]:
+    """Return slopes by an amplitude, where its mechanism does nothing, under a prescribed displacement [nm]."""
+    explanation, none = (amplitude.key,), amplitude.parameters(0.0)
+    coordinates = problem.coordinates(explanation).free[problem.material :]
+    beside = [float(coordinate.scaled(none[coordinate.name.split(".")[1]])) for coordinate in coordinates]
+    z = np.concatenate([np.full(problem.material, 0.5), beside])
+    (outcome,) = problem.model(explanation).tangents([z])
+    if isinstance(outcome, str):
+        raise PalpateError(f"{amplitude.key}, {outcome}")
+    slope = problem.quantity(explanation, z, str(amplitude))[1]
+    return problem.split(problem.stacked(outcome[1])[:, problem.place(explanation, str(amplitude))] / slope)
 
 
 def _as_depth(item: Observation) -> Observation:

@@ -18,14 +18,14 @@ from scipy.stats import qmc
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
-from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
 SIMULATED = (0.25, SHOWN, 1.0)  # of the range of a single amplitude
 ADDED = np.linspace(0.0, 1.0, 9)
-SCATTERED = 8  # places for several amplitudes
+SCATTERED = 8  # places for several quantities
+ADDED_SCATTERED = 32
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
 
 
@@ -52,15 +52,14 @@ class Screen:
         """Return the effects of mechanisms at the optimum of the base model."""
         trials, effects, failed = {}, {}, {}
         for key in keys:
-            coordinates = fit.problem.coordinates((key,)).free[fit.problem.material :]
+            places = _places(fit.problem, key)
             if fit.problem.felt(key):
                 try:
-                    trials[key], effects[key] = _simulated(fit, key, _places(len(coordinates)))
+                    trials[key], effects[key] = _simulated(fit, key, places)
                 except PalpateError as error:
                     failed[key] = str(error)
             else:
-                trials[key] = ADDED[:, None]
-                effects[key] = np.array([_added(fit.problem, key, coordinates[0], x) for x in ADDED])
+                trials[key], effects[key] = places, np.array([_added(fit, key, place) for place in places])
         return cls(trials, effects, failed)
 
     @property
@@ -115,22 +114,23 @@ class Screen:
 
 def count_of_trials(problem: Problem, key: str) -> int:
     """Return the number of amplitudes at which a mechanism is looked at."""
-    dimensions = len(problem.coordinates((key,)).free) - problem.material
-    return len(_places(dimensions)) if problem.felt(key) else len(ADDED)
+    return len(_places(problem, key))
 
 
-def _places(dimensions: int) -> np.ndarray:
-    """Return the coordinates (m, d) at which a mechanism is simulated."""
+def _places(problem: Problem, key: str) -> np.ndarray:
+    """Return the coordinates (m, d) at which a mechanism is looked at; more where nothing must be simulated."""
+    dimensions, felt = len(problem.coordinates((key,)).free) - problem.material, problem.felt(key)
     if dimensions == 1:
-        return np.array(SIMULATED)[:, None]
-    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED)
+        return np.array(SIMULATED if felt else ADDED)[:, None]
+    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if felt else ADDED_SCATTERED)
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 
-def _added(problem: Problem, key: str, coordinate: Coordinate, x: float) -> np.ndarray:
-    """Return what a mechanism at its coordinate adds to the depths of all conditions (n_all,) [nm]."""
-    values = {coordinate.name.split(".")[1]: float(coordinate.physical(x))}
-    return np.concatenate([added_by_instrument({key: values}, c.protocol) for c in problem.conditions])
+def _added(fit: Fit, key: str, place: np.ndarray) -> np.ndarray:
+    """Return what a mechanism at its coordinates (d,) adds to the depths of all conditions (n_all,) [nm]."""
+    problem = fit.problem
+    values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
+    return np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions])
 
 
 def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.configuration.study_file import Study
+from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
 from palpate.diagnosis.amplitude_constraint import Law, departures
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.covariance import Errors, errors, noise_of, varying
+from palpate.diagnosis.covariance import Errors, errors, noise_of
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.noise import NoiseModel
@@ -116,10 +117,11 @@ class Search:
             When the forward model fails at all starts.
         """
         problem, policy = self.problem, self.policy
-        model, misfit = problem.model(explanation), self._misfit(explanation, self._errors(explanation, depth))
+        model, about = problem.model(explanation), self._errors(explanation, starts[0], depth)
+        misfit = self._misfit(explanation, about)
         limit, settled = policy.iterations, policy.settled
         end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
-        weighed = self._errors(explanation, problem.stacked(end.curves), self._effects(explanation, end))
+        weighed = self._errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
             end = descend(self._certain(fit), model, [end], limit, settled=settled, exact=False)
@@ -137,7 +139,7 @@ class Search:
         """
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
-        misfit = self._misfit((), self._errors((), problem.mean), keep)
+        misfit = self._misfit((), self._errors((), starts[0], problem.mean), keep)
         way = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
         failed = ""
         for place in [way.u, *reversed(way.path), *starts]:
@@ -172,7 +174,7 @@ class Search:
             (curves,) = model.curves([rest])
             if not isinstance(curves, str):
                 curve, tangent = problem.stacked(curves), np.delete(fit.tangent, places, axis=1)
-                weighed = self._errors(smaller, curve)
+                weighed = self._errors(smaller, rest, curve)
                 found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, self._laws))
         return found
 
@@ -213,8 +215,8 @@ class Search:
         for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
             places = problem.places(explanation)[key]
             if len(places) == 1:
-                value, slope = problem.amplitude(explanation, end.u, key)
-                (neutral,) = MECHANISMS[key].neutral.values()
+                ((name, neutral),) = MECHANISMS[key].neutral.items()
+                value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
                 found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - neutral) / slope
                 continue
             smaller, rest = problem.without(explanation, end.u, key)
@@ -224,11 +226,11 @@ class Search:
         return found
 
     def _with_own_values(self, fit: Fit) -> Fit:
-        """Let the value of a mechanism that varies differ between conditions, by as much as is likeliest."""
-        for key in varying(fit.explanation):
+        """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
+        for amplitude in fit.own:
             best, chosen = -np.inf, fit
             for share in OWN_VALUES:
-                between = {**fit.errors.between, key: (share * fit.problem.largest(key)) ** 2}
+                between = {**fit.errors.between, str(amplitude): (share * fit.problem.largest(amplitude)) ** 2}
                 trial = replace(fit, errors=replace(fit.errors, between=between))
                 tangent = trial.whiten(fit.tangent)
                 left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
@@ -239,12 +241,18 @@ class Search:
         return fit
 
     def _errors(
-        self, explanation: Explanation, depth: np.ndarray, effects: Mapping[str, np.ndarray] | None = None
+        self,
+        explanation: Explanation,
+        z: np.ndarray,
+        depth: np.ndarray,
+        effects: Mapping[str, np.ndarray] | None = None,
     ) -> Errors:
-        calibration, keys = self.study.calibration, varying(explanation)
-        if keys not in self._noise:
-            self._noise[keys] = noise_of(self.problem, keys, self._residual_as_noise, calibration["site_scatter"])
-        return errors(self.problem, explanation, depth, self._noise[keys], calibration["solver_error"], effects)
+        """Return the errors of the mean curves about `depth` (n_all,) [nm], with the amplitudes at coordinates z."""
+        calibration = self.study.calibration
+        own = own_amplitudes(self.problem.amplitudes(explanation, z)) if explanation else ()
+        if own not in self._noise:
+            self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, calibration["site_scatter"])
+        return errors(self.problem, own, depth, self._noise[own], calibration["solver_error"], effects)
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
         """Take for noise, without replicates, what the fit leaves that leaves least beside slow trends.
@@ -255,7 +263,7 @@ class Search:
         likeliest, best = base, self._residual_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis["largest_set"]):
             self._take_for_noise(likeliest.residual)
-            likeliest = replace(likeliest, errors=self._errors((), likeliest.curve))
+            likeliest = replace(likeliest, errors=self._errors((), likeliest.z, likeliest.curve))
             wider = [self.screen.taken_off(likeliest, key) for key in self.screen.keys]
             likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
             if max(likely, default=-np.inf) <= best:
@@ -267,7 +275,7 @@ class Search:
     def _take_for_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) for noise where most conditions are not repeated."""
         self._residual_as_noise = residual
-        self._noise: dict[tuple[str, ...], NoiseModel] = {}
+        self._noise: dict[tuple[Amplitude, ...], NoiseModel] = {}
 
     def _residual_log_likelihood(self, residual: np.ndarray) -> float:
         """Return the logarithm of the likelihood of what is left (n_all,) beside slow trends."""

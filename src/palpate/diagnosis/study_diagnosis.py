@@ -11,7 +11,6 @@ import pandas as pd
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates, scale_of
 from palpate.diagnosis.constraints import zero_points
-from palpate.diagnosis.covariance import varying
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
@@ -73,8 +72,7 @@ def diagnosed(
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)
     found = diagnose(search, report)
-    vary = any(varying(candidate.fit.explanation) for candidate in found.standing)
-    own_laws = exact.of_each() if vary else None
+    own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.standing) else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
     stands = found.standing[0] if found.standing else found.base
     explained = found.verdict != "unexplained"

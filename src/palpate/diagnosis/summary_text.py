@@ -48,9 +48,10 @@ def _may_be_none(candidate: Mapping[str, Any]) -> str:
     """Return the effects of the instrument whose interval holds none, in words."""
     found = []
     for key in candidate["mechanisms"]:
-        spans = [candidate["parameters"][f"{key}.{parameter.name}"] for parameter in MECHANISMS[key].parameters]
-        if not MECHANISMS[key].acts_on_body and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
-            found.append(MECHANISMS[key].title)
+        mechanism = MECHANISMS[key]
+        spans = [candidate["parameters"][f"{key}.{name}"] for name in mechanism.amplitudes]
+        if not mechanism.acts_on_body and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
+            found.append(mechanism.title)
     return " and the ".join(found)
 
 
@@ -117,10 +118,11 @@ def _suspected(content: Mapping[str, Any]) -> str:
     said = []
     least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
     for name, entry in content["may_hide"].items():
-        mechanism = MECHANISMS[name.split(".")[0]]
+        key, own = name.split(".")
+        (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
         if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
             interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
-            said.append(f"{mechanism.title}, {_amount(entry['estimate'], mechanism.parameters[0], 2)} {interval}")
+            said.append(f"{MECHANISMS[key].title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
     return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
 
 

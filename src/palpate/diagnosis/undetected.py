@@ -5,7 +5,8 @@ an exact law speaks of the effect, with that law. Intervals allow for a noise th
 `may_hide` lets each effect that is not named join alone. A wide interval says that these recordings neither show the
 effect nor rule it out. `open_amplitudes` lets all effects of the list act at once, named or not: an amplitude that then
 may be anything is not known from these recordings, however narrow its interval under one explanation, and what it
-trades with says why.
+trades with says why. Where the effects of two amplitudes are the same, as one unit of a compliance of the frame and of
+the mount, they count once.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
+from palpate.diagnosis.amplitude import Amplitude
 from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.screen import Screen
@@ -25,10 +27,6 @@ from palpate.mechanisms import MECHANISMS
 EVEN = 1.0 / 3.0
 SHOWN_BEFOREHAND = 4.0 / 3.0  # variance of even values in units of three quarters of a range, from the middle
 COARSE = 0.01
-REMEDIES = {
-    "thermal_drift": "a hold of a minute or more at a few per cent of the load after unloading",
-    "frame_compliance": "four or more unloadings from loads that span a factor of ten, within each test,",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +35,8 @@ class Extra:
 
     Parameters
     ----------
-    key
-        Its mechanism.
+    key, name
+        Its mechanism, and the amplitude ``key.name``, or the key again where it is no amplitude.
     column : ndarray, shape (n_all,)
         What one unit adds to the depth [nm].
     variance
@@ -46,6 +44,7 @@ class Extra:
     """
 
     key: str
+    name: str
     column: np.ndarray
     variance: float
 
@@ -73,31 +72,38 @@ def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
     found = {}
     for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
-        joined = _joined(fit, [Extra(key, _unit_column(fit, key), np.inf)])
-        found[_named(key)] = _interval(fit, joined, len(fit.z))
+        extras = _amplitudes(fit, [key], beforehand=np.inf)
+        joined = _joined(fit, extras)
+        for place, extra in enumerate(extras, len(fit.z)):
+            found[extra.name] = _interval(fit, joined, place)
     return found
 
 
 def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
     """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all screened may act.
 
-    Each has beforehand the variance of an even distribution over its range. ``trades_with`` is the coordinate with the
-    largest posterior ``correlation``.
+    Each has beforehand the variance of an even distribution over its range. A mechanism that acts on the body joins
+    with its effect at three quarters of its range: in the middle a tip of another angle, or a substrate of another
+    modulus, may be what the base model has. ``trades_with`` is the coordinate with the largest posterior
+    ``correlation``.
     """
-    extras = [_extra(fit, screen, key) for key in screen.keys if key not in fit.explanation]
+    others = [key for key in screen.keys if key not in fit.explanation]
+    extras = _amplitudes(fit, filter(_only_adds, others))
+    extras += [Extra(key, key, screen.shown(key), SHOWN_BEFOREHAND) for key in others if not _only_adds(key)]
     joined = _joined(fit, extras)
-    names = _coordinates(fit) + [extra.key for extra in extras]
+    names = [*fit.coordinates.names, *(extra.name for extra in extras)]
     deviation = np.sqrt(np.diag(joined.covariance))
     found: dict[str, dict[str, Any]] = {}
-    for key in filter(_only_adds, screen.keys):
-        place = names.index(key)
-        value, slope = fit.problem.amplitude(fit.explanation, fit.z, key) if key in fit.explanation else (0.0, 1.0)
+    every = [f"{key}.{name}" for key in filter(_only_adds, screen.keys) for name in MECHANISMS[key].amplitudes]
+    for name in [name for name in every if name in names]:
+        place, acts = names.index(name), name in fit.coordinates.names
+        value, slope = fit.problem.quantity(fit.explanation, fit.z, name) if acts else (0.0, 1.0)
         correlation = joined.covariance[place] / (deviation * deviation[place])
         correlation[place] = 0.0
         other = int(np.argmax(np.abs(correlation)))
-        found[_named(key)] = {
+        found[name] = {
             **_interval(fit, joined, place, value, slope),
-            "trades_with": names[other],
+            "trades_with": names[other].split(".")[0],
             "correlation": float(np.sign(slope) * correlation[other]),
         }
     return found
@@ -111,14 +117,16 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
     """
     said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
     for name, entry in amplitudes.items():
-        key = name.split(".")[0]
-        half = 0.5 * (entry["upper"] - entry["lower"])
-        if key in REMEDIES and half * float(np.abs(_unit_column(fit, key)).max()) > least:
-            unit = MECHANISMS[key].parameters[0].unit
-            done = any(law.key == key and np.isfinite(law.lower) for law in fit.laws)
-            remedy = "" if done else f" {REMEDIES[key][0].upper()}{REMEDIES[key][1:]} would narrow it."
+        key, own = name.split(".")
+        (amplitude,) = (each for each in fit.problem.typical(key) if each.name == own)
+        mechanism, half = MECHANISMS[key], 0.5 * (entry["upper"] - entry["lower"])
+        if mechanism.remedy and half * float(np.abs(fit.problem.unit_effects(amplitude)).max()) > least:
+            (unit,) = (p.unit for p in mechanism.parameters if p.name == own)
+            done = any(law.quantity == name and np.isfinite(law.lower) for law in fit.laws)
+            remedy = "" if done else f" It would be narrowed by {mechanism.remedy}."
+            of = "" if len(mechanism.amplitudes) == 1 else f"the {own} of "
             said.append(
-                f"If all effects considered may act at once, {MECHANISMS[key].title} lies between "
+                f"If all effects considered may act at once, {of}{mechanism.title} lies between "
                 f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
                 f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
             )
@@ -137,39 +145,36 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
     pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
     for place, extra in enumerate(extras, own):
-        for law in [law for law in fit.laws if law.key == extra.key]:
+        for law in [law for law in fit.laws if law.quantity == extra.name]:
             precision[place, place] += law.weight(0.0) ** 2
             pull[place] -= law.weight(0.0) * law.departure(0.0)
     covariance = np.linalg.inv(precision)
     return Joined(design, covariance @ pull, covariance)
 
 
-def _extra(fit: Fit, screen: Screen, key: str) -> Extra:
-    """Return a mechanism as an effect that joins; one that acts on the body is taken at three quarters of its range.
+def _amplitudes(fit: Fit, keys: Iterable[str], beforehand: float | None = None) -> list[Extra]:
+    """Return the amplitudes of mechanisms, simple ones first, but for those whose effect is there already.
 
-    In the middle a tip of another angle, or a substrate of another modulus, may be what the base model has.
+    Parameters
+    ----------
+    beforehand
+        Variance of each; by default that of an even distribution over its range.
     """
-    if _only_adds(key):
-        return Extra(key, _unit_column(fit, key), EVEN * fit.problem.largest(key) ** 2)
-    return Extra(key, screen.shown(key), SHOWN_BEFOREHAND)
-
-
-def _unit_column(fit: Fit, key: str) -> np.ndarray:
-    return np.concatenate([fit.problem.unit_effect(key, condition) for condition in fit.problem.conditions])
-
-
-def _coordinates(fit: Fit) -> list[str]:
-    """Return the name of each coordinate: a material parameter, or a mechanism."""
-    return [name.split(".")[0] for name in fit.coordinates.names]
+    problem, values = fit.problem, fit.model.amplitudes(fit.z) if fit.explanation else {}
+    acting = [amplitude for key in filter(_only_adds, fit.explanation) for amplitude in Amplitude.of(key, values[key])]
+    there, found = [problem.unit_effects(amplitude) for amplitude in acting], []
+    for key in sorted(keys, key=lambda key: len(MECHANISMS[key].parameters)):
+        for amplitude in problem.typical(key):
+            column = problem.unit_effects(amplitude)
+            if not any(np.allclose(column, other) for other in there):
+                variance = EVEN * problem.largest(amplitude) ** 2 if beforehand is None else beforehand
+                found.append(Extra(key, str(amplitude), column, variance))
+                there.append(column)
+    return found
 
 
 def _only_adds(key: str) -> bool:
     return not MECHANISMS[key].acts_on_body
-
-
-def _named(key: str) -> str:
-    (parameter,) = MECHANISMS[key].parameters
-    return f"{key}.{parameter.name}"
 
 
 def _interval(fit: Fit, joined: Joined, place: int, value: float = 0.0, slope: float = 1.0) -> dict[str, float]:

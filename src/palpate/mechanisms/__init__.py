@@ -1,13 +1,37 @@
 """Mechanisms of missing physics: every module of this folder that defines ``MECHANISM`` is found by itself."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from palpate.base.discovery import discover
 from palpate.errors import InputError
+from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale
 
 MECHANISMS: dict[str, Mechanism] = {found.key: found for found in discover(__name__, __path__, "MECHANISM")}
+
+
+def known(keys: Iterable[str], place: str) -> dict[str, Mechanism]:
+    """Return the mechanisms of some keys in their order; raises `InputError` at `place` for one that there is not."""
+    found = {}
+    for key in keys:
+        if key not in MECHANISMS:
+            raise InputError(
+                f"mechanism {key!r} is not known", remedy=f"use one of: {', '.join(MECHANISMS)}", place=place
+            )
+        found[key] = MECHANISMS[key]
+    return found
+
+
+def considered(named: Iterable[str], place: str) -> dict[str, Mechanism]:
+    """Return the mechanisms that a study names at `place`; those that count by default where it names none."""
+    every = {key: mechanism for key, mechanism in MECHANISMS.items() if mechanism.by_default}
+    return known(named, place) or every
+
+
+def breaking(*assumptions: Assumption) -> tuple[str, ...]:
+    """Return the keys of the mechanisms that break any of some assumptions of an exact law."""
+    return tuple(key for key, mechanism in MECHANISMS.items() if mechanism.breaks.intersection(assumptions))
 
 
 def checked_mechanisms(given: Any) -> dict[str, dict[str, float]]:
@@ -22,17 +46,23 @@ def checked_mechanisms(given: Any) -> dict[str, dict[str, float]]:
     if not isinstance(given, Mapping):
         raise InputError("mechanisms is not a table of keys", remedy="give key: {parameter: value}", place="mechanisms")
     checked = {}
-    for key, values in given.items():
-        if key not in MECHANISMS:
-            raise InputError(
-                f"mechanism {key!r} is not known", remedy=f"use one of: {', '.join(MECHANISMS)}", place="mechanisms"
-            )
+    for key, mechanism in known(given, "mechanisms").items():
         try:
-            checked[key] = MECHANISMS[key].check({} if values is None else values)
+            checked[key] = mechanism.check({} if given[key] is None else given[key])
         except InputError as error:
             place = ".".join(filter(None, ("mechanisms", key, error.place)))
             raise InputError(error.problem, remedy=error.remedy, place=place) from None
     return checked
 
 
-__all__ = ["MECHANISMS", "Mechanism", "Range", "Scale", "checked_mechanisms"]
+__all__ = [
+    "MECHANISMS",
+    "Assumption",
+    "Mechanism",
+    "Range",
+    "Scale",
+    "breaking",
+    "checked_mechanisms",
+    "considered",
+    "known",
+]

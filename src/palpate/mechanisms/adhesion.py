@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.base.parameters import Parameter
+from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 
@@ -20,12 +22,16 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "adhesion",
-    "adhesion",
-    (Parameter("work", "w", "mJ/m^2", 0.0, 1e5, "work that separates tip and surface, for each area"),),
-    {"work": 0.0},
-    "Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313",
-    lambda s: {"work": Range(0.0, 500.0)},
+    key="adhesion",
+    title="adhesion",
+    effect="attraction between tip and surface",
+    parameters=(Parameter("work", "w", "mJ/m^2", 0.0, 1e5, "work that separates tip and surface, for each area"),),
+    neutral={"work": 0.0},
+    example={"work": 100.0},
+    source="Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313",
+    plausible=lambda s: {"work": Range(0.0, 500.0)},
+    concealed=lambda rng: {"work": log_uniform(rng, 2.0, 300.0)},
     simulate=simulate,
     solver_scatter=0.03,
+    breaks=frozenset({Assumption.UNIFORM}),
 )

@@ -8,6 +8,8 @@ import numpy as np
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
+from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 
@@ -31,11 +33,15 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "controller_lag",
-    "controller lag",
-    (Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load"),),
-    {"lag": 0.0},
-    "Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
-    lambda s: {"lag": Range(0.0, min(2.0, 0.1 * s.loading_time))},
+    key="controller_lag",
+    title="controller lag",
+    effect="what is prescribed acts later than it is recorded",
+    parameters=(Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load, shorter than every test"),),
+    neutral={"lag": 0.0},
+    example={"lag": 1.0},
+    source="Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",
+    plausible=lambda s: {"lag": Range(0.0, min(2.0, 0.1 * s.loading_time))},
+    concealed=lambda rng: {"lag": log_uniform(rng, 0.02, 1.0)},
     simulate=simulate,
+    breaks=frozenset({Assumption.RECORDED_LOAD_ACTS}),
 )

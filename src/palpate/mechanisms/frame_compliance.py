@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.base.parameters import Parameter
+from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
@@ -14,11 +15,18 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 
 
 MECHANISM = Mechanism(
-    "frame_compliance",
-    "frame compliance",
-    (Parameter("compliance", "C_f", "nm/mN", -1000.0, 1000.0, "compliance of the frame beyond what was corrected"),),
-    {"compliance": 0.0},
-    "Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, equation (8)",
-    lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
+    key="frame_compliance",
+    title="frame compliance",
+    effect="depth gains compliance * load, the same compliance in every test",
+    parameters=(
+        Parameter("compliance", "C_f", "nm/mN", -1000.0, 1000.0, "compliance of the frame beyond what was corrected"),
+    ),
+    neutral={"compliance": 0.0},
+    example={"compliance": 5.0},
+    source="Oliver & Pharr, J. Mater. Res. 7 (1992) 1564-1583, equation (8)",
+    plausible=lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
+    concealed=lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
     record=record,
+    hides_at_one_load=True,
+    remedy="four or more unloadings from loads that span a factor of ten, within each test",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.base.parameters import Parameter
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 
@@ -19,12 +20,15 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "friction",
-    "friction",
-    (COEFFICIENT,),
-    {"coefficient": 0.0},
-    "Bucaille et al., Acta Mater. 51 (2003) 1663-1678",
-    lambda s: {"coefficient": Range(0.0, 0.5)},
+    key="friction",
+    title="friction",
+    effect="friction between tip and surface differs from the assumed one",
+    parameters=(COEFFICIENT,),
+    neutral={"coefficient": 0.0},
+    example={"coefficient": 0.25},
+    source="Bucaille et al., Acta Mater. 51 (2003) 1663-1678",
+    plausible=lambda s: {"coefficient": Range(0.0, 0.5)},
+    concealed=lambda rng: {"coefficient": log_uniform(rng, 0.02, 0.5)},
     simulate=simulate,
     solver_scatter=0.08,
 )

@@ -1,4 +1,8 @@
-"""What a mechanism of missing physics declares, and where it acts: before the simulation or on what is recorded."""
+"""What a mechanism of missing physics declares, and where it acts: before the simulation or on what is recorded.
+
+A mechanism is one file of this folder. Simulation, diagnosis, blind trial and documents take all that they know of it
+from its declaration.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.base.parameters import Parameter, check_values
+from palpate.mechanisms.assumptions import Assumption
 from palpate.study.protocol import LOAD
 from palpate.study.specification import Specification
 
@@ -50,6 +55,8 @@ class Range:
         In the unit of the parameter.
     least, largest
         Limits, where they are narrower than those of the parameter, or the quantity is none.
+    unit, meaning
+        Of a quantity that is no parameter.
     """
 
     lower: float
@@ -57,6 +64,8 @@ class Range:
     log: bool = False
     least: float = -np.inf
     largest: float = np.inf
+    unit: str = "-"
+    meaning: str = ""
 
 
 def unchanged_specification(specification: Specification, values: Values) -> Specification:
@@ -74,7 +83,7 @@ def unchanged_depth(time: np.ndarray, load: np.ndarray, depth: np.ndarray, value
     return depth
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Mechanism:
     """One effect that a base model leaves out.
 
@@ -82,39 +91,77 @@ class Mechanism:
     ----------
     key, title
         Key of the contracts, and name for people.
+    effect
+        What it does to a recording, in a few words.
     parameters
-        Its amplitudes.
+        Its amplitudes, and what else its effect depends on.
     neutral
         Values, or limits of values, at which it does nothing.
+    example
+        Values that show plainly in a test of a polymer under 1 mN.
     source
         Where the effect is described.
     plausible
         Ranges, for a study of a given scale, within which a diagnosis looks unless the study states others.
+    concealed
+        Draws values for a recording of the blind trial that conceals it: a polymer under a cone, 0.1 to 10 mN.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
         Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
     varies
-        Whether each recording has a value of its own.
+        Whether each recording has amplitudes of its own; further parameters are the same in all.
     from_search
         Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
         but others on which the curve depends more simply.
     solver_scatter
         Error of its simulated effect, relative to the effect and the same part of it everywhere: root mean square of
         what `standard` differs from `fine`, for some materials and amplitudes.
+    background
+        Standard deviation between recordings of an amplitude that every instrument has, in the amplitude's unit: so
+        much counts as noise, not as the effect.
+    breaks
+        What exact laws assume and is not so where it acts: they say nothing about an explanation that holds it.
+    hides_at_one_load
+        Whether the material's parameters can take its place in tests that all reach the same load.
+    of_the_tip
+        Whether it stays behind when the tip is exchanged.
+    remedy
+        The test that measures its amplitude apart from the material, in words; empty where none does.
+    includes
+        Keys of its special cases: mechanisms whose parameters it has, too, and which it equals where its others do
+        nothing. It fits whatever they fit, and is named only where they do not suffice.
+    by_default
+        Whether a diagnosis considers it where the study names no mechanisms. One that includes another differs little
+        from it in most recordings: it costs a fit where the other one acts, and makes more tests of the same residuals.
     """
 
     key: str
     title: str
+    effect: str
     parameters: tuple[Parameter, ...]
     neutral: Values
+    example: Values
     source: str
     plausible: Callable[[Scale], Mapping[str, Range]]
+    concealed: Callable[[np.random.Generator], Values]
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
+    background: float = 0.0
+    breaks: frozenset[Assumption] = frozenset()
+    hides_at_one_load: bool = False
+    of_the_tip: bool = False
+    remedy: str = ""
+    includes: tuple[str, ...] = ()
+    by_default: bool = True
+
+    @property
+    def amplitudes(self) -> tuple[str, ...]:
+        """Names of the parameters that are zero where it does nothing; what it adds to a depth is linear in them."""
+        return tuple(p.name for p in self.parameters if self.neutral[p.name] == 0.0)
 
     @property
     def acts_on_body(self) -> bool:

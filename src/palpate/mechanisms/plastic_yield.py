@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.materials.bilinear_plasticity import LAW, PLASTIC
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.study.specification import Specification
 
@@ -33,15 +34,20 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "plastic_yield",
-    "plastic yield",
-    PLASTIC,
-    {"yield_stress": 1e3, "hardening": 0.0},
-    "Simo & Hughes, Computational Inelasticity (1998), section 3.3",
-    lambda s: {
-        "flow_stress": Range(0.25 * s.pressure, 2.0 * s.pressure, log=True, least=0.0),
-        "hardened_share": Range(0.0, 0.8, least=0.0, largest=LARGEST_SHARE),
+    key="plastic_yield",
+    title="plastic yield",
+    effect="rate-independent plastic flow beside the creep",
+    parameters=PLASTIC,
+    neutral={"yield_stress": 1e3, "hardening": 0.0},
+    example={"yield_stress": 0.15, "hardening": 0.2},
+    source="Simo & Hughes, Computational Inelasticity (1998), section 3.3",
+    plausible=lambda s: {
+        "flow_stress": Range(
+            0.25 * s.pressure, 2.0 * s.pressure, log=True, least=0.0, unit="GPa", meaning="at Tabor's strain"
+        ),
+        "hardened_share": Range(0.0, 0.8, least=0.0, largest=LARGEST_SHARE, meaning="part of it that hardening gives"),
     },
+    concealed=lambda rng: {"yield_stress": log_uniform(rng, 0.07, 0.3), "hardening": rng.uniform(0.05, 0.8)},
     simulate=simulate,
     from_search=from_search,
     solver_scatter=0.03,

@@ -7,6 +7,8 @@ from dataclasses import replace
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.nonlinear_burgers import VOIGT
+from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale, Values
 from palpate.study.specification import Specification
 
@@ -36,20 +38,28 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "second_voigt",
-    "second Voigt element",
-    tuple(
-        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning} of the second element")
+    key="second_voigt",
+    title="second Voigt element",
+    effect="one more Voigt element: strain recovers on a time scale that the base model does not have",
+    parameters=tuple(
+        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning}; of the second element")
         for p, name in zip(VOIGT, NAMES, strict=True)
     ),
-    {"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
-    "Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
-    lambda s: {
-        "compliance": Range(0.0, 0.5 / s.modulus, least=0.0),
+    neutral={"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
+    example={"coefficient": 0.1, "exponent": 0.3, "retardation_time": 10.0},
+    source="Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
+    plausible=lambda s: {
+        "compliance": Range(0.0, 0.5 / s.modulus, least=0.0, unit="1/GPa", meaning="at the study's stress"),
         "exponent": Range(0.0, 0.6),
         "retardation_time": Range(0.1 * s.loading_time, s.duration, log=True),
+    },
+    concealed=lambda rng: {
+        "coefficient": log_uniform(rng, 0.02, 0.5),
+        "exponent": rng.uniform(0.1, 0.5),
+        "retardation_time": log_uniform(rng, 2.0, 150.0),
     },
     simulate=simulate,
     from_search=from_search,
     solver_scatter=0.01,
+    breaks=frozenset({Assumption.ALL_CREEP_IS_KNOWN}),
 )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.base.parameters import Parameter
+from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 
@@ -15,12 +17,19 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "size_effect",
-    "indentation size effect",
-    (Parameter("length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that at large depth"),),
-    {"length": 0.0},
-    "Nix & Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9)",
-    lambda s: {"length": Range(0.0, 600.0)},
+    key="size_effect",
+    title="indentation size effect",
+    effect="resistance to inelastic flow grows by sqrt(1 + length / depth) at small depth",
+    parameters=(
+        Parameter("length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that far below"),
+    ),
+    neutral={"length": 0.0},
+    example={"length": 50.0},
+    source="Nix & Gao, J. Mech. Phys. Solids 46 (1998) 411-425, equation (9)",
+    plausible=lambda s: {"length": Range(0.0, 600.0)},
+    concealed=lambda rng: {"length": log_uniform(rng, 5.0, 300.0)},
     simulate=simulate,
     solver_scatter=0.01,
+    breaks=frozenset({Assumption.UNIFORM}),
+    hides_at_one_load=True,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
+from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import HALF_ANGLE
 from palpate.study.specification import Specification
@@ -19,12 +20,16 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "tip_angle",
-    "tip angle",
-    (HALF_ANGLE,),
-    {"half_angle": 70.3},
-    "Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
-    lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0)},
+    key="tip_angle",
+    title="tip angle",
+    effect="the cone is blunter or sharper than nominal",
+    parameters=(HALF_ANGLE,),
+    neutral={"half_angle": 70.3},
+    example={"half_angle": 71.0},
+    source="Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
+    plausible=lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0)},
+    concealed=lambda rng: {"half_angle": 70.3 + signed(rng, 0.2, 2.5)},
     simulate=simulate,
     solver_scatter=0.001,
+    of_the_tip=True,
 )

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
+from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import RADIUS
 from palpate.study.specification import Specification
@@ -27,12 +28,17 @@ def simulate(specification: Specification, values: Values) -> Specification:
 
 
 MECHANISM = Mechanism(
-    "tip_rounding",
-    "tip rounding",
-    (RADIUS,),
-    {"radius": 1e-3},
-    "Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
-    lambda s: {"radius": Range(1.0, 600.0, least=1.0)},
+    key="tip_rounding",
+    title="tip rounding",
+    effect="the tip is a spherical cap that runs tangentially into the cone",
+    parameters=(RADIUS,),
+    neutral={"radius": 1e-3},
+    example={"radius": 200.0},
+    source="Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
+    plausible=lambda s: {"radius": Range(1.0, 600.0, least=1.0)},
+    concealed=lambda rng: {"radius": log_uniform(rng, 10.0, 400.0)},
     simulate=simulate,
     solver_scatter=0.06,
+    hides_at_one_load=True,
+    of_the_tip=True,
 )

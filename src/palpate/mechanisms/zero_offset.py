@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.base.parameters import Parameter
+from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
@@ -14,12 +15,15 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 
 
 MECHANISM = Mechanism(
-    "zero_offset",
-    "zero offset",
-    (Parameter("offset", "h_0", "nm", -1e5, 1e5, "depth recorded at contact"),),
-    {"offset": 0.0},
-    "ISO 14577-1:2015, section 7.3 (zero point)",
-    lambda s: {"offset": Range(-0.2 * s.depth, 0.2 * s.depth)},
+    key="zero_offset",
+    title="zero offset",
+    effect="depth is off by a constant, because contact was found too early or too late",
+    parameters=(Parameter("offset", "h_0", "nm", -1e5, 1e5, "depth recorded at contact"),),
+    neutral={"offset": 0.0},
+    example={"offset": 4.0},
+    source="ISO 14577-1:2015, section 7.3 (zero point)",
+    plausible=lambda s: {"offset": Range(-0.2 * s.depth, 0.2 * s.depth)},
+    concealed=lambda rng: {"offset": signed(rng, 0.5, 20.0)},
     record=record,
     varies=True,
 )

@@ -1,0 +1,16 @@
+"""What exact laws assume of a test, so that a mechanism can declare which of them it breaks."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Assumption(Enum):
+    """One assumption of an exact law (`palpate.diagnosis.constraints`), in words."""
+
+    UNIFORM = "hardness and modulus are the same at every depth"
+    ALL_CREEP_IS_KNOWN = "nothing creeps but what the base model lets creep"
+    RECORDED_LOAD_ACTS = "the recorded load acts at the time at which it is recorded"
+    NO_DRIFT = "the depth is free of drift"
+    STEADY_DRIFT = "a drift goes on at one rate through the whole test"
+    ONE_COMPLIANCE = "the compliance in series with the contact is the same in every test"

@@ -1,0 +1,39 @@
+"""Mount compliance: the specimen gives way where it is held, by more in one place than in another.
+
+Depth gains compliance * load as with a compliant frame, but each recording has a compliance of its own: near an edge,
+over a void in the glue or on a thin part of the specimen it is larger.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.base.parameters import Parameter
+from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.draws import signed
+from palpate.mechanisms.mechanism import Mechanism, Range, Values
+
+
+def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
+    """Add compliance * load."""
+    return depth + values["compliance"] * load
+
+
+MECHANISM = Mechanism(
+    key="mount_compliance",
+    title="mount compliance",
+    effect="depth gains compliance * load, another compliance in every recording",
+    parameters=(Parameter("compliance", "C_s", "nm/mN", -1000.0, 1000.0, "compliance of the mount in one recording"),),
+    neutral={"compliance": 0.0},
+    example={"compliance": 5.0},
+    source="Jakes et al., J. Mater. Res. 23 (2008) 1113-1127 (structural compliance)",
+    plausible=lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
+    concealed=lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
+    record=record,
+    varies=True,
+    breaks=frozenset({Assumption.ONE_COMPLIANCE}),
+    hides_at_one_load=True,
+    remedy="four or more unloadings from loads that span a factor of ten, within each test",
+    includes=("frame_compliance",),
+    by_default=False,
+)
