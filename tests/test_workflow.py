@@ -187,7 +187,7 @@ def test_what_is_drawn_under_the_title_is_drawn_again_under_a_new_one(file):
     assert "study.title" in (ROOT / f"scripts/{file}.py").read_text()
     rules = "".join(path.read_text() for path in sorted((ROOT / "workflow/rules").glob("*.smk"))).split("\nrule ")
     drawing = next(rule for rule in rules if f"scripts/{file}.py" in rule)
-    assert "title=STUDY.title" in drawing
+    assert "title=constant(STUDY.title)" in drawing
 
 
 def test_an_edited_recording_is_calibrated_again(finished):
@@ -333,7 +333,7 @@ def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp
         copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", *map("=".join, values.items())
     )
     assert run.returncode == 0, run.stderr
-    assert "rule verification" in run.stdout + run.stderr
+    assert "verification of the solver" in run.stdout + run.stderr
 
 
 def test_a_missing_folder_of_reference_curves_is_told_before_anything_runs(tmp_path):
