@@ -52,7 +52,7 @@ def refused(capsys):
         (["simulate", "spec.yaml"], "-o"),
         (["read", "x", "-o", "y", "--correct", "gravity"], "gravity"),
         (["check", "missing.yaml"], "missing.yaml: cannot be read"),
-        (["check", "."], "cannot be read"),
+        (["check", "."], ".: is no regular file; give a file"),
         (["read", "missing.txt", "-o", "out"], "missing.txt: cannot be read"),
         (["read", "missing.txt", "-o", "out", "--contact", "-1e-3"], "missing.txt: cannot be read"),
         (["read", "x", "-o", "y", "--units", "load=uN,load=N"], "--units: 'load' is given twice"),
@@ -98,6 +98,7 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
             {"reference": {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [-24.5], "uncertainty": 0.02}},
             "diagnosis.reference.area: the area is not positive",
         ),
+        ("surrogate", {"shape": 50.0}, "surrogate: the multiquadric interpolation system with shape 50 has condition"),
         ("calibration", {"population": 202}, "calibration.subpopulations: population 202 cannot be split into 4"),
     ],
 )

@@ -123,6 +123,26 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         shape = choose_shape(points, data, self.kernel, self.max_condition) if loo else float(self.shape)
         return np.full(points.shape[1], shape)
 
+    def check_points(self, X: np.ndarray) -> None:
+        """Check that snapshots at parameters X (n_snapshots, n_parameters) can be interpolated with the stated shape.
+
+        Raises
+        ------
+        InputError
+            As `fit` would once the snapshots are there.
+        """
+        self._check_parameters()
+        low, high = X.min(axis=0), X.max(axis=0)
+        varies = high > low
+        if not varies.any():
+            raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
+        if isinstance(self.shape, str):
+            return
+        points = (X[:, varies] - low[varies]) / (high - low)[varies]
+        _, condition = system_inverse(points, self.kernel, float(self.shape))
+        if not condition <= self.max_condition:
+            raise ConditionError(condition, self.max_condition, self.kernel, float(self.shape))
+
     def predict(self, X: Any) -> np.ndarray:
         """Curves (n, n_points) [nm] at parameters X (n, n_parameters); warns well outside the snapshots."""
         check_is_fitted(self)

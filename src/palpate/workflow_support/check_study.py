@@ -13,8 +13,10 @@ from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given, written_by_workflow
 from palpate.solver.variation import acting
 from palpate.study.area_function import AreaFunction
+from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 
+MOST_CHECKED = 3000  # snapshots; beyond, checking takes longer than a minute
 UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
 
 
@@ -29,6 +31,7 @@ def checked(study: Study) -> Study:
     _check_folders(study)
     _check_concealed(study)
     _check_reference(study)
+    _check_surrogate(study)
     check_given(study)
     try:
         settings_of(study)
@@ -38,6 +41,17 @@ def checked(study: Study) -> Study:
     if study.diagnosis["enabled"]:
         candidates(study)
     return study
+
+
+def _check_surrogate(study: Study) -> None:
+    """Refuse a surrogate that its snapshots could not be interpolated with; raises `InputError`."""
+    cells = np.array([list(cell.values()) for cell in study.cells])
+    if len(cells) > MOST_CHECKED:
+        return
+    try:
+        PODRBF(**study.surrogate).check_points(cells)
+    except InputError as error:
+        raise InputError(error.problem, remedy=error.remedy, file=study.file, place="surrogate") from None
 
 
 def _check_folders(study: Study) -> None:
