@@ -14,6 +14,7 @@ from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
 
+pytestmark = pytest.mark.faults
 PALPATE = Path(sys.executable).parent / "palpate"
 CONTENT_TYPES = (
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'

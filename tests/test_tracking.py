@@ -101,6 +101,7 @@ def test_what_was_recorded_arrives_once(here, capsys):
     assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
 
 
+@pytest.mark.faults
 def test_four_folders_that_share_a_fresh_store_lose_nothing(tmp_path):
     import mlflow
 
@@ -140,6 +141,7 @@ def _accept(listener):
             return
 
 
+@pytest.mark.faults
 def test_a_server_of_no_use_costs_seconds_and_loses_nothing(here, server, capsys, monkeypatch):
     write_records(here)
     monkeypatch.setenv("MLFLOW_TRACKING_URI", server)

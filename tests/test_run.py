@@ -1,0 +1,75 @@
+"""``palpate run``: from any folder, stopped at once, going on where it stopped; installed, without the repository."""
+
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parent.parent
+PALPATE = Path(sys.executable).parent / "palpate"
+STUDY = {
+    "study": "elastic",
+    "material": {"model": "elastic", "poisson_ratio": 0.3},
+    "parameters": {"youngs_modulus": [2.0, 2.5, 3.0, 3.5]},
+    "indenter": {"shape": "cone", "half_angle": 70.3},
+    "points": 12,
+    "conditions": [{"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
+}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
+    return tmp_path
+
+
+def run(folder, *arguments):
+    return subprocess.run([PALPATE, "run", *arguments], cwd=folder, capture_output=True, text=True)
+
+
+def test_a_study_runs_away_from_the_repository(folder):
+    found = run(folder, "study.yaml", "--cores", "1")
+    assert found.returncode == 0, found.stderr[-3000:]
+    assert (folder / "results/elastic/report.html").is_file()
+    again = run(folder, "study.yaml", "--cores", "1", "--dry-run")
+    assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_a_mistake_is_one_line_and_nothing_is_made(folder):
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY | {"pionts": 3}))
+    found = run(folder, "study.yaml")
+    assert found.returncode == 2
+    assert len(found.stderr.splitlines()) == 1 and "did you mean 'points'" in found.stderr
+    assert [file.name for file in folder.iterdir()] == ["study.yaml"]
+
+
+@pytest.mark.faults
+def test_interrupted_it_stops_at_once_and_the_next_run_goes_on(folder):
+    process = subprocess.Popen([PALPATE, "run", "study.yaml", "--cores", "1"], cwd=folder, start_new_session=True)
+    while not list(folder.glob("results/elastic/logs/snapshots/*.log")):
+        assert process.poll() is None
+        time.sleep(0.1)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30) == 130
+    assert time.monotonic() - began < 3.0
+    assert run(folder, "study.yaml", "--cores", "1").returncode == 0
+    assert (folder / "results/elastic/report.html").is_file()
+
+
+def test_a_wheel_holds_the_workflow(tmp_path):
+    """All that the Snakefile includes, and every script that a rule runs."""
+    hatchling = pytest.importorskip("hatchling.builders.wheel", reason="hatchling is not installed")
+    builder = hatchling.WheelBuilder(str(ROOT))
+    (wheel,) = builder.build(directory=str(tmp_path), versions=["standard"])
+    names = set(zipfile.ZipFile(wheel).namelist())
+    for source in ("workflow/rules/*.smk", "scripts/*.py", "profiles/*/*.yaml", "envs/*.yaml"):
+        files = [str(file.relative_to(ROOT)) for file in ROOT.glob(source)]
+        assert files and {f"palpate/workflow/{file}" for file in files} <= names
+    assert {"palpate/workflow/Snakefile", "palpate/workflow/config/config.yaml", "palpate/py.typed"} <= names
+    assert not [name for name in names if name.startswith(("studies", "tests"))]
