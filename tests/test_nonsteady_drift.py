@@ -52,6 +52,19 @@ def test_a_steady_drift_does_not_pass_for_it(found):
     assert candidate.fit.log_evidence > steady.fit.log_evidence + 10.0
 
 
+def test_a_weak_one_is_found_from_where_least_squares_put_its_amplitudes():
+    """Beside ranges of 300 nm: 6 nm. The search begins near it and stays."""
+    observed = recordings(np.random.default_rng(100), lambda c, r: added(c.protocol.sample_time, 0.03, 6.0))
+    search = search_of(problem(observed), [KEY])
+    fit = search.joined(search.base.fit, KEY)
+    place = fit.problem.place(fit.explanation, f"{KEY}.amplitude")
+    amplitude, slope = fit.problem.quantity(fit.explanation, fit.z, f"{KEY}.amplitude")
+    begun = search.screen.starts(search.base.fit, KEY, 1)[0][place]
+    assert amplitude == pytest.approx(6.0, abs=2.5)
+    assert abs(begun - fit.z[place]) * slope < 6.0
+    assert search.examined(fit).p_value > 0.01
+
+
 def test_its_time_is_told_within_its_interval(found):
     _, _, candidate = found
     fit = candidate.fit

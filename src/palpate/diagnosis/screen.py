@@ -15,7 +15,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import qmc
 
-from palpate.diagnosis.explanation import Fit
+from palpate.diagnosis.amplitude import Amplitude
+from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
 from palpate.mechanisms import MECHANISMS
@@ -97,6 +98,8 @@ class Screen:
 
         The material's parameters, and the other amplitudes, follow half-way to where they lead to first order.
         """
+        if not fit.problem.felt(key) and self.trials[key].shape[1] > 1:
+            return _linear_starts(fit, key, self.trials[key])[:count]
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
         change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
@@ -110,6 +113,29 @@ class Screen:
         size, along = np.sum(effects**2, axis=0), left @ effects
         shares = np.clip(np.divide(along, size, out=np.zeros_like(size), where=size > 0.0), 0.0, FURTHEST)
         return shares, shares * (2.0 * along - shares * size)
+
+
+def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
+    """Return the starts of a mechanism that only adds to the depth, those of least misfit first.
+
+    At each of some coordinates `places` (m, d) all but the amplitudes stays; these follow from linear least squares,
+    together with all that is free, as the prior of each allows.
+    """
+    problem, material, found = fit.problem, fit.problem.material, []
+    mechanism, explanation = MECHANISMS[key], (key,)
+    where = [problem.place(explanation, f"{key}.{name}") for name in mechanism.amplitudes]
+    for place in places:
+        start = np.append(fit.z[:material], place)
+        start[where] = [problem.coordinates(explanation).free[k].scaled(0.0) for k in where]
+        amplitudes = Amplitude.of(key, problem.amplitudes(explanation, start)[key])
+        columns = [problem.unit_effects(a) * problem.quantity(explanation, start, str(a))[1] for a in amplitudes]
+        design = fit.whiten(np.column_stack([fit.tangent, *columns]))
+        precision = design.T @ design + np.eye(design.shape[1]) / PRIOR_VARIANCE
+        change = np.linalg.solve(precision, design.T @ fit.white)
+        start[where] += change[len(fit.z) :]
+        moved = fit.z + np.clip(change[: len(fit.z)], -0.5, 0.5)
+        found.append((-float(change @ design.T @ fit.white), np.append(moved, start[material:])))
+    return [start for _, start in sorted(found, key=lambda each: each[0])]
 
 
 def count_of_trials(problem: Problem, key: str) -> int:
