@@ -70,3 +70,10 @@ def test_rules_name_the_code_of_the_script_that_they_run():
                 assert path.is_file(), f"{file.name}: {script[1]}"
                 named = re.search(r'code=code\("(.+?)"\)', rule)
                 assert not named or REPOSITORY / named[1] == path, f"{file.name}: {script[1]}"
+
+
+def test_no_class_name_means_two_things():
+    names = Counter(
+        node.name for file in FILES for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ClassDef)
+    )
+    assert [name for name, count in names.items() if count > 1] == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.undetected import open_amplitudes
 from palpate.mechanisms import MECHANISMS
@@ -50,7 +50,7 @@ def test_a_tip_of_another_angle_joins_though_the_middle_of_its_range_is_the_base
 
 
 def test_a_law_that_is_void_when_all_act_is_silent_whether_its_effect_is_named_or_not(task):
-    law = Law("frame_compliance", "compliance", 0.0, -0.1, 0.1, "tops", ("zero_offset",))
+    law = AmplitudeConstraint("frame_compliance", "compliance", 0.0, -0.1, 0.1, "tops", ("zero_offset",))
     for named in ((), ("frame_compliance",)):
         fit = replace(fitted(task, named), laws=(law,))
         without = all_acting(replace(fit, laws=()))[FRAME]

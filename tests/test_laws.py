@@ -5,7 +5,7 @@ import pytest
 from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted, laws_of, zero_points
 from palpate.diagnosis.undetected import may_hide
 from palpate.errors import InputError
@@ -13,7 +13,7 @@ from palpate.recordings.recording import Recording
 
 
 def law(estimate, half, key="thermal_drift", parameter="rate"):
-    return Law(key, parameter, estimate, estimate - half, estimate + half, "a test")
+    return AmplitudeConstraint(key, parameter, estimate, estimate - half, estimate + half, "a test")
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_zero_point_of_a_sharp_tip():
 
 def test_an_interval_holds_its_estimate():
     with pytest.raises(InputError, match="outside"):
-        Law("thermal_drift", "rate", 1.0, 2.0, 3.0, "a test")
+        AmplitudeConstraint("thermal_drift", "rate", 1.0, 2.0, 3.0, "a test")
 
 
 def test_what_may_hide_is_found_to_first_order():

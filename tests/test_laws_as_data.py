@@ -8,7 +8,7 @@ from closed_forms import TRUTH
 from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
 from palpate.diagnosis import undetected
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.screen import Screen
@@ -20,7 +20,7 @@ COMPLIANCE = 6.0
 
 
 def law(estimate, half, lower=None):
-    return Law(
+    return AmplitudeConstraint(
         "frame_compliance", "compliance", estimate, estimate - half if lower is None else lower, estimate + half, "-"
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.own_values import recording_values
 from palpate.mechanisms import Assumption, breaking
@@ -50,6 +50,8 @@ def test_every_recording_has_its_own_compliance(varied):
 def test_what_is_measured_of_a_frame_says_nothing_of_a_mount(varied):
     """Exact laws take tests together, as if they shared one compliance."""
     _, frame, mount = varied
-    law = Law(FRAME, "compliance", 30.0, 29.0, 31.0, "tops of unloadings", breaking(Assumption.ONE_COMPLIANCE))
+    law = AmplitudeConstraint(
+        FRAME, "compliance", 30.0, 29.0, 31.0, "tops of unloadings", breaking(Assumption.ONE_COMPLIANCE)
+    )
     assert contradicted(frame, [law]) == [law]
     assert contradicted(mount, [law]) == []

@@ -11,7 +11,7 @@ from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
 from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.candidates import longest_rise
 from palpate.diagnosis.diagnosis_result import curves
 from palpate.diagnosis.own_values import in_mean, recording_values
@@ -119,8 +119,8 @@ def test_loading_in_many_corners_lasts_as_long_as_loading_in_one():
 
 def test_a_recordings_own_law_weighs_in():
     observed, fit = solved(("zero_offset",))
-    sharp = [[Law("zero_offset", "offset", 60.0, 59.99, 60.01, "a test")], [], [], []]
-    bound = [[], [], [], [Law("zero_offset", "offset", 150.0, -np.inf, 150.01, "a test")]]
+    sharp = [[AmplitudeConstraint("zero_offset", "offset", 60.0, 59.99, 60.01, "a test")], [], [], []]
+    bound = [[], [], [], [AmplitudeConstraint("zero_offset", "offset", 150.0, -np.inf, 150.01, "a test")]]
     rows = recording_values(STUDY, observed, fit, {"a": sharp})["zero_offset.offset"]
     assert rows[0]["estimate"] == pytest.approx(60.0, abs=0.1)
     assert rows[1]["estimate"] == pytest.approx(52.0, abs=1.5)

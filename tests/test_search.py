@@ -9,7 +9,7 @@ from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
 from palpate.diagnosis.accepted import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
@@ -18,7 +18,7 @@ from palpate.mechanisms import MECHANISMS
 
 LEVEL = 0.01
 POLICY = SearchPolicy()
-LAW = Law("thermal_drift", "rate", 1.0, 0.9, 1.1, "a test")
+LAW = AmplitudeConstraint("thermal_drift", "rate", 1.0, 0.9, 1.1, "a test")
 
 
 def candidate(keys, evidence, p_value=0.5, occam=0.0, contradicts=()):

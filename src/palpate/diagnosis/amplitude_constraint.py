@@ -26,7 +26,7 @@ LEAST = 1e-9
 
 
 @dataclass(frozen=True)
-class Law:
+class AmplitudeConstraint:
     """The amplitude of one mechanism by an exact law.
 
     Parameters
@@ -84,13 +84,13 @@ class Law:
         return {name: None if value == -np.inf else value for name, value in content.items()}
 
 
-def departures(laws: Sequence[Law], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
+def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
     """Return by how many standard deviations an explanation's amplitudes depart from each law; none where it is silent.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """
 
-    def departure(law: Law) -> float:
+    def departure(law: AmplitudeConstraint) -> float:
         if not law.holds_under(amplitudes):
             return 0.0
         if law.key in amplitudes:

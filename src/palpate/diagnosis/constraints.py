@@ -19,7 +19,7 @@ import numpy as np
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
@@ -42,7 +42,7 @@ def surveyed(recording: Recording) -> Survey | None:
         return None
 
 
-def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None = None) -> list[Law]:
+def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None = None) -> list[AmplitudeConstraint]:
     """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
 
     The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
@@ -64,13 +64,17 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         words = f"no faster than late in holds, {len(fastest)}"
-        laws.append(Law("thermal_drift", "rate", rate, -np.inf, upper, words, breaking(Assumption.STEADY_DRIFT)))
+        laws.append(
+            AmplitudeConstraint("thermal_drift", "rate", rate, -np.inf, upper, words, breaking(Assumption.STEADY_DRIFT))
+        )
     return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
 def _beyond(
-    measure: Callable[[Sequence[Survey]], Law | None], seen: Sequence[Survey], alone: Sequence[Survey] | None
-) -> Law | None:
+    measure: Callable[[Sequence[Survey]], AmplitudeConstraint | None],
+    seen: Sequence[Survey],
+    alone: Sequence[Survey] | None,
+) -> AmplitudeConstraint | None:
     """Return what a law says beyond that which the solid shows alone, where it creeps."""
     found = measure(seen)
     if found is None or alone is None:
@@ -84,15 +88,17 @@ def _beyond(
     )
 
 
-def _drift_in_holds(seen: Sequence[Survey]) -> Law | None:
+def _drift_in_holds(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     drifts = [(found.drift.rate, found.drift.lower, found.drift.upper) for found in seen if found.drift]
     if not drifts:
         return None
     rate, lower, upper = np.mean(drifts, axis=0).tolist()
-    return Law("thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", breaking(*OF_HOLDS))
+    return AmplitudeConstraint(
+        "thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", breaking(*OF_HOLDS)
+    )
 
 
-def _frame_by_tops(seen: Sequence[Survey]) -> Law | None:
+def _frame_by_tops(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     """Return the law of the tops of unloadings, a test's own drift taken off where a hold shows it."""
     of_drift = OF_HOLDS if all(found.drift for found in seen) else (*OF_HOLDS, Assumption.NO_DRIFT)
     frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
@@ -103,13 +109,13 @@ def _without_drift(found: Survey) -> np.ndarray:
     return found.recording.depth - (found.drift.rate * found.recording.time if found.drift else 0.0)
 
 
-def _frame_by_oscillation(seen: Sequence[Survey]) -> Law | None:
+def _frame_by_oscillation(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     tests = [(found.load, found.recording.stiffness) for found in seen if found.recording.stiffness is not None]
     frame = frame_by_oscillation(tests)
     return _law_of(frame, "stiffness by oscillation, levels of load", OF_OSCILLATION) if frame else None
 
 
-def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]:
+def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[AmplitudeConstraint]:
     """Return what unloadings say of the frame where the study's solid and tip are a reference; else nothing."""
     given = study.diagnosis.get("reference")
     if given is None:
@@ -121,12 +127,14 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Law]
     return [_law_of(frame, "unloadings of a solid of known modulus", (Assumption.ONE_COMPLIANCE,))]
 
 
-def _law_of(frame: FrameCompliance, words: str, assumed: Sequence[Assumption]) -> Law:
+def _law_of(frame: FrameCompliance, words: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
     interval, source = (frame.compliance, frame.lower, frame.upper), f"{words}, {frame.unloadings}"
-    return Law("frame_compliance", "compliance", *interval, source, breaking(*assumed))
+    return AmplitudeConstraint("frame_compliance", "compliance", *interval, source, breaking(*assumed))
 
 
-def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[Law] = ()) -> list[dict[str, Any]]:
+def zero_points(
+    recordings: Mapping[str, Iterable[Recording]], laws: Sequence[AmplitudeConstraint] = ()
+) -> list[dict[str, Any]]:
     """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
 
     A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several
@@ -151,12 +159,12 @@ def zero_points(recordings: Mapping[str, Iterable[Recording]], laws: Sequence[La
     return rows
 
 
-def contradicted(fit: Fit, laws: Sequence[Law]) -> list[Law]:
+def contradicted(fit: Fit, laws: Sequence[AmplitudeConstraint]) -> list[AmplitudeConstraint]:
     """Return the laws that the amplitudes which the curves give an explanation contradict."""
     return [law for law in laws if law.holds_under(fit.explanation) and not law.allows(*_amplitude(fit, law))]
 
 
-def _amplitude(fit: Fit, law: Law) -> tuple[float, float]:
+def _amplitude(fit: Fit, law: AmplitudeConstraint) -> tuple[float, float]:
     """Return the amplitude that the curves alone give a mechanism, and its standard deviation.
 
     Where laws took part in the fit, theirs is taken out again to first order. Without the mechanism the amplitude is

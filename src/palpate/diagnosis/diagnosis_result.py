@@ -10,7 +10,7 @@ import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.accepted import not_told_from_none
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.diagnose import Diagnosis
@@ -177,7 +177,7 @@ def to_mapping(
     observed: Mapping[str, Observation],
     diagnosis: Diagnosis,
     rng: np.random.Generator,
-    own_laws: Mapping[str, Sequence[Sequence[Law]]] | None = None,
+    own_laws: Mapping[str, Sequence[Sequence[AmplitudeConstraint]]] | None = None,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Return the content of `diagnosis.json` and the table of curves before and after.
 

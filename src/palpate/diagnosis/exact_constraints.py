@@ -13,7 +13,7 @@ from itertools import chain
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude_constraint import Law
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.diagnosis.explanation import Fit
 from palpate.recordings.recording import Recording
@@ -36,7 +36,7 @@ class ExactLaws:
         self._creeps = "steady_coefficient" in study.declared
         self._solid: dict[str, Recording] = {}
 
-    def beside(self, base: Fit) -> list[Law]:
+    def beside(self, base: Fit) -> list[AmplitudeConstraint]:
         """Return what they say about the recordings that take part in a fit of the base model, together."""
         names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
         if not names:
@@ -49,7 +49,7 @@ class ExactLaws:
             found = laws_of(every, chain.from_iterable(alone))
         return [*found, *law_of_reference(every, self._study)]
 
-    def of_each(self) -> dict[str, list[list[Law]]]:
+    def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:
         """Return what they say about each recording by itself, by condition; first ask for those `beside`."""
         return {
             name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]

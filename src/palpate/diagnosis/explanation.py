@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
-from palpate.diagnosis.amplitude_constraint import Law, departures
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.diagnosis.covariance import Errors
 from palpate.diagnosis.problem import Explanation, Problem
 from palpate.inference.coordinates import Coordinates
@@ -49,7 +49,7 @@ class Fit:
     errors: Errors
     curve: np.ndarray
     tangent: np.ndarray
-    laws: tuple[Law, ...] = ()
+    laws: tuple[AmplitudeConstraint, ...] = ()
 
     @cached_property
     def own(self) -> tuple[Amplitude, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import NORMAL_95, Law
+from palpate.diagnosis.amplitude_constraint import NORMAL_95, AmplitudeConstraint
 from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.explanation import Fit
 from palpate.inference.observation import Observation
@@ -22,7 +22,7 @@ def recording_values(
     study: Study,
     observed: Mapping[str, Observation],
     fit: Fit,
-    own_laws: Mapping[str, Sequence[Sequence[Law]]] | None = None,
+    own_laws: Mapping[str, Sequence[Sequence[AmplitudeConstraint]]] | None = None,
 ) -> dict[str, list[dict[str, Any]]]:
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
@@ -106,7 +106,7 @@ def _with_laws(
     pull: np.ndarray,
     own: Sequence[Amplitude],
     means: Mapping[str, Mapping[str, float]],
-    laws: Sequence[Law],
+    laws: Sequence[AmplitudeConstraint],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the departures (k,) from the common means and their covariance, from a recording and its own laws.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
-from palpate.diagnosis.amplitude_constraint import Law, departures
+from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.covariance import Errors, errors, noise_of
 from palpate.diagnosis.detect import examine
@@ -28,7 +28,7 @@ from palpate.inference.least_squares import Misfit
 from palpate.inference.trust_region import Descent, descend, resumed
 from palpate.mechanisms import MECHANISMS
 
-LawsBeside = Callable[[Fit], Sequence[Law]]
+LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
 LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
 
@@ -49,7 +49,7 @@ class Candidate:
 
     fit: Fit
     p_value: float
-    contradicts: tuple[Law, ...] = ()
+    contradicts: tuple[AmplitudeConstraint, ...] = ()
 
     def adequate(self, significance: float) -> bool:
         """Return whether nothing but noise is left and no exact law is contradicted."""
@@ -90,7 +90,7 @@ class Search:
     ):
         self.study, self.problem, self._rng = study, problem, rng
         self.policy = policy or SearchPolicy()
-        self._laws: tuple[Law, ...] = ()
+        self._laws: tuple[AmplitudeConstraint, ...] = ()
         self._take_for_noise(np.zeros(len(problem.mean)))
         begin = [problem.forward.coordinates.scaled(start) for start in starts]
         base = self._base(begin)
