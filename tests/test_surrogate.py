@@ -223,3 +223,16 @@ def test_a_saved_surrogate_comes_back_and_a_damaged_one_is_named(tmp_path):
         file.write_bytes(damaged)
         with pytest.raises(PalpateError, match="holds no surrogate that can be read; delete it"):
             load(file)
+
+
+@pytest.mark.parametrize("dimensions", [1, 2])
+def test_many_snapshots_of_few_parameters_are_interpolated(dimensions):
+    """As of a drafted elastic study: 128 points on one line."""
+    points = qmc.Sobol(dimensions, seed=1).random_base2(7)
+    curves = np.outer(1.0 / np.sqrt(1.0 + points.sum(axis=1)), [1.0, 2.0])
+    model = PODRBF(shape="loo")
+    model.check_points(points)
+    middle = np.full((1, dimensions), 0.5)
+    assert model.fit(points, curves).predict(middle)[0, 0] == pytest.approx(
+        1.0 / np.sqrt(1.0 + 0.5 * dimensions), rel=1e-5
+    )

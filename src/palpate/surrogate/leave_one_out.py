@@ -73,7 +73,7 @@ def leave_one_out(inverse: np.ndarray, data: np.ndarray) -> np.ndarray:
 def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_condition: float) -> float:
     """Length c of least leave-one-out error among those whose system is well conditioned.
 
-    Twenty-five lengths from 0.05 to 20 (of parameters scaled to [0, 1]) are tried, evenly on a logarithmic scale.
+    Twenty-five lengths from `shortest` to 20 (of parameters scaled to [0, 1]) are tried, evenly on a logarithmic scale.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_conditio
         If no length gives a well conditioned system.
     """
     best, chosen, least = np.inf, None, np.inf
-    for shape in np.geomspace(0.05, 20.0, 25):
+    for shape in np.geomspace(shortest(points), 20.0, 25):
         inverse, condition = system_inverse(points, kernel, shape)
         least = min(least, condition)
         if condition <= max_condition:
@@ -89,8 +89,14 @@ def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_conditio
             if error < best:
                 best, chosen = error, float(shape)
     if chosen is None:
-        raise ConditionError(least, max_condition, kernel, 0.05)
+        raise ConditionError(least, max_condition, kernel, shortest(points))
     return chosen
+
+
+def shortest(points: np.ndarray) -> float:
+    """Return the shortest length that is tried: 0.05, or how far points (n, p) lie from their nearest, if less."""
+    nearest = np.sort(cdist(points, points), axis=1)[:, 1]
+    return min(0.05, max(float(np.median(nearest)), 1e-4))
 
 
 def choose_lengths(points: np.ndarray, data: np.ndarray, kernel: str, max_condition: float) -> np.ndarray:

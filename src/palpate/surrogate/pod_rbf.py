@@ -14,7 +14,14 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from palpate.errors import InputError
 from palpate.surrogate.kernels import KERNELS
-from palpate.surrogate.leave_one_out import ConditionError, choose_lengths, choose_shape, leave_one_out, system_inverse
+from palpate.surrogate.leave_one_out import (
+    ConditionError,
+    choose_lengths,
+    choose_shape,
+    leave_one_out,
+    shortest,
+    system_inverse,
+)
 from palpate.surrogate.pod import pod
 
 NEAR = 0.05
@@ -136,12 +143,11 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         varies = high > low
         if not varies.any():
             raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
-        if isinstance(self.shape, str):
-            return
         points = (X[:, varies] - low[varies]) / (high - low)[varies]
-        _, condition = system_inverse(points, self.kernel, float(self.shape))
+        length = shortest(points) if isinstance(self.shape, str) else float(self.shape)
+        _, condition = system_inverse(points, self.kernel, length)
         if not condition <= self.max_condition:
-            raise ConditionError(condition, self.max_condition, self.kernel, float(self.shape))
+            raise ConditionError(condition, self.max_condition, self.kernel, length)
 
     def predict(self, X: Any) -> np.ndarray:
         """Curves (n, n_points) [nm] at parameters X (n, n_parameters); warns well outside the snapshots."""
