@@ -200,18 +200,18 @@ def test_the_page_says_how_much_of_it_was_made_now(tmp_path):
 
 
 def test_the_page_shows_findings_and_effort(tmp_path):
-    from palpate.output.figures.style import plt, save
+    from matplotlib.figure import Figure
 
-    save(plt.figure(figsize=(1, 1)), tmp_path / "friction.png")
+    Figure(figsize=(1, 1)).savefig(tmp_path / "friction.png")
     finding = {"what": "x", "thesis": "1 < 2", "here": "2", "rule": "3 +- 1", "verdict": "differs", "why": "because"}
     outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0}}
     labels = [{"address": "one"}, {"address": "one"}, {"address": ""}]
     blank = np.full((3, 1), np.nan)
-    curves = Curves(labels, blank, blank, blank, ["", "", "refused"], np.array([3.0, 3.0, 0.0]))
+    curves = Curves(labels, blank, blank, blank, ["", "", "refused"])
     page.write(outcomes, {"friction": tmp_path / "friction.png"}, [curves], tmp_path / "index.html")
     text = (tmp_path / "index.html").read_text()
     assert "1 different curves" in text
-    assert "3 s in the solver, 2 s" in text
+    assert "2 s in the studies" in text
     assert "1 &lt; 2" in text
 
 
@@ -223,7 +223,7 @@ def test_friction_is_measured_against_the_frictionless_curve_of_the_same_test():
             labels.append({"condition": name, "friction": coefficient} | common)
             depth.append(scale * np.array([100.0, 200.0 * (1 - 0.02 * coefficient), 150.0 * (1 - 0.04 * coefficient)]))
     load = np.tile([0.5, 1.0, 0.0], (4, 1))
-    curves = Curves(labels, load, load, np.array(depth), [""] * 4, np.zeros(4))
+    curves = Curves(labels, load, load, np.array(depth), [""] * 4)
     rows = [row for row in reductions(curves) if row["friction"] == 0.5]
     assert [row["max_depth_reduction_percent"] for row in rows] == pytest.approx([1.0, 1.0])
     assert [row["residual_depth_reduction_percent"] for row in rows] == pytest.approx([2.0, 2.0])
