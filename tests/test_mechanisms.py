@@ -82,7 +82,7 @@ def test_what_is_planted_is_diagnosed_as_itself(key):
         return mechanism.record(time, load, np.zeros_like(time), values)
 
     found = diagnose(search_of(problem(recordings(np.random.default_rng(5), planted)), RECORDED), lambda said: None)
-    assert (found.verdict, [each.fit.explanation for each in found.standing]) == ("identified", [(key,)])
+    assert (found.verdict, [each.fit.explanation for each in found.accepted]) == ("identified", [(key,)])
 
 
 WITHOUT_LOAD = pytest.mark.xfail(reason="a rounded tip finds no equilibrium while a lag keeps the load at none")

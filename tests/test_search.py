@@ -8,7 +8,7 @@ import pytest
 from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
-from palpate.diagnosis.accepted import judged, likeliest_of_each, not_told_from_none, standing_of, without_idle
+from palpate.diagnosis.accepted import accepted_of, judged, likeliest_of_each, not_told_from_none, without_idle
 from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
@@ -38,7 +38,7 @@ def named(candidates):
 
 
 def stand(found, tried=()):
-    return named(standing_of(found, [*found, *tried], LEVEL))
+    return named(accepted_of(found, [*found, *tried], LEVEL))
 
 
 def test_what_stands_is_listed_best_first():
@@ -285,12 +285,12 @@ def diagnosed(task, keys=RECORD_ONLY):
 
 def test_recordings_without_an_effect_are_adequate():
     found = diagnosed(problem(recordings(np.random.default_rng(11))))
-    assert (found.verdict, found.standing, found.tried) == ("adequate", [], [found.base])
+    assert (found.verdict, found.accepted, found.tried) == ("adequate", [], [found.base])
 
 
 def test_what_one_mechanism_explains_and_no_other_is_identified():
     found = diagnosed(problem(recordings(np.random.default_rng(5), frame)))
-    assert (found.verdict, named(found.standing)) == ("identified", ["frame_compliance"])
+    assert (found.verdict, named(found.accepted)) == ("identified", ["frame_compliance"])
     assert found.probabilities == [1.0]
     evidence = [each.fit.log_evidence for each in found.tried]
     assert evidence == sorted(evidence, reverse=True)
@@ -299,7 +299,7 @@ def test_what_one_mechanism_explains_and_no_other_is_identified():
 
 def test_a_single_explanation_is_suspected_where_the_noise_is_assumed():
     found = diagnosed(problem(recordings(np.random.default_rng(5), lambda c, r: 6.0 * frame(c, r), replicates=1)))
-    assert (found.verdict, named(found.standing)) == ("suspected", ["frame_compliance"])
+    assert (found.verdict, named(found.accepted)) == ("suspected", ["frame_compliance"])
 
 
 def test_a_single_explanation_of_one_kind_of_test_is_suspected_where_it_acts_on_the_body():
@@ -315,8 +315,8 @@ def test_a_single_explanation_of_one_kind_of_test_is_suspected_where_it_acts_on_
     observed = recordings(np.random.default_rng(4), planted, site=0.002)
     alone = diagnosed(problem(observed, CONDITIONS[2:3], tip_rounding=rounded), ["tip_rounding"])
     every = diagnosed(problem(observed, tip_rounding=rounded), ["tip_rounding"])
-    assert (alone.verdict, named(alone.standing)) == ("suspected", ["tip_rounding"])
-    assert (every.verdict, named(every.standing)) == ("identified", ["tip_rounding"])
+    assert (alone.verdict, named(alone.accepted)) == ("suspected", ["tip_rounding"])
+    assert (every.verdict, named(every.accepted)) == ("identified", ["tip_rounding"])
 
 
 def test_a_single_explanation_whose_mean_may_be_none_is_suspected():
@@ -326,13 +326,13 @@ def test_a_single_explanation_whose_mean_may_be_none_is_suspected():
     rates = dict(zip("abcd", own, strict=True))
     observed = recordings(np.random.default_rng(5), lambda c, r: rates[c.name][r] * c.protocol.sample_time)
     found = diagnosed(problem(observed))
-    assert (found.verdict, named(found.standing)) == ("suspected", ["thermal_drift"])
+    assert (found.verdict, named(found.accepted)) == ("suspected", ["thermal_drift"])
 
 
 def test_an_effect_in_no_library_stays_unexplained():
     wave = lambda c, r: 12.0 * np.sin(2 * np.pi * c.protocol.sample_time / 9.0)  # noqa: E731
     found = diagnosed(problem(recordings(np.random.default_rng(7), wave)))
-    assert (found.verdict, found.standing, found.probabilities) == ("unexplained", [], [])
+    assert (found.verdict, found.accepted, found.probabilities) == ("unexplained", [], [])
     assert {len(each.fit.explanation) for each in found.tried} == {0, 1, 2}
 
 
@@ -340,7 +340,7 @@ def test_two_effects_are_found_together():
     both = lambda c, r: frame(c, r) + (0.3 + 0.05 * r) * c.protocol.sample_time  # noqa: E731
     found = diagnosed(problem(recordings(np.random.default_rng(5), both)))
     assert found.verdict == "identified"
-    assert set(found.standing[0].fit.explanation) == {"frame_compliance", "thermal_drift"}
+    assert set(found.accepted[0].fit.explanation) == {"frame_compliance", "thermal_drift"}
 
 
 def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():
@@ -355,7 +355,7 @@ def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_rea
     search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH], policy=eager)
     found = diagnose(search, lambda said: None)
     assert found.failed == {"zero_offset": "lost contact"}
-    assert (found.verdict, named(found.standing)) == ("identified", ["thermal_drift"])
+    assert (found.verdict, named(found.accepted)) == ("identified", ["thermal_drift"])
 
 
 def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
@@ -394,4 +394,4 @@ def test_a_mechanism_whose_simulations_all_fail_is_left_out_and_said():
     task = replace(problem(observed), forward=Frictionless(CONDITIONS, bodily={"friction": None}))
     found = diagnose(search_of(task, [*RECORD_ONLY, "friction"]))
     assert found.failed == {"friction": "no equilibrium"}
-    assert [each.fit.explanation for each in found.standing] == [("thermal_drift",)]
+    assert [each.fit.explanation for each in found.accepted] == [("thermal_drift",)]

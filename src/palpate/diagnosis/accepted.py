@@ -1,4 +1,4 @@
-"""Which explanations stand of those that were tried, and what may be said of them."""
+"""Which explanations are accepted of those that were tried, and what may be said of them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ CLOSE = np.log(100.0)
 NEEDED = 2.0  # of the log evidence: a parameter costs one by Akaike's criterion, about three by Schwarz's
 
 
-def standing_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
+def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
     """Return what passes of `found`, best first, within a ratio of 100 of the best of all that were tried.
 
-    The best may not stand: where something far likelier still leaves more than noise, the truth is not among those
-    that pass. What passes and fits as well as one that stands, but for a ratio of the likelihood, stands beside it,
-    though the evidence counts against it that it could have explained much else: recordings do not tell them apart.
+    The best may not be accepted: where something far likelier still leaves more than noise, the truth is not among
+    those that pass. What passes and fits as well as an accepted one, but for a ratio of the likelihood, is accepted
+    beside it, though the evidence counts against it that it could have explained much else: recordings do not tell them
+    apart.
     """
     best = best_evidence(tried)
     passed = best_first([candidate for candidate in found if candidate.adequate(level)])
@@ -30,17 +31,17 @@ def standing_of(found: list[Candidate], tried: list[Candidate], level: float) ->
     return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
 
 
-def judged(standing: list[Candidate]) -> tuple[str, list[float]]:
-    """Return the verdict, and the probabilities of the explanations that stand."""
-    if not standing:
+def judged(accepted: list[Candidate]) -> tuple[str, list[float]]:
+    """Return the verdict, and the probabilities of the accepted explanations."""
+    if not accepted:
         return "unexplained", []
-    evidence = np.array([candidate.fit.log_evidence for candidate in standing])
+    evidence = np.array([candidate.fit.log_evidence for candidate in accepted])
     weights = np.exp(evidence - evidence.max())
-    return ("identified" if len(standing) == 1 else "ambiguous"), (weights / weights.sum()).tolist()
+    return ("identified" if len(accepted) == 1 else "ambiguous"), (weights / weights.sum()).tolist()
 
 
 def may_be_named(problem: Problem, explanation: Explanation) -> bool:
-    """Return whether recordings bear a name alone, where a single explanation stands.
+    """Return whether recordings bear a name alone, where a single explanation is accepted.
 
     Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
     law: what an effect on the body does to one curve, a law that is in no library may do, too.
@@ -88,8 +89,8 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
     return list(likeliest.values())
 
 
-def without_idle(standing: list[Candidate]) -> list[Candidate]:
-    """Return the sets that stand, but for those of which a special case stands: they hold what does nothing.
+def without_idle(accepted: list[Candidate]) -> list[Candidate]:
+    """Return the accepted sets, but for those of which a special case is accepted: they hold what does nothing.
 
     One with as many mechanisms as its special case stays where its evidence is larger by more than `NEEDED`: the
     evidence charges nothing for the variance of values that recordings have of their own.
@@ -100,8 +101,8 @@ def without_idle(standing: list[Candidate]) -> list[Candidate]:
         special = is_special_case(other.explanation, each.explanation)
         return special and (fewer or each.log_evidence <= other.log_evidence + NEEDED)
 
-    fits = [candidate.fit for candidate in standing]
-    return [candidate for candidate in standing if not any(idle(candidate.fit, other) for other in fits)]
+    fits = [candidate.fit for candidate in accepted]
+    return [candidate for candidate in accepted if not any(idle(candidate.fit, other) for other in fits)]
 
 
 def is_special_case(explanation: Explanation, other: Explanation) -> bool:

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.diagnosis.accepted import (
+    accepted_of,
     best_first,
     is_special_case,
     judged,
     likeliest_of_each,
     may_be_named,
     not_told_from_none,
-    standing_of,
     without_idle,
 )
 from palpate.diagnosis.explanation import Fit
@@ -34,8 +34,8 @@ class Diagnosis:
         ``adequate``, ``identified``, ``suspected``, ``ambiguous`` or ``unexplained``.
     base
         The base model, and the test of it.
-    standing
-        The explanations that stand, best first.
+    accepted
+        The accepted explanations, best first.
     probabilities
         Theirs, were there no others.
     tried
@@ -46,7 +46,7 @@ class Diagnosis:
 
     verdict: str
     base: Candidate
-    standing: list[Candidate]
+    accepted: list[Candidate]
     probabilities: list[float]
     tried: list[Candidate]
     failed: dict[str, str]
@@ -79,9 +79,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
 
     The base model is tested first. If it fails, mechanisms join it one by one, those of the greatest optimistic
     evidence first; each is fitted together with the material on the finite elements, and what it leaves is tested. One
-    stands that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be wrong
-    in less than one case of a hundred. While none stands, sets with one mechanism more are tried in the same way, up to
-    the study's ``diagnosis.largest_set``. Beyond those that stand, a set with one mechanism more is fitted where it
+    is accepted that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be
+    wrong in less than one case of a hundred. While none is, sets with one mechanism more are tried in the same way, up
+    to the study's ``diagnosis.largest_set``. Beyond accepted ones, a set with one mechanism more is fitted where it
     promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only where the
     recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
     """
@@ -92,36 +92,36 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base], failed)
-    tried, found, standing = [base], [base], []
+    tried, found, accepted = [base], [base], []
     for number in range(search.study.diagnosis["largest_set"]):
         most = search.policy.most_sets if number else search.policy.most
         found = _fitted(search, found, most, level, failed, report)
         tried = best_first(found + tried)
-        if standing := standing_of(found, tried, level):
-            special = _special_cases(search, standing[0], tried, report)
+        if accepted := accepted_of(found, tried, level):
+            special = _special_cases(search, accepted[0], tried, report)
             larger: list[Candidate] = []
             if number + 1 < search.study.diagnosis["largest_set"]:
-                likelier = max(each.fit.log_evidence for each in special + standing) + search.policy.outdone
-                larger = _fitted(search, standing, search.policy.most_sets, level, failed, report, likelier)
+                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.outdone
+                larger = _fitted(search, accepted, search.policy.most_sets, level, failed, report, likelier)
             tried = likeliest_of_each(larger + special + tried)
-            standing = without_idle(standing_of(likeliest_of_each(larger + special + standing), tried, level))
+            accepted = without_idle(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
             break
-    verdict, probabilities = judged(standing)
+    verdict, probabilities = judged(accepted)
     if verdict == "identified":
-        best = standing[0].fit
+        best = accepted[0].fit
         if not may_be_named(search.problem, best.explanation) or not_told_from_none(best):
             verdict = "suspected"
-    return Diagnosis(verdict, base, standing, probabilities, tried, failed)
+    return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
 
 
 def _special_cases(
-    search: Search, standing: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
+    search: Search, accepted: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
 ) -> list[Candidate]:
-    """Return the special cases of a set that stands, fitted again from where it ended, where that fits better.
+    """Return the special cases of an accepted set, fitted again from where it ended, where that fits better.
 
     Their own searches may have stopped in another valley, out of which the mechanism that does nothing led.
     """
-    fit, better = standing.fit, []
+    fit, better = accepted.fit, []
     for explanation, z in _begun(search, fit):
         stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
         try:
@@ -177,7 +177,7 @@ def _fitted(
     None is fitted whose optimistic evidence lies below the `floor`.
 
     What falls far behind is left out, and once one leaves only noise, what falls behind by so much that it would not
-    stand beside it. The first order holds near a place alone: where a set comes near to what noise leaves,
+    be accepted beside it. The first order holds near a place alone: where a set comes near to what noise leaves,
     those with another mechanism in place of one of its own are looked at again from there, and begin there.
     """
     policy, done = search.policy, list[Candidate]()

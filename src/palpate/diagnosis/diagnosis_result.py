@@ -147,7 +147,7 @@ def limits(study: Study, problem: Problem) -> list[str]:
 
 def far_out(diagnosis: Diagnosis) -> list[str]:
     """Say what of the likeliest that was tried lies outside its range."""
-    fits = [candidate.fit for candidate in diagnosis.standing or diagnosis.tried[:1]]
+    fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
     found = outside(fits[0])
     if not found:
         return []
@@ -187,10 +187,10 @@ def to_mapping(
         What exact laws say about each recording of each condition.
     """
     base = diagnosis.base
-    best = diagnosis.standing[0].fit if diagnosis.standing else base.fit
+    best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
     table, failed = curves(study, observed, base.fit, best)
     verdict = diagnosis.verdict
-    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.standing]
+    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.accepted]
     before = material_parameters(
         base.fit, draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
     )
@@ -204,7 +204,7 @@ def to_mapping(
             "p_value": candidate.p_value,
             "recordings": recording_values(study, observed, candidate.fit, own_laws),
         }
-        for candidate, probability, drawn in zip(diagnosis.standing, diagnosis.probabilities, draws, strict=True)
+        for candidate, probability, drawn in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
     ]
     content = {
         "verdict": verdict,
@@ -213,7 +213,7 @@ def to_mapping(
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,
-        "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.standing], draws)
+        "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.accepted], draws)
         if len(draws) > 1 and all(c.protocol.control == LOAD for c in study.conditions)
         else None,
         "fit": errors_before_after(table),
@@ -237,7 +237,7 @@ def to_mapping(
         + [
             f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
             "differ, and it is not named alone."
-            for candidate in diagnosis.standing[:1]
+            for candidate in diagnosis.accepted[:1]
             for key in not_told_from_none(candidate.fit)
         ]
         + far_out(diagnosis)

@@ -1,4 +1,4 @@
-"""What next: the feasible test that would separate the explanations that still stand."""
+"""What next: the feasible test that would separate the accepted explanations."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> Feas
     return FeasibleTest(words, settings | {"unloading_time": unloading}, protocol)
 
 
-def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
+def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
     """Return the test that separates the two best explanations most surely, with its expected power.
 
     The distance of the two predicted curves is measured against noise, site scatter, slow drift and own values of three
@@ -104,7 +104,7 @@ def discriminating_test(study: Study, standing: list[Fit], draws: list[np.ndarra
     uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is that of a 1 %
     test.
     """
-    first, second = standing[:2]
+    first, second = accepted[:2]
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
     scale = first.problem.scale
     best: dict[str, Any] | None = None

@@ -24,7 +24,8 @@ class SearchPolicy:
     screened
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     outdone
-        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both stand.
+        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both are
+        accepted.
     least, most, most_sets
         Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
     mechanism_penalty

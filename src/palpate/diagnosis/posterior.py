@@ -45,7 +45,7 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 
 
 def draws_to_first_order(fit: Fit, rng: np.random.Generator) -> np.ndarray:
-    """Return draws (m, k) of the coordinates of an explanation that does not stand, from straight curves."""
+    """Return draws (m, k) of the coordinates of an explanation that is not accepted, from straight curves."""
     return rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd")
 
 

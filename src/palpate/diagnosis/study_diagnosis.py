@@ -72,13 +72,13 @@ def diagnosed(
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)
     found = diagnose(search, report)
-    own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.standing) else None
+    own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
-    stands = found.standing[0] if found.standing else found.base
+    best = found.accepted[0] if found.accepted else found.base
     explained = found.verdict != "unexplained"
-    content["may_hide"] = may_hide(stands.fit, search.screen.keys) if explained else {}
-    content["open_amplitudes"] = open_amplitudes(stands.fit, search.screen) if explained else {}
-    content["limits"] += not_fixed(stands.fit, content["open_amplitudes"])
+    content["may_hide"] = may_hide(best.fit, search.screen.keys) if explained else {}
+    content["open_amplitudes"] = open_amplitudes(best.fit, search.screen) if explained else {}
+    content["limits"] += not_fixed(best.fit, content["open_amplitudes"])
     content["study"] = study.name
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]

@@ -104,7 +104,7 @@ def _probability(p: float) -> str:
 
 
 def _in_all(content: Mapping[str, Any]) -> str:
-    """Say which effects every explanation that stands has in common."""
+    """Say which effects all accepted explanations have in common."""
     shared = set.intersection(*(set(candidate["mechanisms"]) for candidate in content["candidates"]))
     titles = " and ".join(MECHANISMS[key].title for key in sorted(shared))
     return f" All of them need {titles}." if shared else ""

@@ -1,4 +1,4 @@
-"""What may still hide behind an explanation that stands: amplitudes of effects on the recorded depth.
+"""What may still hide behind an accepted explanation: amplitudes of effects on the recorded depth.
 
 By generalised least squares together with the parameters of the explanation, to first order about the best point; where
 an exact law speaks of the effect, with that law. Intervals allow for a noise that is estimated (`estimated_noise`).

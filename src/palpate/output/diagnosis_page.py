@@ -27,7 +27,7 @@ def sections(
         )
     ]
     if content["candidates"]:
-        found.append(("Explanations that stand", [html_report.table(explanations(content))]))
+        found.append(("Accepted explanations", [html_report.table(explanations(content))]))
     found.append(_material(content, declared))
     if content["discriminating_test"]:
         test = content["discriminating_test"]
@@ -69,8 +69,8 @@ def sections(
             "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the shape "
             "of the tip. Where the solid creeps, what these laws say of the base model's own curves is taken off, and "
             "makes the interval wider by as much both ways. A law without a lower end is a bound. They are data "
-            "beside the curves, and an explanation to which the curves give an amplitude that contradicts them does "
-            "not stand. They say nothing about explanations with a mechanism of the last column, which breaks what "
+            "beside the curves, and an explanation to which the curves give an amplitude that contradicts them is "
+            "not accepted. They say nothing about explanations with a mechanism of the last column, which breaks what "
             "they assume."
         )
         found.append(

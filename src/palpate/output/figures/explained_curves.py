@@ -87,20 +87,20 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
 
 
 def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
-    """Draw the log evidence of what was tried, relative to the base model, those that stand in colour.
+    """Draw the log evidence of what was tried, relative to the base model, accepted ones in colour.
 
     Beside each bar stands by how much it lies behind the best one.
     """
     tried = content["tried"][:9]
-    standing = [candidate["mechanisms"] for candidate in content["candidates"]]
+    accepted = [candidate["mechanisms"] for candidate in content["candidates"]]
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
     names = []
     for k, entry in enumerate(tried):
         titles = [m.replace("_", " ") for m in entry["mechanisms"]]
         lines = [" + ".join(titles[:2]) or "base model", *(f"+ {title}" for title in titles[2:])]
         names.append("\n".join(lines))
-        stands = entry["mechanisms"] in standing
-        axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if stands else "0.8")
+        is_accepted = entry["mechanisms"] in accepted
+        axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if is_accepted else "0.8")
         behind = f"{entry['log_evidence'] - tried[0]['log_evidence']:.1f}" if k else "best"
         axis.text(1.02, k, behind, transform=axis.get_yaxis_transform(), va="center", fontsize=6)
     axis.set_ylim(len(tried) - 0.4, -0.6)
@@ -108,7 +108,7 @@ def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     axis.set_xlabel("log evidence, base model: 0")
-    axis.set_title("tried; in red: what stands" if standing else "tried; none stands")
+    axis.set_title("explanations tried; accepted ones in red" if accepted else "explanations tried; none accepted")
 
 
 def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:

@@ -19,7 +19,7 @@ taken from there: where an element is squeezed to a hundredth the difference wou
 tangent's unsymmetric part, which true stress brings, is replaced by its symmetric half: Newton's method then takes an
 iteration or so more, and Cholesky's factorisation serves.
 
-The return to the law stands in `internal_forces` here and in `batch_element`: as one function that both call, inlined
+The return to the law stands in `internal_forces` here and in `element`: as one function that both call, inlined
 or not, it makes a run a fifth slower.
 """
 
