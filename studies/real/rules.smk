@@ -4,16 +4,7 @@ OTHERS = [name for name in REAL if name != STUDY.name]  # it has rules of its ow
 NOTHING = "(?!)"  # matches no text
 
 
-def vendor_file(wildcards):
-    """The file behind a study of config/real, which is checked first."""
-    return read_study(f"{HERE}/config/real/{wildcards.real}.yaml").source["file"]
-
-
-def real_pages(wildcards):
-    """The pages of all studies in config/real, which are read when they are asked for."""
-    for name in REAL:
-        source = read_yaml(f"{HERE}/config/real/{name}.yaml")["source"]
-        yield f"results/{name}/{source['recordings']}/diagnosis.html"
+include: "functions.smk"
 
 
 rule reading:

@@ -6,7 +6,7 @@ import re
 import sys
 from pathlib import Path
 
-os.environ.setdefault(
+EXECUTION = os.environ.setdefault(
     "PALPATE_EXECUTION", datetime.datetime.now().strftime("%Y-%m-%d %H:%M:%S")
 )
 HERE = Path(workflow.current_basedir).parents[1]
@@ -79,7 +79,7 @@ def attempt(receipt):
         return "first"
     found = read_json(receipt)
     pending = found["status"] == "pending"
-    return os.environ["PALPATE_EXECUTION"] if pending else found["attempt"]
+    return EXECUTION if pending else found["attempt"]
 
 
 def curves(values, accuracy):
@@ -92,6 +92,20 @@ def curves(values, accuracy):
         )
         for condition in STUDY.conditions
     ]
+
+
+def all_recordings(wildcards):
+    """The files of all sets of recordings."""
+    return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
+
+
+def reference_curves(wildcards):
+    """The files of the folder of reference curves, where one is given."""
+    folder = config.get("reference")
+    if folder and not Path(folder).is_dir():
+        remedy = "give a folder of curves"
+        refuse(InputError("the folder is missing", remedy=remedy, file=folder))
+    return sorted(map(str, Path(folder).glob("*.csv"))) if folder else []
 
 
 STUDY = read_study()

@@ -41,11 +41,6 @@ RESULTS = [
 ]
 
 
-def all_recordings(wildcards):
-    """The files of all sets of recordings."""
-    return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
-
-
 rule tables:
     input:
         calibrations=expand(
