@@ -64,10 +64,13 @@ def test_slope_and_curvature_are_derivatives_of_the_height_in_any_unit():
         pytest.param((np.pi * np.tan(np.radians(88.0)) ** 2,), id="cone"),
         pytest.param((0.0, 2 * np.pi * 1e6), id="paraboloid"),
         pytest.param((2576.0, 2e5), id="rounded"),
-        pytest.param((2576.0, 1e4, 1e6), id="flattened"),
+        pytest.param(
+            (2576.0, 1e4, 1e6),
+            id="flattened",
+            marks=pytest.mark.xfail(reason="1.15 % too little under a flattened tip"),
+        ),
     ],
 )
-@pytest.mark.xfail(reason="1.15 % too little under a flattened tip")
 def test_elastic_loading_is_sneddons(area):
     """Shallow tips, so that the boundary condition of the solution is the solver's."""
     protocol = trapezoid(0.02, 1.0, 0.0, 1.0, points=40)

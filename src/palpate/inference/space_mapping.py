@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 RECORD = "medium"  # accuracy of the model of record; the curves of `fine` differ from it by 0.1 % at most
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 CLOSE = 0.1  # of a range, within which a reference serves as well as one at the place itself
-PYRAMID_SERVES = 0.5  # of a range, over which the ratio of pyramid and cone serves with further mechanisms, too
+PYRAMID_SERVES = 0.5  # of a range, over which the ratio of pyramid and cone serves with what an instrument adds, too
 NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
 
 
@@ -133,14 +133,15 @@ class SpaceMapped:
     def of_record(self, u: np.ndarray) -> SpaceMapped:
         """See `Forward`; the same where the references lie near.
 
-        A pyramid's curve costs as much as fifty of the cone, and friction or a rounded tip change the ratio of both
-        by 0.1 % (docs/pyramid.md): it is not simulated again because a mechanism joins.
+        Those of a pyramid, whose curves cost as much as fifty of the cone, serve also where a mechanism joins that the
+        body does not feel. Friction and rounded tips change the ratio of pyramid and cone by 0.1 to 0.2 %.
         """
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
+        felt = any(mechanism.acts_on_body for mechanism in self.full.mechanisms)
         if len(u) == len(self.place):
             near = CLOSE
         else:
-            near = 0.0 if self.full.study.indenter.of_revolution else PYRAMID_SERVES
+            near = 0.0 if felt or self.full.study.indenter.of_revolution else PYRAMID_SERVES
         if moved < near:
             return self
         return SpaceMapped.of(self.full, u)
