@@ -111,9 +111,7 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.shape_ = float(np.exp(np.mean(np.log(self.lengths_))))
         points = points / self.lengths_
         degree = KERNELS[self.kernel].degree
-        inverse, self.condition_number_ = system_inverse(points, self.kernel, 1.0)
-        if not self.condition_number_ <= self.max_condition:
-            raise ConditionError(self.condition_number_, self.max_condition, self.kernel, self.shape_)
+        inverse, self.condition_number_ = self._solvable(points, 1.0, self.shape_)
         self.interpolator_ = RBFInterpolator(points, data, kernel=self.kernel, epsilon=1.0, degree=degree)
         truncation = curves - self.pod_.expand(data)
         self.loo_error_ = self.pod_.expand(leave_one_out(inverse, data)) + truncation
@@ -145,9 +143,14 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
             raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
         points = (X[:, varies] - low[varies]) / (high - low)[varies]
         length = shortest(points) if isinstance(self.shape, str) else float(self.shape)
-        _, condition = system_inverse(points, self.kernel, length)
+        self._solvable(points, length, length)
+
+    def _solvable(self, points: np.ndarray, length: float, shape: float) -> tuple[np.ndarray, float]:
+        """Return the system's inverse and condition number; raises `ConditionError`, which names the `shape`."""
+        inverse, condition = system_inverse(points, self.kernel, length)
         if not condition <= self.max_condition:
-            raise ConditionError(condition, self.max_condition, self.kernel, length)
+            raise ConditionError(condition, self.max_condition, self.kernel, shape)
+        return inverse, condition
 
     def predict(self, X: Any) -> np.ndarray:
         """Curves (n, n_points) [nm] at parameters X (n, n_parameters); warns well outside the snapshots."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import platform
 from collections.abc import Iterator, Mapping
@@ -13,7 +12,7 @@ from typing import Any
 from palpate.configuration.study_file import Study
 from palpate.inference.study_recordings import find
 from palpate.workflow_support.run_records import git_commit
-from palpate.workflow_support.steps import read_json
+from palpate.workflow_support.steps import checksum, read_json
 
 NAME = "report.manifest.json"
 LIBRARIES = ("palpate", "numpy", "scipy", "pandas", "numba", "scikit-learn", "deap", "snakemake", "mlflow")
@@ -35,7 +34,7 @@ def of(study: Study, configuration: Mapping[str, Any], folder: Path) -> dict[str
         "python": platform.python_version(),
         "libraries": {name: _version(name) for name in LIBRARIES},
         "git_commit": git_commit(),
-        "files": {str(file): checksum(file) for file in files(study, folder)},
+        "files": {str(file): checksum(file) if file.is_file() else "" for file in files(study, folder)},
     }
 
 
@@ -72,11 +71,6 @@ def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> lis
 def without_data(configuration: Mapping[str, Any]) -> dict[str, Any]:
     """Return a configuration without the place of the vendor's file, which differs from machine to machine."""
     return {key: value for key, value in configuration.items() if key != "data"}
-
-
-def checksum(file: Path) -> str:
-    """Return the SHA-256 of a file, or nothing where it is missing."""
-    return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
 
 
 def _version(package: str) -> str:

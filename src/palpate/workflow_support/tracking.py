@@ -19,7 +19,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from palpate.surrogate.saved import load
-from palpate.workflow_support.steps import read_json, write_json
+from palpate.workflow_support.steps import checksum, read_json, write_json
 
 STORE = "sqlite:///results/mlflow.db"
 SECONDS = 5  # that one request may take
@@ -62,11 +62,6 @@ def pending(folder: Path) -> list[str]:
     records = sorted(set(folder.rglob("*.json")) - {ledger, folder / "receipt.json"})
     names = [str(file.relative_to(folder)) for file in records]
     return [name for name in names if sent.get(name) != checksum(folder / name)]
-
-
-def checksum(file: Path) -> str:
-    """Return the SHA-256 of a file."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def _send(record: Mapping[str, Any]) -> None:
