@@ -108,7 +108,9 @@ def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
     axis.set_xlabel("log evidence, base model: 0")
-    axis.set_title("explanations tried; accepted ones in red" if accepted else "explanations tried; none accepted")
+    found = "accepted ones in red" if accepted else "none accepted"
+    adequate = content["verdict"] == "adequate"
+    axis.set_title("base model adequate, no other tried" if adequate else f"explanations tried; {found}")
 
 
 def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:
