@@ -21,7 +21,7 @@ from palpate.inference.noise_fit import Replicates, contrasts, fit_noise
 from palpate.inference.observation import Observation
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.study.protocol import trapezoid
 
@@ -63,9 +63,9 @@ class Known(Search):
     """A search whose base model nobody has fitted yet."""
 
     def __init__(self, task, heard=None):
-        super().__init__(STUDY, task, [], np.random.default_rng(0), [TRUTH])
+        super().__init__(STUDY, task, [], np.random.default_rng(0), TRUTH)
         if heard is not None:
-            self._take_for_noise(heard)
+            self._fitter.take_for_noise(heard)
 
 
 def fitted(task, explanation=(), start=None, heard=None):
@@ -76,7 +76,7 @@ def fitted(task, explanation=(), start=None, heard=None):
 
 
 def search_of(task, keys=RECORD_ONLY):
-    return Search(STUDY, task, keys, np.random.default_rng(0), [TRUTH])
+    return Search(STUDY, task, keys, np.random.default_rng(0), TRUTH)
 
 
 def test_evidence_is_the_likelihood_averaged_over_the_ranges():

@@ -14,13 +14,6 @@ class SearchPolicy:
     starts
         Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
         advance side by side, and one that falls behind is given up.
-    iterations
-        Largest number of iterations of a search; those that settle take 4 to 8, and 1 to 3 where one ended before.
-    settled_at_first, settled
-        Changes of chi-square below which a search has settled: 0.7 and 0.14 standard deviations of the estimate in all.
-    hopeless
-        Chi-square per sample from which a fit leaves far more than noise, whatever the meshes differ by where it lies:
-        no more is spent on it.
     screened
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     outdone
@@ -34,10 +27,6 @@ class SearchPolicy:
     """
 
     starts: int = 2
-    iterations: int = 12
-    settled_at_first: float = 0.5
-    settled: float = 0.02
-    hopeless: float = 50.0
     screened: float = 40.0
     outdone: float = 10.0
     least: int = 5

@@ -123,12 +123,9 @@ def bound_sentence(calibration: Mapping) -> str:
 
 def search_sentences(calibration: Mapping) -> str:
     """Say how the estimate was found, and whether the search for it arrived."""
-    lines = calibration["iterations"]
-    if not lines:
-        return ""
     said = (
         "The estimate rests on the finite elements themselves, on which least squares went on from the optimum of the "
-        f"surrogates in {len(lines)} iterations; the surrogates' own optimum is in calibration.json."
+        "genetic search on surrogates, and from places scattered over the ranges; that optimum is in calibration.json."
     )
     if calibration["settled"]:
         return said

@@ -103,9 +103,7 @@ def of_surrogate(
 
 def of_calibration(result: Mapping[str, Any], settings: Mapping[str, Any], files: Sequence[str | Path]) -> Run:
     """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence."""
-    metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
-    if result["settled"] is not None:
-        metrics["settled"] = float(result["settled"])
+    metrics = {"misfit_ratio": result["misfit_ratio"], "settled": float(result["settled"])}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
