@@ -144,6 +144,7 @@ def test_a_held_out_test_that_cannot_be_simulated_is_left_out():
     study = SimpleNamespace(conditions=conditions, calibration=STUDY.calibration)
     for name in "bc":
         observed[name] = replace(observed["a"], role="validate")
+    fit = replace(fit, problem=replace(fit.problem, recorded=observed))
     table, failed = curves(study, observed, fit, fit)
     assert set(table["condition"]) == {"a", "c"}
     assert failed == {"b": "no equilibrium in 40 iterations"}

@@ -8,7 +8,7 @@ explanation without a mechanism is the base model: a calibration fits it, and a 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -70,16 +70,13 @@ class Fitter:
         PalpateError
             When the forward model fails at all starts.
         """
-        problem, places, failed = self.problem, list(starts), ""
-        if len(starts) > 1:
-            way = self._followed(starts)
-            places = [way.u, *reversed(way.path), *starts]
-        for place in places:
+        problem, failed = self.problem, ""
+        for place in self._places(starts):
             self.problem = replace(problem, forward=problem.forward.of_record(place))
             try:
                 return self.fitted((), [place], problem.mean)
             except PalpateError as error:
-                failed = str(error)
+                self.problem, failed = problem, str(error)
         raise PalpateError(failed)
 
     def scattered(self, rng: np.random.Generator) -> list[np.ndarray]:
@@ -137,6 +134,13 @@ class Fitter:
     def take_for_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where most conditions are not repeated."""
         self._residual_as_noise, self._noise = residual, {}
+
+    def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        """Yield the coordinates (k,) at which the model of record may be known, the most promising first."""
+        if len(starts) == 1:
+            yield starts[0]
+        way = self._followed(starts)
+        yield from (way.u, *reversed(way.path), *starts)
 
     def _followed(self, starts: Sequence[np.ndarray]) -> Descent:
         """Return where searches with few samples lead from the best of some coordinates (k,)."""
