@@ -98,10 +98,11 @@ class Fitter:
         PalpateError
             When the forward model fails at all starts.
         """
-        problem, policy = self.problem, self.policy
-        model, about = problem.model(explanation), self.errors(explanation, starts[0], depth)
-        misfit, limit = self._misfit(explanation, about), policy.iterations
-        end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
+        problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
+        misfit, limit = self._misfit(explanation, self.errors(explanation, starts[0], depth)), policy.iterations
+        end = None if explanation else self._near_start(model, starts)
+        if end is None:
+            end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
         weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
@@ -110,9 +111,22 @@ class Fitter:
         near = self.near(fit)
         if explanation and not near:
             return fit
-        model, misfit = model.of_record(end.u), self._certain(fit) if near else misfit
-        end = resumed(misfit, model, end, limit, settled=policy.settled, exact=False)
-        return self._fit(explanation, model, end, fit.errors)
+        record = model.of_record(end.u)
+        goal = self._certain(fit) if near else misfit
+        if record is model:
+            end = descend(goal, model, [end], limit, settled=policy.settled, exact=False)
+        else:
+            end = resumed(goal, record, end, limit, settled=policy.settled, exact=False)
+        return self._fit(explanation, record, end, fit.errors)
+
+    def _near_start(self, model: Forward, starts: Sequence[np.ndarray]) -> Descent | None:
+        """Return the only start of the base model, where that is near to what noise leaves already."""
+        found = model.tangents(starts)[0] if len(starts) == 1 else ""
+        if isinstance(found, str):
+            return None
+        end = Descent(starts[0], *found)
+        fit = self._fit((), model, end, self.errors((), end.u, self.problem.stacked(end.curves)))
+        return end if self.near(fit) else None
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
