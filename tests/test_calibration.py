@@ -162,7 +162,7 @@ def test_the_forward_model_removes_the_error_of_the_surrogate():
     assert found.values["b"] == pytest.approx(TRUTH["b"], abs=1e-4)
     assert found.confirmed_by == "fe" and found.iterations and found.on_surrogates == surrogate_only.values
     assert found.conditions["slow"]["curve"] == "fe" and found.conditions["slow"]["rmse_nm"] < 0.2
-    assert found.settled and surrogate_only.settled is None
+    assert found.converged and surrogate_only.converged is None
 
 
 def test_an_estimate_may_lie_outside_its_range():
@@ -200,7 +200,7 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
     found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, lines.append)
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
-    assert found.settled and len(lines) < 40
+    assert found.converged and len(lines) < 40
 
 
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():

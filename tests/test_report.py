@@ -23,9 +23,9 @@ def test_headings_are_words_with_units():
 
 
 def test_a_search_that_has_not_settled_is_told():
-    found = {"iterations": ["iteration 1", "iteration 2"], "settled": True}
-    assert "in 2 iterations" in search_sentences(found) and "not settled" not in search_sentences(found)
-    assert "not settled" in search_sentences(found | {"settled": False})
+    found = {"iterations": ["iteration 1", "iteration 2"], "converged": True}
+    assert "in 2 iterations" in search_sentences(found) and "not converged" not in search_sentences(found)
+    assert "not converged" in search_sentences(found | {"converged": False})
     assert search_sentences({"iterations": []}) == ""
 
 

@@ -42,7 +42,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
             "after": {"youngs_modulus": {"estimate": 3.2, "lower": 3.15, "upper": 3.25}},
         },
         "discriminating_test": None,
-        "may_hide": {},
+        "undetected_effects": {},
         "tried": [{"mechanisms": [], "p_value": 0.001, "parameters": {}}],
     }
 
@@ -100,7 +100,7 @@ def test_no_effect_is_named_without_need(verdict, words):
 def test_only_what_stands_far_from_zero_is_suspected():
     def beside(half):
         entry = {"estimate": 0.11, "lower": 0.11 - half, "upper": 0.11 + half}
-        return sentence(content("identified", DRIFT) | {"may_hide": {"frame_compliance.compliance": entry}})
+        return sentence(content("identified", DRIFT) | {"undetected_effects": {"frame_compliance.compliance": entry}})
 
     assert "Suspected, but not needed" not in beside(0.1)
     assert "frame compliance, 0.11 nm/mN (0.06 to 0.16)" in beside(0.05)

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
 def described(study: Study) -> Iterator[str]:
     """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
     from palpate.solver.store import conditions_by_shape
-    from palpate.workflow_support.data_quality import doubts
+    from palpate.workflow_support.data_quality import data_quality
 
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
@@ -54,7 +54,7 @@ def described(study: Study) -> Iterator[str]:
         tests = tests_of(study, name)
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
         yield f"recordings {name} in {folder.resolve()}: {found}"
-        yield from (f"recordings {name}: {doubt}" for doubt in doubts(study, name))
+        yield from (f"recordings {name}: {note}" for note in data_quality(study, name))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to name an effect alone"

@@ -31,7 +31,7 @@ def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) ->
     return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
 
 
-def judged(accepted: list[Candidate]) -> tuple[str, list[float]]:
+def verdict_of(accepted: list[Candidate]) -> tuple[str, list[float]]:
     """Return the verdict, and the probabilities of the accepted explanations."""
     if not accepted:
         return "unexplained", []
@@ -49,7 +49,7 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
     return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
 
 
-def not_told_from_none(fit: Fit) -> list[str]:
+def zero_on_average(fit: Fit) -> list[str]:
     """Return the instrument's effects of an explanation whose mean amplitudes may as well all be none, at 95 %.
 
     With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. What they explain is that
@@ -89,7 +89,7 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
     return list(likeliest.values())
 
 
-def without_idle(accepted: list[Candidate]) -> list[Candidate]:
+def without_redundant(accepted: list[Candidate]) -> list[Candidate]:
     """Return the accepted sets, but for those of which a special case is accepted: they hold what does nothing.
 
     One with as many mechanisms as its special case stays where its evidence is larger by more than `NEEDED`: the

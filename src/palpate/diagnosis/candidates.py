@@ -16,7 +16,7 @@ from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.profile import Profile
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.study.protocol import Protocol
 from palpate.study.specification import of_equivalent_cone
 
@@ -90,7 +90,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
         values = dict(mechanism.from_search(some, scale))
         try:
             for specification in specifications:
-                acting(replace(specification, mechanisms={key: values}))
+                applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
             if study.diagnosis["mechanisms"]:
                 raise

@@ -11,11 +11,11 @@ from palpate.diagnosis.accepted import (
     accepted_of,
     best_first,
     is_special_case,
-    judged,
     likeliest_of_each,
     may_be_named,
-    not_told_from_none,
-    without_idle,
+    verdict_of,
+    without_redundant,
+    zero_on_average,
 )
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
@@ -83,7 +83,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     wrong in less than one case of a hundred. While none is, sets with one mechanism more are tried in the same way, up
     to the study's ``diagnosis.largest_set``. Beyond accepted ones, a set with one mechanism more is fitted where it
     promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only where the
-    recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
+    recordings bear it, see `may_be_named` and `zero_on_average`: else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -101,15 +101,15 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
             special = _special_cases(search, accepted[0], tried, report)
             larger: list[Candidate] = []
             if number + 1 < search.study.diagnosis["largest_set"]:
-                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.outdone
+                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.behind_adequate
                 larger = _fitted(search, accepted, search.policy.most_sets, level, failed, report, likelier)
             tried = likeliest_of_each(larger + special + tried)
-            accepted = without_idle(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
+            accepted = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
             break
-    verdict, probabilities = judged(accepted)
+    verdict, probabilities = verdict_of(accepted)
     if verdict == "identified":
         best = accepted[0].fit
-        if not may_be_named(search.problem, best.explanation) or not_told_from_none(best):
+        if not may_be_named(search.problem, best.explanation) or zero_on_average(best):
             verdict = "suspected"
     return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
 
@@ -197,7 +197,7 @@ def _fitted(
             continue
         done.append(candidate)
         evidence = candidate.fit.log_evidence
-        behind = max(behind, evidence - (policy.outdone if candidate.adequate(level) else policy.screened))
+        behind = max(behind, evidence - (policy.behind_adequate if candidate.adequate(level) else policy.behind_best))
         report(
             f"{name}: expected at best {way.optimistic:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}"
         )

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.accepted import not_told_from_none
+from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.locate import location
@@ -133,7 +133,7 @@ def limits(study: Study, problem: Problem) -> list[str]:
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
     if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.hides_at_one_load)
+        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load)
         said.append(f"All tests reach the same {kinds.pop()}: {hidden} can hide in the material's parameters.")
     if study.calibration["solver_error"] >= COARSE:
         said.append(
@@ -230,7 +230,10 @@ def to_mapping(
             for candidate in diagnosis.tried
         ],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
-        | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
+        | {
+            "sigma_nm": base.fit.errors.noise.sigma.tolist(),
+            "autocorrelation": base.fit.errors.noise.autocorrelation.tolist(),
+        },
         "limits": limits(study, base.fit.problem)
         + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
@@ -238,7 +241,7 @@ def to_mapping(
             f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
             "differ, and it is not named alone."
             for candidate in diagnosis.accepted[:1]
-            for key in not_told_from_none(candidate.fit)
+            for key in zero_on_average(candidate.fit)
         ]
         + far_out(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),

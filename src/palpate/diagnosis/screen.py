@@ -54,7 +54,7 @@ class Screen:
         trials, effects, failed = {}, {}, {}
         for key in keys:
             places = _places(fit.problem, key)
-            if fit.problem.felt(key):
+            if fit.problem.is_simulated(key):
                 try:
                     trials[key], effects[key] = _simulated(fit, key, places)
                 except PalpateError as error:
@@ -85,7 +85,7 @@ class Screen:
             found = max(found, float(np.sum(along**2)) - basis.shape[1] + 1.0)
         return found
 
-    def taken_off(self, fit: Fit, key: str) -> Fit:
+    def with_effect(self, fit: Fit, key: str) -> Fit:
         """Return a fit to whose curves the effect that gains most is added, to first order in all else."""
         shares, gains = self._shares(fit, key)
         effect = shares[gains.argmax()] * self.effects[key][gains.argmax()]
@@ -98,7 +98,7 @@ class Screen:
 
         The material's parameters, and the other amplitudes, follow half-way to where they lead to first order.
         """
-        if not fit.problem.felt(key) and self.trials[key].shape[1] > 1:
+        if not fit.problem.is_simulated(key) and self.trials[key].shape[1] > 1:
             return _linear_starts(fit, key, self.trials[key])[:count]
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
@@ -145,10 +145,10 @@ def count_of_trials(problem: Problem, key: str) -> int:
 
 def _places(problem: Problem, key: str) -> np.ndarray:
     """Return the coordinates (m, d) at which a mechanism is looked at; more where nothing must be simulated."""
-    dimensions, felt = len(problem.coordinates((key,)).free) - problem.material, problem.felt(key)
+    dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
-        return np.array(SIMULATED if felt else ADDED)[:, None]
-    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if felt else ADDED_SCATTERED)
+        return np.array(SIMULATED if is_simulated else ADDED)[:, None]
+    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if is_simulated else ADDED_SCATTERED)
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 

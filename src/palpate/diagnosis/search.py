@@ -91,7 +91,7 @@ class Search:
         self.study, self.problem, self._rng = study, problem, rng
         self.policy = policy or SearchPolicy()
         self._laws: tuple[AmplitudeConstraint, ...] = ()
-        self._take_for_noise(np.zeros(len(problem.mean)))
+        self._use_residual_as_noise(np.zeros(len(problem.mean)))
         begin = [problem.forward.coordinates.scaled(start) for start in starts]
         base = self._base(begin)
         self.screen = Screen.of(base, keys)
@@ -119,17 +119,17 @@ class Search:
         problem, policy = self.problem, self.policy
         model, about = problem.model(explanation), self._errors(explanation, starts[0], depth)
         misfit = self._misfit(explanation, about)
-        limit, settled = policy.iterations, policy.settled
-        end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
+        limit, tolerance = policy.iterations, policy.tolerance
+        end = descend(misfit, model, starts, limit, tolerance=policy.first_tolerance)
         weighed = self._errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
-            end = descend(self._certain(fit), model, [end], limit, settled=settled, exact=False)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=tolerance, exact=False)
             fit = self._fit(explanation, model, end, fit.errors)
         if not self._near(fit):
             return fit
         model = model.of_record(end.u)
-        end = resumed(self._certain(fit), model, end, limit, settled=settled, exact=False)
+        end = resumed(self._without_discrepancy(fit), model, end, limit, tolerance=tolerance, exact=False)
         return self._fit(explanation, model, end, fit.errors)
 
     def _base(self, starts: Sequence[np.ndarray]) -> Fit:
@@ -140,7 +140,7 @@ class Search:
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self._errors((), starts[0], problem.mean), keep)
-        way = descend(misfit, cheaper, starts, policy.iterations, settled=policy.settled_at_first, exact=False)
+        way = descend(misfit, cheaper, starts, policy.iterations, tolerance=policy.first_tolerance, exact=False)
         failed = ""
         for place in [way.u, *reversed(way.path), *starts]:
             self.problem = replace(problem, forward=problem.forward.of_record(place))
@@ -155,9 +155,9 @@ class Search:
         curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
         return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self._laws)
 
-    def _certain(self, fit: Fit) -> Misfit:
+    def _without_discrepancy(self, fit: Fit) -> Misfit:
         """Return the misfit of a model that lacks nothing, by the errors of a fit."""
-        return replace(self._misfit(fit.explanation, fit.errors), lacking=False)
+        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def joined(self, fit: Fit, key: str) -> Fit:
         """Fit an explanation and one more mechanism; raises as `fitted`."""
@@ -180,7 +180,7 @@ class Search:
 
     def _near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
-        return float(fit.white @ fit.white) < self.policy.hopeless * len(fit.white)
+        return float(fit.white @ fit.white) < self.policy.poor_fit * len(fit.white)
 
     def examined(self, fit: Fit) -> Candidate:
         """Test what a fit leaves."""
@@ -262,17 +262,17 @@ class Search:
         """
         likeliest, best = base, self._residual_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis["largest_set"]):
-            self._take_for_noise(likeliest.residual)
+            self._use_residual_as_noise(likeliest.residual)
             likeliest = replace(likeliest, errors=self._errors((), likeliest.z, likeliest.curve))
-            wider = [self.screen.taken_off(likeliest, key) for key in self.screen.keys]
+            wider = [self.screen.with_effect(likeliest, key) for key in self.screen.keys]
             likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
             if max(likely, default=-np.inf) <= best:
                 break
             likeliest = wider[int(np.argmax(likely))]
             best = self._residual_log_likelihood(likeliest.residual)
-        self._take_for_noise(likeliest.residual)
+        self._use_residual_as_noise(likeliest.residual)
 
-    def _take_for_noise(self, residual: np.ndarray) -> None:
+    def _use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) for noise where most conditions are not repeated."""
         self._residual_as_noise = residual
         self._noise: dict[tuple[Amplitude, ...], NoiseModel] = {}

@@ -116,8 +116,8 @@ def _suspected(content: Mapping[str, Any]) -> str:
     The intervals are wider where few recordings tell the noise; at 1 % they are taken to be so by the same factor.
     """
     said = []
-    least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
-    for name, entry in content["may_hide"].items():
+    least = norm.isf(0.005 / max(len(content["undetected_effects"]), 1)) / norm.isf(0.025)
+    for name, entry in content["undetected_effects"].items():
         key, own = name.split(".")
         (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
         if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):

@@ -2,11 +2,11 @@
 
 By generalised least squares together with the parameters of the explanation, to first order about the best point; where
 an exact law speaks of the effect, with that law. Intervals allow for a noise that is estimated (`estimated_noise`).
-`may_hide` lets each effect that is not named join alone. A wide interval says that these recordings neither show the
-effect nor rule it out. `open_amplitudes` lets all effects of the list act at once, named or not: an amplitude that then
-may be anything is not known from these recordings, however narrow its interval under one explanation, and what it
-trades with says why. Where the effects of two amplitudes are the same, as one unit of a compliance of the frame and of
-the mount, they count once.
+`undetected_effects` lets each effect that is not named join alone. A wide interval says that these recordings neither
+show the effect nor rule it out. `joint_intervals` lets all effects of the list act at once, named or not: an amplitude
+that then may be anything is not known from these recordings, however narrow its interval under one explanation, and
+what it trades with says why. Where the effects of two amplitudes are the same, as one unit of a compliance of the frame
+and of the mount, they count once.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Joined:
     covariance: np.ndarray
 
 
-def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
+def undetected_effects(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
     found = {}
     for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
@@ -79,12 +79,12 @@ def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     return found
 
 
-def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
+def joint_intervals(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
     """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all screened may act.
 
     Each has beforehand the variance of an even distribution over its range. A mechanism that acts on the body joins
     with its effect at three quarters of its range: in the middle a tip of another angle, or a substrate of another
-    modulus, may be what the base model has. ``trades_with`` is the coordinate with the largest posterior
+    modulus, may be what the base model has. ``correlated_with`` is the coordinate with the largest posterior
     ``correlation``.
     """
     others = [key for key in screen.keys if key not in fit.explanation]
@@ -103,14 +103,14 @@ def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
         other = int(np.argmax(np.abs(correlation)))
         found[name] = {
             **_interval(fit, joined, place, value, slope),
-            "trades_with": names[other].split(".")[0],
+            "correlated_with": names[other].split(".")[0],
             "correlation": float(np.sign(slope) * correlation[other]),
         }
     return found
 
 
-def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Say which of the `amplitudes` from `open_amplitudes` are open though a law may give them, and by which test.
+def wide_intervals(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Say which of the `amplitudes` from `joint_intervals` are open though a law may give them, and by which test.
 
     An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth. No test is named
     where the law speaks already.
@@ -128,7 +128,7 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
             said.append(
                 f"If all effects considered may act at once, {of}{mechanism.title} lies between "
                 f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
-                f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
+                f"{entry['correlated_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
             )
     return said
 

@@ -125,7 +125,7 @@ def calibrate(
     curves, solved = predicted(surrogates, observations, space.physical(u)), {}
     around: WeightedFit | Linearised = fit
     coordinates: Space | Coordinates = space
-    settled: bool | None = None
+    converged: bool | None = None
     if forward is not None:
 
         def kept(line: str) -> None:
@@ -135,7 +135,7 @@ def calibrate(
         known = known_errors(fitted, noise, rough, settings.solver_error)
         begin = [own, *(space.named(start) for start in starts)]
         found_there, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
-        u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
+        u, converged, coordinates = found_there.u, found_there.converged, forward.coordinates
         noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
         errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
         around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
@@ -153,7 +153,7 @@ def calibrate(
         confirmed_by="fe" if solved else "surrogate",
         on_surrogates=own,
         iterations=iterations,
-        settled=settled,
+        converged=converged,
         misfit_ratio=found.misfit_ratio,
         correlation=named_matrix(coordinates, found.correlation),
         noise={name: described(noise[name], fitted[name]) for name in fitted},

@@ -59,8 +59,8 @@ class Calibration:
         Parameters at the optimum of the genetic search, polished on the surrogates.
     iterations
         What the search on the forward model told.
-    settled
-        Whether that search arrived; None without a forward model.
+    converged
+        Whether that search converged; None without a forward model.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     correlation
@@ -87,7 +87,7 @@ class Calibration:
     confirmed_by: str
     on_surrogates: Mapping[str, float]
     iterations: list[str]
-    settled: bool | None
+    converged: bool | None
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
@@ -116,7 +116,7 @@ class Calibration:
             "confirmed_by": self.confirmed_by,
             "on_surrogates": dict(self.on_surrogates),
             "iterations": self.iterations,
-            "settled": self.settled,
+            "converged": self.converged,
             "misfit_ratio": self.misfit_ratio,
             "correlation": {name: dict(row) for name, row in self.correlation.items()},
             "noise": {name: dict(row) for name, row in self.noise.items()},

@@ -8,7 +8,7 @@ quantity begins at zero, a hundredth of its largest value is added first,
 
 In the coordinate u the range of a parameter is 0 to 1. The prior is even within the range, and falls off outside as a
 Gaussian whose standard deviation is the range itself: a range is what is thought plausible and no wall. The limits of
-the law are walls.
+the law are limits.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Range, Scale
 
 BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which a parameter counts as it is
-AT_WALL = 1e-3  # of the range, within which an estimate lies on a limit
+AT_LIMIT = 1e-3  # of the range, within which an estimate lies on a limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ class Coordinates:
         return [each.name for each in self.free]
 
     @property
-    def walls(self) -> tuple[np.ndarray, np.ndarray]:
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Limits of the coordinates (k,) below and above; infinite where there are none."""
         return (
             np.array([each.scaled(each.least) for each in self.free]),
@@ -155,7 +155,7 @@ class Coordinates:
         """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
         return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
 
-    def at_wall(self, u: np.ndarray) -> np.ndarray:
+    def at_limit(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit."""
-        least, largest = self.walls
-        return (u < least + AT_WALL) | (u > largest - AT_WALL)
+        least, largest = self.limits
+        return (u < least + AT_LIMIT) | (u > largest - AT_LIMIT)

@@ -21,7 +21,7 @@ from palpate.inference.problem import Problem
 from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS
 
-ASSUMED_WANDER = 0.02
+ASSUMED_RANDOM_WALK = 0.02
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
 
@@ -95,7 +95,7 @@ def components_under(
     """
     time = condition.protocol.sample_time
     site = problem.shares.get(condition.name, 1.0) * curve
-    parts = {"site": np.outer(site, site), "wander": np.minimum.outer(time, time)}
+    parts = {"site": np.outer(site, site), "random_walk": np.minimum.outer(time, time)}
     none = np.zeros_like(time)
     unloaded = [amplitude.added(time, none) for amplitude in own]
     for key in BACKGROUNDS:
@@ -109,7 +109,7 @@ def components_under(
 
 def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
     """Return the variances that count where most conditions are not repeated; of a plausible range, a tenth."""
-    assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2}
+    assumed = {"site": site_scatter**2, "random_walk": ASSUMED_RANDOM_WALK**2}
     assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
     return assumed | {str(amplitude): (0.1 * problem.largest(amplitude)) ** 2 for amplitude in own}
 

@@ -43,7 +43,7 @@ class Curvature:
         """Simulate the slopes around a fit; where one end lies beyond a limit, or fails, the other tells the bend."""
         variances, directions = np.linalg.eigh(fit.posterior)
         axes = (directions * np.sqrt(variances))[:, -AXES:]
-        least, largest = fit.coordinates.walls
+        least, largest = fit.coordinates.limits
         ends = [fit.z + side * step for step in axes.T for side in (1.0, -1.0)]
         within = [bool(np.all((end >= least) & (end <= largest))) for end in ends]
         outcomes = fit.model.tangents([fit.z, *(end for end, inside in zip(ends, within, strict=True) if inside)])

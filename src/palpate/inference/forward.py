@@ -137,7 +137,7 @@ class FiniteElements:
 
     def _neighbours(self, u: np.ndarray) -> list[list[Variation]]:
         """Return what differs a little from the place u (k,) in each coordinate, for each condition."""
-        largest = self.coordinates.walls[1]
+        largest = self.coordinates.limits[1]
         steps = np.where(u + NEAR <= largest, NEAR, -NEAR)
         moved = [self._specifications([place]) for place in u + np.diag(steps)]
         return [

@@ -64,7 +64,7 @@ class Linearised:
 
     def at_bound(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit of the law."""
-        return self.coordinates.at_wall(u)
+        return self.coordinates.at_limit(u)
 
 
 def all_errors(

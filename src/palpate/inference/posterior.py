@@ -26,7 +26,7 @@ LEAPS = 0.1  # share of moves by a whole difference, which lead from one optimum
 def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
     """Return draws (m, k) of the coordinates of an explanation, from curves to second order about its best point."""
     walkers, curvature = WALKERS_PER_DIMENSION * len(fit.z), Curvature.of(fit)
-    least, largest = fit.coordinates.walls
+    least, largest = fit.coordinates.limits
 
     def log_probability(z: np.ndarray) -> np.ndarray:
         inside = np.all((z >= least) & (z <= largest), axis=1)

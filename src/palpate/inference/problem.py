@@ -144,9 +144,9 @@ class Problem:
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
-    def felt(self, key: str) -> bool:
+    def is_simulated(self, key: str) -> bool:
         """Return whether the body feels a mechanism under any of the conditions."""
-        return any(MECHANISMS[key].felt_under(condition.protocol.control) for condition in self.conditions)
+        return any(MECHANISMS[key].is_simulated_under(condition.protocol.control) for condition in self.conditions)
 
     def typical(self, key: str) -> tuple[Amplitude, ...]:
         """Return the amplitudes of a mechanism that only adds to the depth; what else it has, in the middle of it."""

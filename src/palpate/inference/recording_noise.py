@@ -90,7 +90,7 @@ def point_noise(deviation: np.ndarray, mean: np.ndarray, freedom: int) -> tuple[
         projection = np.eye(len(mean)) - np.outer(along, along)
         return projection @ toeplitz(rho ** np.arange(len(mean))) @ projection
 
-    def excess(rho: float) -> float:
+    def correlation_difference(rho: float) -> float:
         """By how much the lag-one correlation that rho would leave exceeds the one found."""
         matrix = left(rho)
         return float(np.trace(matrix, offset=1) / np.trace(matrix) - lagged / total)
@@ -98,8 +98,8 @@ def point_noise(deviation: np.ndarray, mean: np.ndarray, freedom: int) -> tuple[
     floor = FLOOR * float(np.abs(mean).max())
     if total <= freedom * len(mean) * floor**2:
         return floor, 0.0, float(site @ site) / float(mean @ mean)
-    low, high = excess(0.0) >= 0, excess(MAX_RHO) <= 0
-    rho = 0.0 if low else MAX_RHO if high else float(brentq(excess, 0.0, MAX_RHO))
+    low, high = correlation_difference(0.0) >= 0, correlation_difference(MAX_RHO) <= 0
+    rho = 0.0 if low else MAX_RHO if high else float(brentq(correlation_difference, 0.0, MAX_RHO))
     sigma = float(np.sqrt(total / freedom / np.trace(left(rho))))
     by_noise = freedom * sigma**2 * float(along @ toeplitz(rho ** np.arange(len(mean))) @ along)
     return sigma, rho, (float(site @ site) - by_noise) / float(mean @ mean)

@@ -30,12 +30,14 @@ DENSER = 4
 SHIFTS = (0.5, 1 / 6, 5 / 6)  # of a ring's spacing, off the mesh of a fit; the further ones where plasticity fails
 
 
-def correlated_noise(time: np.ndarray, deviation: float, memory: float, rng: np.random.Generator) -> np.ndarray:
-    """Return a stationary Gaussian process with covariance deviation^2 exp(-|t - t'| / memory) at `time` (n,)."""
+def correlated_noise(
+    time: np.ndarray, deviation: float, correlation_time: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Return a stationary Gaussian process at `time` (n,), covariance deviation^2 exp(-|t - t'| / correlation_time)."""
     shocks = rng.standard_normal(len(time))
     noise = np.empty(len(time))
     noise[0] = shocks[0]
-    decay = np.exp(-np.diff(time) / memory)
+    decay = np.exp(-np.diff(time) / correlation_time)
     for i, keep in enumerate(decay, 1):
         noise[i] = keep * noise[i - 1] + np.sqrt(1 - keep**2) * shocks[i]
     return deviation * noise

@@ -27,6 +27,6 @@ MECHANISM = Mechanism(
     plausible=lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
     concealed=lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
     record=record,
-    hides_at_one_load=True,
+    unidentifiable_at_one_load=True,
     remedy="four or more unloadings from loads that span a factor of ten, within each test",
 )

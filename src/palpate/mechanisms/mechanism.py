@@ -122,7 +122,7 @@ class Mechanism:
         much counts as noise, not as the effect.
     breaks
         What exact laws assume and is not so where it acts: they say nothing about an explanation that holds it.
-    hides_at_one_load
+    unidentifiable_at_one_load
         Whether the material's parameters can take its place in tests that all reach the same load.
     of_the_tip
         Whether it stays behind when the tip is exchanged.
@@ -152,7 +152,7 @@ class Mechanism:
     solver_scatter: float = 0.0
     background: float = 0.0
     breaks: frozenset[Assumption] = frozenset()
-    hides_at_one_load: bool = False
+    unidentifiable_at_one_load: bool = False
     of_the_tip: bool = False
     remedy: str = ""
     includes: tuple[str, ...] = ()
@@ -168,7 +168,7 @@ class Mechanism:
         """Whether it changes what is simulated, and not only what is recorded of it."""
         return self.simulate is not unchanged_specification
 
-    def felt_under(self, control: str) -> bool:
+    def is_simulated_under(self, control: str) -> bool:
         """Return whether the body feels it, so that its effect must be simulated.
 
         What it adds to the depth is missing from a prescribed displacement.

@@ -82,8 +82,8 @@ class CalibratedStudy:
     def _sentences(self) -> list[str]:
         content = self.calibration.to_mapping()
         said = [html_report.misfit_sentence(content), html_report.bound_sentence(content)]
-        if self.calibration.settled is False:
-            said.append("The search has not settled: hold what the data cannot tell apart, or narrow the ranges.")
+        if self.calibration.converged is False:
+            said.append("The search has not converged: hold what the data cannot tell apart, or narrow the ranges.")
         return [sentence for sentence in said if sentence]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:

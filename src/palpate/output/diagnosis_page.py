@@ -48,19 +48,19 @@ def sections(
         found.append(
             ("The law of the sharp tip", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))])
         )
-    if content["may_hide"]:
+    if content["undetected_effects"]:
         words = (
             "What each effect on the recorded depth that is not named would amount to if it joined. Where the interval "
             "is wide, these recordings neither show the effect nor rule it out."
         )
-        rows = [effect(name) | values for name, values in content["may_hide"].items()]
+        rows = [effect(name) | values for name, values in content["undetected_effects"].items()]
         found.append(("What may still hide", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))]))
-    if content["open_amplitudes"]:
+    if content["joint_intervals"]:
         words = (
             "What each effect on the recorded depth, named or not, may amount to if all effects considered act at "
             "once. Where this is much wider than under one explanation, these recordings do not fix the amplitude."
         )
-        rows = [effect(name) | values for name, values in content["open_amplitudes"].items()]
+        rows = [effect(name) | values for name, values in content["joint_intervals"].items()]
         found.append(
             ("If all effects act at once", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))])
         )

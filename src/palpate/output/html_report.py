@@ -122,7 +122,7 @@ def bound_sentence(calibration: Mapping) -> str:
 
 
 def search_sentences(calibration: Mapping) -> str:
-    """Say how the estimate was found, and whether the search for it arrived."""
+    """Say how the estimate was found, and whether the search for it converged."""
     lines = calibration["iterations"]
     if not lines:
         return ""
@@ -130,6 +130,6 @@ def search_sentences(calibration: Mapping) -> str:
         "The estimate rests on the finite elements themselves, on which least squares went on from the optimum of the "
         f"surrogates in {len(lines)} iterations; the surrogates' own optimum is in calibration.json."
     )
-    if calibration["settled"]:
+    if calibration["converged"]:
         return said
-    return f"{said} The search has not settled: hold what the data cannot tell apart, or narrow the ranges."
+    return f"{said} The search has not converged: hold what the data cannot tell apart, or narrow the ranges."

@@ -18,7 +18,7 @@ from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, r
 from palpate.solver.pyramid.fields_3d import fields_of
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.solver.pyramid.indent_3d import indent_3d
-from palpate.solver.variation import Variation, acting, recorded
+from palpate.solver.variation import Variation, applied_to_body, applied_to_signal
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import LOAD, Protocol
@@ -110,7 +110,7 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    solid = acting(specification)
+    solid = applied_to_body(specification)
     if solid.indenter.of_revolution:
         return _simulation(specification, indent_batch([_case(solid, radii)])[0])
     return _simulation(specification, _pyramid(solid, radii))
@@ -138,7 +138,7 @@ def _simulation(specification: Specification, history: History) -> Simulation:
         )
         depth = np.where(sunk, np.nan, depth)
         load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
-    depth = recorded(specification, depth, load)
+    depth = applied_to_signal(specification, depth, load)
     return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
 
 
@@ -204,8 +204,8 @@ def differentiated(
     """
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
-    solids = [acting(specification) for specification in specifications]
-    others = [[acting(variation.neighbour) for variation in row] for row in beside]
+    solids = [applied_to_body(specification) for specification in specifications]
+    others = [[applied_to_body(variation.neighbour) for variation in row] for row in beside]
     felt = [
         [k for k, other in enumerate(row) if not _same_body(solid, other)]
         for solid, row in zip(solids, others, strict=True)
@@ -296,7 +296,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
 
 def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[Specification, np.ndarray]:
     """Return what is simulated, with some times [s] among those of its samples, and these in order."""
-    solid = acting(specification)
+    solid = applied_to_body(specification)
     wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
     if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
         raise InputError(
@@ -329,7 +329,7 @@ def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) 
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(specification) for specification in specifications]
-    histories = indent_distinct([replace(_case(acting(each)), shift=shift) for each in specifications])
+    histories = indent_distinct([replace(_case(applied_to_body(each)), shift=shift) for each in specifications])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
@@ -337,7 +337,7 @@ def together(specifications: Sequence[Specification]) -> int:
     """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
     if not all(specification.indenter.of_revolution for specification in specifications):
         return 1
-    return room([_case(acting(each)) for each in specifications])
+    return room([_case(applied_to_body(each)) for each in specifications])
 
 
 def alike(specification: Specification, other: Specification) -> bool:
@@ -346,7 +346,7 @@ def alike(specification: Specification, other: Specification) -> bool:
         return True
     if not (specification.indenter.of_revolution and other.indenter.of_revolution):
         return False
-    return length_ratio(_case(acting(specification)), _case(acting(other))) is not None
+    return length_ratio(_case(applied_to_body(specification)), _case(applied_to_body(other))) is not None
 
 
 def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:

@@ -18,7 +18,7 @@ from palpate.study.specification import Specification
 STEP = 3e-5  # of the value, or of one unit, or of the test where a time is zero: derivatives err by about as much
 
 
-def acting(specification: Specification) -> Specification:
+def applied_to_body(specification: Specification) -> Specification:
     """Return what is simulated: the specification as its mechanisms change it.
 
     Under displacement control what the instrument adds to the depth is taken from what the body feels.
@@ -37,7 +37,7 @@ def acting(specification: Specification) -> Specification:
     return specification
 
 
-def recorded(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
+def applied_to_signal(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Return what the instrument writes at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
     return _written(specification.mechanisms, specification.protocol.sample_time, load, depth)
 

@@ -17,7 +17,7 @@ APART = 1.5  # ratio of a test's depth to its condition's median beyond which it
 LONGER = 1.05  # ratio of durations beyond which something of a test is left out
 
 
-def doubts(study: Study, name: str) -> Iterator[str]:
+def data_quality(study: Study, name: str) -> Iterator[str]:
     """Say what is odd about set `name`.
 
     Files that are not read; tests much deeper or shallower than the others of their condition, that begin elsewhere

@@ -55,7 +55,7 @@ class Run:
 
 
 @contextmanager
-def recorded(study: str, file: str | Path, answer: Mapping[str, Any] | None = None) -> Iterator[list[Run]]:
+def tracked_runs(study: str, file: str | Path, answer: Mapping[str, Any] | None = None) -> Iterator[list[Run]]:
     """Collect the runs of one job, and write them to a file when it has ended well.
 
     Parameters
@@ -104,8 +104,8 @@ def of_surrogate(
 def of_calibration(result: Mapping[str, Any], settings: Mapping[str, Any], files: Sequence[str | Path]) -> Run:
     """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence."""
     metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
-    if result["settled"] is not None:
-        metrics["settled"] = float(result["settled"])
+    if result["converged"] is not None:
+        metrics["converged"] = float(result["converged"])
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
