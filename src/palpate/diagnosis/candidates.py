@@ -21,7 +21,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specification import of_equivalent_cone
 
 SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
-KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
+KINDS_OF_TESTS = 3  # of an explanation's residual: each p-value is multiplied by it (Bonferroni)
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
 
 
@@ -67,7 +67,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names what is not known or cannot act, ranges of what is not searched, or too few draws.
+        When the study names a mechanism that does not exist or cannot act, a range of a quantity that is not searched,
+        or too few draws.
     """
     try:
         return _candidates(study)
@@ -100,7 +101,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _check_draws(draws: int, level: float) -> None:
-    """Refuse so few draws of the noise that no p-value falls below the significance: everything would pass."""
+    """Refuse so few draws that no p-value can fall below the significance: everything would be adequate."""
     least = int(KINDS_OF_TESTS / level + 1e-9)
     if draws < least:
         raise InputError(
@@ -111,7 +112,7 @@ def _check_draws(draws: int, level: float) -> None:
 
 
 def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
-    """Refuse stated ranges of what is not searched, or that hold nothing."""
+    """Refuse stated ranges of quantities that are not searched, and empty ranges."""
     for key, ranges in scale.stated.items():
         if key not in considered:
             raise InputError(
@@ -131,7 +132,7 @@ def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
 
 
 def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
-    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have.
+    """Refuse stated ranges with ends that the mechanism does not allow, or that the study's extreme bodies cannot have.
 
     Quantities without a stated range are at their lowest, where bodies are softest.
     """

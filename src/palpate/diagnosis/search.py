@@ -1,7 +1,7 @@
 """Fits of mechanisms with the material, on the finite elements.
 
-A fit begins at the screened effects of least misfit, and is weighed as by calibration. Where it comes near to what
-noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone.
+A fit starts at the screened effects of least misfit, with the weights of a calibration. Where its residual comes close
+to noise it continues with the model of record, with references there, weighted by the noise of the recordings alone.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from palpate.mechanisms import MECHANISMS
 
 LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
-LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
+LEAST_GAIN = 2.0  # of the log-likelihood, above which a difference between conditions is accepted
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +62,9 @@ class Search:
     Parameters
     ----------
     starts
-        Where the base model may lie: materials by the names of their parameters.
+        Materials, by the names of their parameters, from which the fit of the base model starts.
     laws
-        Returns what exact laws say about amplitudes beside a fit of the base model.
+        Returns the amplitudes that exact laws give, from a fit of the base model.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Search:
     base
         The base model.
     screen
-        What mechanisms would add to it.
+        Effects of mechanisms at its optimum.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class Search:
         starts
             Coordinates (k,) from which searches begin.
         depth : ndarray, shape (n_all,)
-            Curves that lie near [nm].
+            Approximate curves [nm], for errors that are proportional to them.
 
         Raises
         ------
@@ -133,9 +133,9 @@ class Search:
         return self._fit(explanation, model, end, fit.errors)
 
     def _base(self, starts: Sequence[np.ndarray]) -> Fit:
-        """Return the fit of the base model to which a search with few samples leads, from coordinates (k,).
+        """Return the fit of the base model, started from a search with few samples from coordinates (k,).
 
-        Where the model of record fails at its end, the fit begins where the search last was without that.
+        Where the model of record fails at the end of that search, the fit starts from its last place without failure.
         """
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
@@ -156,7 +156,7 @@ class Search:
         return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self._laws)
 
     def _without_discrepancy(self, fit: Fit) -> Misfit:
-        """Return the misfit of a model that lacks nothing, by the errors of a fit."""
+        """Return the misfit without a model discrepancy, with the errors of a fit."""
         return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def joined(self, fit: Fit, key: str) -> Fit:
@@ -166,7 +166,7 @@ class Search:
         return self.fitted((*fit.explanation, key), starts, fit.curve)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
-        """Return a fit that is near to what noise leaves without each of its mechanisms in turn, where it lies."""
+        """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""
         problem, found = self.problem, []
         for key in fit.explanation if self._near(fit) else ():
             smaller, rest = problem.without(fit.explanation, fit.z, key)
@@ -179,7 +179,7 @@ class Search:
         return found
 
     def _near(self, fit: Fit) -> bool:
-        """Return whether a fit is near to what noise leaves."""
+        """Return whether the residual of a fit is close to noise, by `SearchPolicy.poor_fit`."""
         return float(fit.white @ fit.white) < self.policy.poor_fit * len(fit.white)
 
     def examined(self, fit: Fit) -> Candidate:
@@ -191,7 +191,7 @@ class Search:
     def _misfit(
         self, explanation: Explanation, weighed: Errors, keep: Mapping[str, np.ndarray] | None = None
     ) -> Misfit:
-        """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
+        """Return the misfit of an explanation at the samples that are kept; by default at all."""
         problem = self.problem
         nm = {name: problem.nm.get(name, 1.0) for name in problem.names}
         keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
@@ -206,10 +206,10 @@ class Search:
         return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
 
     def _effects(self, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
-        """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
+        """Return the effects (n_all,) [nm], at the end of a search, of mechanisms that declare an error of theirs.
 
-        The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once
-        the surface sticks, that is another curve than the effect itself.
+        The error of an effect with a single amplitude is an error of that amplitude: where the effect saturates, as
+        friction's does once the surface sticks, its curve differs from that of the effect.
         """
         problem, found = self.problem, {}
         for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
@@ -226,7 +226,7 @@ class Search:
         return found
 
     def _with_own_values(self, fit: Fit) -> Fit:
-        """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
+        """Let amplitudes that vary differ between conditions, too, with the most likely variance."""
         for amplitude in fit.own:
             best, chosen = -np.inf, fit
             for share in OWN_VALUES:
@@ -255,10 +255,11 @@ class Search:
         return errors(self.problem, own, depth, self._noise[own], calibration["solver_error"], effects)
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
-        """Take for noise, without replicates, what the fit leaves that leaves least beside slow trends.
+        """Estimate the noise from the residual of the best-fitting set of mechanisms, less slow trends.
 
-        One that fits worse would allow itself more noise, but what is compared has to be measured by the same. To first
-        order, sets grow from the base model as long as one more mechanism makes what is left much likelier.
+        A worse fit would estimate more noise, but explanations have to be compared with the same noise. To first order,
+        mechanisms are added to the base model as long as one more raises the log-likelihood of the residual by more
+        than its penalty.
         """
         likeliest, best = base, self._residual_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis["largest_set"]):
@@ -273,10 +274,10 @@ class Search:
         self._use_residual_as_noise(likeliest.residual)
 
     def _use_residual_as_noise(self, residual: np.ndarray) -> None:
-        """Take a residual (n_all,) for noise where most conditions are not repeated."""
+        """Estimate the noise from a residual (n_all,) where most conditions have no replicates."""
         self._residual_as_noise = residual
         self._noise: dict[tuple[Amplitude, ...], NoiseModel] = {}
 
     def _residual_log_likelihood(self, residual: np.ndarray) -> float:
-        """Return the logarithm of the likelihood of what is left (n_all,) beside slow trends."""
+        """Return the log-likelihood of a residual (n_all,) as noise, less slow trends."""
         return noise_of(self.problem, (), residual, self.study.calibration["site_scatter"]).log_likelihood

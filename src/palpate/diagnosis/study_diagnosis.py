@@ -48,7 +48,8 @@ def run_diagnosis(
     Parameters
     ----------
     starts
-        Where the base model may lie, such as its calibration: materials by the names of their parameters.
+        Materials, by the names of their parameters, from which the fit of the base model starts, such as its
+        calibration.
 
     Returns
     -------

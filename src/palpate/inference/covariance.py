@@ -1,6 +1,7 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
-What every instrument has a little of, as a drift, counts as noise up to the `background` that its mechanism declares.
+An effect that every instrument has to some extent, such as drift, counts as noise up to the `background` that its
+mechanism declares.
 """
 
 from __future__ import annotations
@@ -90,8 +91,8 @@ def components_under(
 ) -> dict[str, np.ndarray]:
     """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm].
 
-    Where an amplitude that recordings have of their `own` adds the same as a background, the background is part of how
-    that amplitude scatters: two components alike would leave the variance of each unknown.
+    Where an amplitude that differs between recordings (`own`) has the same effect as a background, the background is
+    left out: the variances of two equal components could not be separated.
     """
     time = condition.protocol.sample_time
     site = problem.shares.get(condition.name, 1.0) * curve
@@ -153,18 +154,18 @@ def errors(
     solver_error: float,
     effects: Mapping[str, np.ndarray] | None = None,
 ) -> Errors:
-    """Put the errors of the mean curves about simulated curves `depth` (n_all,) [nm] together.
+    """Return the errors of the mean curves about simulated curves `depth` (n_all,) [nm].
 
-    What is proportional to depth is so to the simulated curves: in proportion to recorded ones, whose noise would count
-    as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl. Instrum. Methods A 346 (1994) 306-311). As
-    the depth, each effect is off by the same part of it everywhere, which is the mechanism's `solver_scatter`.
+    Errors in proportion to the depth are taken in proportion to the simulated curves: with recorded ones, whose noise
+    would count as depth, the fit would be biased to smaller depths (G. D'Agostini, Nucl. Instrum. Methods A 346 (1994)
+    306-311). Each effect has a common relative error, its mechanism's `solver_scatter`.
 
     Parameters
     ----------
     own
         Amplitudes of which each recording has its own.
     effects
-        What mechanisms add to the curves (n_all,) [nm], as far as that is known.
+        What mechanisms add to the curves (n_all,) [nm], where it is known.
     """
     model = model_covariance(problem.split(depth), solver_error, problem.shares)
     for key, effect in (effects or {}).items():

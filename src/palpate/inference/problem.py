@@ -1,9 +1,9 @@
-"""What a diagnosis works on: mean curves, and a forward model that any set of mechanisms can join.
+"""The data of a diagnosis: mean curves, and a forward model to which any set of mechanisms can be added.
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
-amplitudes, see `palpate.inference.coordinates`. All curves are in nm: a load that answers to a displacement counts as
-the depth that it amounts to (`palpate.study.quantity`), so that noise, drift and misfit of all conditions are of one
-kind.
+amplitudes, see `palpate.inference.coordinates`. All curves are in nm: where the displacement is prescribed, the load is
+converted to an equivalent depth (`palpate.study.quantity`), so that noise, drift and misfit of all conditions have one
+unit.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Problem:
     scale
         Size of the study.
     nm
-        Where the load answers: so many nm count as one mN.
+        Where the load is the response: the depth [nm] to which one mN amounts.
     """
 
     conditions: tuple[Condition, ...]
@@ -54,7 +54,7 @@ class Problem:
 
     @classmethod
     def of(cls, study: Study, observed: Mapping[str, Observation], scale: Scale) -> Problem:
-        """Put a study's calibrate conditions together."""
+        """Return the problem of a study's calibrate conditions."""
         conditions = tuple(condition for condition in study.conditions if condition.role == "calibrate")
         nm = {name: item.quantity.nm for name, item in observed.items() if item.quantity.unit != "nm"}
         seen = {name: _as_depth(item) for name, item in observed.items()}
@@ -139,17 +139,17 @@ class Problem:
         return self.coordinates(explanation).names.index(name)
 
     def quantity(self, explanation: Explanation, z: np.ndarray, name: str) -> tuple[float, float]:
-        """Return the value of such a quantity at coordinates z (k,), and its slope by its own."""
+        """Return the value of such a quantity at coordinates z (k,), and its derivative by its coordinate."""
         place = self.place(explanation, name)
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
     def is_simulated(self, key: str) -> bool:
-        """Return whether the body feels a mechanism under any of the conditions."""
+        """Return whether a mechanism's effect must be simulated under any of the conditions."""
         return any(MECHANISMS[key].is_simulated_under(condition.protocol.control) for condition in self.conditions)
 
     def typical(self, key: str) -> tuple[Amplitude, ...]:
-        """Return the amplitudes of a mechanism that only adds to the depth; what else it has, in the middle of it."""
+        """Return the amplitudes of a mechanism that only adds to the depth, its other parameters mid-range."""
         mechanism = MECHANISMS[key]
         ranges = mechanism.searched(self.scale).items()
         return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
@@ -157,8 +157,8 @@ class Problem:
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
         """Return what one unit of an amplitude adds (n_points,) [nm].
 
-        Where a displacement is prescribed it is the slope at the middle material; of a condition that takes no part,
-        what the same depth amounts to at the largest load.
+        Where a displacement is prescribed it is the derivative at the mid-range material; for a condition that takes no
+        part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
         if protocol.control == LOAD:
@@ -184,7 +184,7 @@ class Problem:
 
 @lru_cache(maxsize=64)
 def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]:
-    """Return slopes by an amplitude, where its mechanism does nothing, under a prescribed displacement [nm]."""
+    """Return derivatives by an amplitude, at zero, under a prescribed displacement [nm]."""
     explanation, none = (amplitude.key,), amplitude.parameters(0.0)
     coordinates = problem.coordinates(explanation).free[problem.material :]
     beside = [float(coordinate.scaled(none[coordinate.name.split(".")[1]])) for coordinate in coordinates]
