@@ -244,7 +244,7 @@ def test_a_held_out_condition_that_cannot_be_simulated_is_told_and_left_out():
     options = {"settings": QUICK, "forward": model, "report": told.append}
     found = calibrate(FAMILIES, data, BOUNDS, rng=np.random.default_rng(0), **options)
     assert set(found.fe_curves) == set(found.conditions) == set(FAMILIES)
-    assert told[-1] == "check is not judged: no equilibrium"
+    assert told[-1] == "check has no errors: no equilibrium"
     assert found.confirmed_by == "fe"
 
 

@@ -71,21 +71,21 @@ def test_what_comes_nearest_is_said_where_nothing_explains():
     unexplained = content("unexplained")
     said = sentence(unexplained | {"tried": [tried]})
     film = "film on a substrate (thickness 511 nm, substrate modulus 70 GPa) with friction (coefficient 0.123)"
-    assert f"Nearest comes {film}, but more than noise is left (p = 0.004)." in said
-    assert "Nearest" not in sentence(unexplained)
-    assert "Nearest" not in sentence(unexplained | {"tried": [tried | {"p_value": 0.3}]}), "a law speaks against it"
+    assert f"The closest is {film}, but its residual is more than noise (p = 0.004)." in said
+    assert "The closest" not in sentence(unexplained)
+    assert "The closest" not in sentence(unexplained | {"tried": [tried | {"p_value": 0.3}]}), "a law speaks against it"
 
 
 def test_what_all_explanations_share_is_said():
     said = sentence(content("ambiguous", ROUNDED, SHIFTED))
-    assert "One of these explains it" in said
+    assert "Each of these explains it" in said
     assert "All of them need frame compliance." in said
     assert "All of them" not in sentence(content("ambiguous", DRIFT, SHIFTED))
 
 
 def test_a_single_suspicion_is_no_name():
     said = sentence(content("suspected", DRIFT, held_out=(None, None)))
-    assert "From these recordings alone it stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
+    assert "These recordings do not suffice to name it; the fitted error falls from 9.0 to 2.0 nm" in said
 
 
 @pytest.mark.parametrize(
@@ -114,4 +114,4 @@ def test_a_suspicion_names_the_effect_that_may_be_none():
     spread = {"estimate": 0.3, "lower": -0.6, "upper": 1.1}
     shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
     said = sentence(content("suspected", shifted))
-    assert "it stays a suspicion, as the zero offset may be none on average" in said
+    assert "do not suffice to name it, as the zero offset may be zero on average" in said

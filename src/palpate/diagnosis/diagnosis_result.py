@@ -165,8 +165,8 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
         return []
     return [
         f"The most likely explanation that was tried needs another value of {' and '.join(titles)} for each test, "
-        "while replicates agree: this is no effect of single recordings. Either the instrument changed between the tests, or "
-        "an effect that depends on the test is not in the library."
+        "while replicates agree: this is no effect of single recordings. Either the instrument changed between the "
+        "tests, or an effect that depends on the test is not in the library."
     ]
 
 

@@ -11,7 +11,15 @@ from scipy.linalg import block_diag
 from palpate.errors import InputError
 from palpate.inference.calibration_result import Calibration
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.estimates import described, estimates, front, judged, named_matrix, predicted, simulated
+from palpate.inference.estimates import (
+    condition_errors,
+    described,
+    estimates,
+    front,
+    named_matrix,
+    predicted,
+    simulated,
+)
 from palpate.inference.forward import Forward
 from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.inference.intervals import intervals
@@ -22,8 +30,8 @@ from palpate.inference.recording_noise import complete_noise
 from palpate.inference.surrogate_fit import Predictor, WeightedFit
 from palpate.inference.surrogate_space import Space
 
-LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
-MOST_MISFIT = 3.0  # chosen, of chi-square per degree of freedom: above it what the model lacks outweighs the noise
+LEAST_R2 = 0.9  # chosen: below it a curve is not explained, and no parameter is called identified
+MOST_MISFIT = 3.0  # chosen, of chi-square per degree of freedom: above it the model's discrepancy outweighs the noise
 
 
 @dataclass(frozen=True)
@@ -74,17 +82,17 @@ def calibrate(
 ) -> Calibration:
     """Calibrate the parameters on all conditions whose role is ``calibrate``.
 
-    The genetic search minimises the thesis' objectives on the mean curves. Its best points are polished by
-    generalised least squares with the noise of the recordings. With `forward`, least squares go on from there on the
-    forward model itself, beyond the bounds where that fits better; estimate and intervals rest on its curves and
-    derivatives. Without, they rest on the surrogates and their errors.
+    The genetic search minimises the thesis' objectives on the mean curves. Its best points are refined by generalised
+    least squares with the noise of the recordings. With `forward`, least squares continue from there on the forward
+    model itself, beyond the bounds where that fits better; estimate and intervals are then based on its curves and
+    derivatives, else on the surrogates and their errors.
 
     Parameters
     ----------
     surrogates
         Predictor of each calibrated condition; columns in the order of `bounds`.
     observations
-        What was measured. Conditions with the role ``validate`` are only judged, never fitted.
+        What was measured. Conditions with the role ``validate`` are never fitted; only their errors are computed.
     bounds
         (lower, upper) of each parameter in its unit, within which the surrogates are searched; equal bounds hold it.
     rng
@@ -95,12 +103,12 @@ def calibrate(
     forward
         The forward model, such as `palpate.inference.forward.FiniteElements`.
     report
-        Told how it goes on.
+        Called with one line on the progress.
 
     Raises
     ------
     InputError
-        When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
+        When no condition is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
         parameters, a mean depth is constant or nowhere positive, or the relative objective meets a depth that is not
         positive.
     """
@@ -116,9 +124,9 @@ def calibrate(
     starts = starting_points(evolution)
     report(f"genetic search: {int(evolution.history[-1]['evaluations'])} evaluations")
     plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
-    rough = plain.curves(plain.solve(starts))
-    noise = complete_noise(fitted, rough, settings.site_scatter)
-    covariance = all_errors(fitted, noise, rough, settings.solver_error)
+    approximate = plain.curves(plain.solve(starts))
+    noise = complete_noise(fitted, approximate, settings.site_scatter)
+    covariance = all_errors(fitted, noise, approximate, settings.solver_error)
     fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
     u = fit.solve(starts)
     own, iterations = space.named(u), []
@@ -132,17 +140,17 @@ def calibrate(
             iterations.append(line)
             report(line)
 
-        known = known_errors(fitted, noise, rough, settings.solver_error)
+        known = known_errors(fitted, noise, approximate, settings.solver_error)
         begin = [own, *(space.named(start) for start in starts)]
-        found_there, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
-        u, converged, coordinates = found_there.u, found_there.converged, forward.coordinates
-        noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
-        errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
-        around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
+        optimum, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
+        u, converged, coordinates = optimum.u, optimum.converged, forward.coordinates
+        noise = complete_noise(fitted, optimum.curves, settings.site_scatter)
+        errors = all_errors(fitted, noise, optimum.curves, settings.solver_error)
+        around = Linearised(measured, errors, optimum.curves, optimum.slopes, forward.coordinates)
         others = [name for name in observations if name not in fitted]
-        solved = {**found_there.curves, **simulated(recorded, others, u, report)}
+        solved = {**optimum.curves, **simulated(recorded, others, u, report)}
     found = intervals(around, u, noise, fitted)
-    table = judged(observations, curves, solved)
+    table = condition_errors(observations, curves, solved)
     explained = found.misfit_ratio < MOST_MISFIT and all(table[name]["r2"] > LEAST_R2 for name in fitted)
     seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
     return Calibration(
@@ -185,7 +193,8 @@ def check_consistent(
     points = sum(len(mean) for mean in measured.values())
     if points < space.dimensions:
         raise InputError(
-            f"{points} points cannot fix {space.dimensions} parameters", remedy="give more points or hold parameters"
+            f"{points} points cannot determine {space.dimensions} parameters",
+            remedy="give more points or hold parameters",
         )
 
 
@@ -197,7 +206,7 @@ def objectives(
 ) -> Evaluate:
     """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum.
 
-    Loads count as depths, by `palpate.study.quantity.Quantity.nm`, so that the sum is one of like with like.
+    Loads are converted to depths by `palpate.study.quantity.Quantity.nm`, so that all terms of the sum have one unit.
     """
     measure = OBJECTIVES[settings.objective]
     measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}
@@ -213,7 +222,7 @@ def objectives(
 
 
 def starting_points(evolution: Evolution) -> list[np.ndarray]:
-    """Where the polish starts: the best points by the sum of objectives and by each objective."""
+    """Where least squares start: the best points by the sum of objectives and by each objective."""
     chosen = {int(np.argmin(evolution.objectives.sum(axis=1)))} | {int(i) for i in evolution.objectives.argmin(axis=0)}
     return [evolution.points[i] for i in sorted(chosen)]
 

@@ -20,7 +20,7 @@ class Estimate:
     lower, upper
         95 % interval, within the bounds.
     identified
-        Whether the data fix it (see `palpate.inference.intervals`).
+        Whether the data determine it (see `palpate.inference.intervals`).
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound
@@ -47,8 +47,8 @@ class Calibration:
     parameters
         `Estimate` of each parameter.
     conditions
-        For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or
-        ``surrogate``, whichever the errors were taken of.
+        For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or ``surrogate``, from which the
+        errors were computed.
     surrogate_curves
         Curves (n_points,) of the surrogates at their own optimum, of depth [nm] or load [mN].
     fe_curves
@@ -58,7 +58,7 @@ class Calibration:
     on_surrogates
         Parameters at the optimum of the genetic search, polished on the surrogates.
     iterations
-        What the search on the forward model told.
+        One line for each iteration of the search on the forward model.
     converged
         Whether that search converged; None without a forward model.
     misfit_ratio
@@ -66,7 +66,7 @@ class Calibration:
     correlation
         Correlations of the free parameters, by name.
     noise
-        For each calibrated condition: sigma_nm (or sigma_mN, where the load answers), correlation, site_scatter,
+        For each calibrated condition: sigma_nm (or sigma_mN under displacement control), correlation, site_scatter,
         replicates.
     pareto
         `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.

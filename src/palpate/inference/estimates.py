@@ -29,17 +29,17 @@ def predicted(
 def simulated(
     forward: Forward, names: Sequence[str], u: np.ndarray, report: Callable[[str], None]
 ) -> dict[str, np.ndarray]:
-    """Return the forward model's curves at coordinates u (k,) of conditions that took no part; failures are told."""
+    """Return the forward model's curves at coordinates u (k,) of held-out conditions; failures are reported."""
     found: dict[str, np.ndarray] = {}
     for name, curve in under_each(forward, names, u).items():
         if isinstance(curve, str):
-            report(f"{name} is not judged: {curve.removeprefix(f'{name}: ')}")
+            report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
         else:
             found[name] = curve
     return found
 
 
-def judged(
+def condition_errors(
     observations: Mapping[str, Observation], curves: Mapping[str, np.ndarray], confirmed: Mapping[str, np.ndarray]
 ) -> dict[str, dict[str, Any]]:
     """Error table: of the forward model's curve where there is one, else of the surrogate's."""
@@ -57,19 +57,19 @@ def judged(
 def estimates(
     coordinates: Space | Coordinates, u: np.ndarray, found: Intervals, explained: bool
 ) -> dict[str, Estimate]:
-    """Physical estimates and intervals by name, these within what is plausible; none is identified in a failing fit."""
+    """Physical estimates and intervals by name, truncated to plausible values; none is identified in a failing fit."""
     beyond = np.where(np.isinf(found.half_width), 0.0, float(isinstance(coordinates, Coordinates)))
     first, last = np.minimum(u, 0.0) - beyond, np.maximum(u, 1.0) + beyond
     ends = np.clip(u - found.half_width, first, last), np.clip(u + found.half_width, first, last)
     low, high = map(coordinates.named, ends)
     outside = np.abs(u - 0.5) > 0.5 + 1e-9
     places = {name: k for k, name in enumerate(coordinates.names)}
-    told = {}
+    found_estimates = {}
     for name, value in coordinates.named(u).items():
         free, k = name in places, places.get(name, 0)
         flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
-        told[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
-    return told
+        found_estimates[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
+    return found_estimates
 
 
 def named_matrix(coordinates: Space | Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:

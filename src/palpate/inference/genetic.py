@@ -26,7 +26,7 @@ class GeneticSettings:
     generations
         Largest number of generations.
     subpopulations
-        Number of equal parts that evolve side by side. The thesis does not tell it; with 1 nothing migrates.
+        Number of equal parts that evolve side by side. The thesis does not give it; with 1 there is no migration.
     tournament
         Number of entrants of a tournament.
     crossover_fraction
@@ -170,7 +170,7 @@ def record(history: tools.Logbook, objectives: np.ndarray) -> None:
 
 
 def stalled(history: tools.Logbook, settings: GeneticSettings) -> bool:
-    """Whether the best values have stood still for long enough."""
+    """Whether the best values have not changed for `stall_generations`."""
     if settings.tolerance == 0 or len(history) <= settings.stall_generations:
         return False
     now, then = (np.append(history[i]["best"], history[i]["best_sum"]) for i in (-1, -1 - settings.stall_generations))

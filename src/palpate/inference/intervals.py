@@ -1,15 +1,15 @@
-r"""95 % intervals of the calibrated parameters, and whether the data fix them.
+r"""95 % intervals of the calibrated parameters, and whether the data determine them.
 
-With the whitened Jacobian J in coordinates scaled to the bounds, the information of the data is J^T J. What is known
-beforehand is that each parameter lies within its bounds, taken as a Gaussian of the same variance, 1/12. The covariance
-is P = (J^T J + 12 I)^-1, and for the parameter's own interval its own bounds are taken out again,
+With the whitened Jacobian J in coordinates scaled to the bounds, the information of the data is J^T J. The prior, that
+each parameter lies within its bounds, is approximated by a Gaussian of the same variance, 1/12. The covariance is P =
+(J^T J + 12 I)^-1, and for the parameter's own interval its own prior is removed again,
 
     v_k = 1 / (1 / P_kk - 12),
 
-so an interval rests on the data and on the bounds of the *other* parameters: one that the data leave free does
-not blow up the intervals of those it is correlated with beyond what its bounds allow. The interval is
-estimate +- t sqrt(v_k), with Student's t for Satterthwaite's degrees of freedom, since the scatter between sites rests
-on a handful of recordings; v_k is multiplied by chi^2 per degree of freedom where that exceeds 1 (Birge's ratio).
+so an interval rests on the data and on the bounds of the *other* parameters: one that the data do not determine widens
+the intervals of those it is correlated with only as far as its bounds allow. The interval is estimate +- t sqrt(v_k),
+with Student's t for Satterthwaite's degrees of freedom, since the scatter between sites rests on a handful of
+recordings; v_k is multiplied by chi^2 per degree of freedom where that exceeds 1 (Birge's ratio).
 
 A parameter is identified when its interval is narrower than half the range between its bounds and its estimate does
 not lie on one of them: an interval that fills most of the range says little more than the range did. On a bound the
@@ -41,7 +41,7 @@ class Intervals:
     Attributes
     ----------
     half_width : ndarray, shape (k,)
-        t sqrt(v_k), before anything is cut off at the bounds; infinite where the data say nothing.
+        t sqrt(v_k), before truncation at the bounds; infinite where the data give no information.
     at_bound, identified : ndarray of bool, shape (k,)
         See the module.
     correlation : ndarray, shape (k, k)

@@ -1,4 +1,4 @@
-"""What was measured in one condition: replicate curves of what answers, on the sample times of its simulation."""
+"""What was measured in one condition: replicate curves of the response, at the sample times of its simulation."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Observation:
     response : ndarray, shape (n_replicates, n_points)
         One curve for each recording, of depth [nm] or load [mN].
     role
-        ``calibrate``, or ``validate``: never enters the fit, judges it.
+        ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
         What the curves are of.
     """

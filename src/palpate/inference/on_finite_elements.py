@@ -18,10 +18,10 @@ from palpate.inference.observation import Observation
 from palpate.inference.recording_noise import Noise, model_covariance
 from palpate.inference.trust_region import Descent, descend, resumed
 
-SCATTERED = 16  # places of the ranges that are tried beside the surrogates' optima
-SEARCHES = 2  # that go on, from the best of them
-MAPPINGS = 3  # times that the model of record is simulated at most, each where the last search ended
-ON_THE_WAY, AT_LAST = 30, 6  # largest numbers of iterations, with few samples and with all
+SCATTERED = 16  # points of the ranges that are tried beside the surrogates' optima
+SEARCHES = 2  # that are continued, from the best of them
+MAPPINGS = 3  # most simulations of the model of record, each at the end of the last search
+FIRST_ITERATIONS, LAST_ITERATIONS = 30, 6  # largest numbers of iterations, with few samples and with all
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +79,9 @@ def all_errors(
 def known_errors(
     observations: Mapping[str, Observation], noise: Mapping[str, Noise], curves: Curves, solver_error: float
 ) -> np.ndarray:
-    """Return the covariance (n, n) of what is known to be no misfit: replicates' noise, sites, error of the solver.
+    """Return the covariance (n, n) of the known errors: replicates' noise, sites, error of the solver.
 
-    The noise of a condition that was tested once is not known apart from what the model lacks.
+    The noise of a condition that was tested once cannot be separated from the model's discrepancy.
     """
     known = {
         name: noise[name] if len(item.response) > 1 else replace(noise[name], sigma=0.0)
@@ -98,10 +98,10 @@ def estimated(
     rng: np.random.Generator,
     report: Callable[[str], None],
 ) -> tuple[Descent, Forward]:
-    """Return the least misfit of the forward model of record to the mean curves, and that model.
+    """Return the search with the least misfit of the model of record to the mean curves, and that model.
 
-    The best of the `starts` and of some places scattered over the ranges are followed with few samples, the end of the
-    better search with all, by the model of record.
+    Searches with few samples start from the best of the `starts` and of points scattered over the ranges; the better
+    one continues with all samples on the model of record.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def estimated(
     starts
         Parameters by name.
     rng
-        Scatters places.
+        Source of the scattered points.
 
     Raises
     ------
@@ -130,13 +130,13 @@ def estimated(
     residuals = [np.inf if isinstance(o, str) else float(np.sum(misfit.residual(o) ** 2)) for o in outcomes]
     chosen = [points[k] for k in np.argsort(residuals, kind="stable")[:SEARCHES] if np.isfinite(residuals[k])]
     if not chosen:
-        raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
-    way = descend(misfit, cheaper, chosen, ON_THE_WAY, report, exact=False)
+        raise PalpateError(f"the finite elements fail at every start of a search: {outcomes[0]}")
+    way = descend(misfit, cheaper, chosen, FIRST_ITERATIONS, report, exact=False)
     whole, recorded = Misfit(measured, known, nm, coordinates), forward.of_record(way.u)
-    end = resumed(whole, recorded, way, AT_LAST, report)
+    end = resumed(whole, recorded, way, LAST_ITERATIONS, report)
     for _ in range(MAPPINGS - 1):
         again = recorded.of_record(end.u)
         if again is recorded:
             break
-        recorded, end = again, resumed(whole, again, end, AT_LAST, report)
+        recorded, end = again, resumed(whole, again, end, LAST_ITERATIONS, report)
     return end, recorded

@@ -6,7 +6,7 @@ all conditions) and point noise n_r of standard deviation sigma whose correlatio
 
     C = (sigma^2 rho^|i - j| + tau^2 h h^T) / R
 
-Where the load answers, h is the load, and tau is what the same site does to it, see
+Under displacement control h is the load, and tau the corresponding scatter of the load, see
 `palpate.study.quantity.Quantity.share`.
 """
 
@@ -35,7 +35,7 @@ class Noise:
     Parameters
     ----------
     sigma
-        Standard deviation of the point noise, in the unit of what answers.
+        Standard deviation of the point noise, in the unit of the response.
     correlation
         Correlation rho between neighbouring points.
     site_scatter
@@ -152,7 +152,7 @@ def model_covariance(
 ) -> np.ndarray:
     """Covariance (n, n) of the forward model's error, all conditions one after the other [nm^2].
 
-    A mesh whose rings grow by a constant ratio makes the same relative error at every depth: all curves are off by one
+    A mesh whose rings grow by a constant ratio makes the same relative error at every depth: all curves differ by one
     common factor, of standard deviation `relative_error`. The default of 0.003 covers what ``accuracy: standard``
     differs from the depth extrapolated in the mesh ratio: up to 0.2 % of the depth in elastic and creeping bodies; up
     to `GRID` where yielding prevails, which a study may state.
@@ -161,7 +161,8 @@ def model_covariance(
     63 (2001) 425-464). It has a shape as well: a third of it varies along each test, as a random function of the
     fraction of the test whose correlation falls to 1/e over a tenth; half of its variance is common to all conditions.
 
-    Where the load answers it departs by the `shares` of that, see `palpate.study.quantity.Quantity.share`.
+    Under displacement control the relative error is multiplied by `shares`, see
+    `palpate.study.quantity.Quantity.share`.
     """
     shares = shares or {}
     depth = np.concatenate([shares.get(name, 1.0) * curve for name, curve in curves.items()])

@@ -91,10 +91,10 @@ def disturbed(
     """Return load [mN] and depth [nm] (n,) as recorded where a `site` is so much deeper, under `noise` (n,) [nm]."""
     protocol = replace(condition.protocol, sample_time=simulation.time)
     quantity = Quantity.of(protocol, study.indenter, simulation.response)
-    answer = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
+    response = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
     if quantity.name == "depth":
-        return simulation.load, answer
-    return answer, simulation.depth - protocol.compliance * (answer - simulation.load)
+        return simulation.load, response
+    return response, simulation.depth - protocol.compliance * (response - simulation.load)
 
 
 def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:

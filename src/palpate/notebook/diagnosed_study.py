@@ -1,4 +1,4 @@
-"""A study diagnosed in one process: is the law enough, and if not, what is missing."""
+"""A study diagnosed in one process: does the law explain the recordings, and if not, what is missing."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class DiagnosedStudy:
         return diagnosis_page.explanations(self.content)
 
     def summary(self) -> str:
-        """Say the verdict as a colleague would, with the candidates and what the recordings cannot say."""
+        """Return the verdict in words, the candidates, and the limits of the recordings as text."""
         candidates = [text_table(self.to_frame())] if len(self.to_frame()) else []
         return "\n\n".join([repr(self), self.content["sentence"], *candidates, *self.content["limits"]])
 
@@ -119,7 +119,7 @@ def diagnose(
 ) -> DiagnosedStudy:
     """Say whether the law of a study explains recordings to their noise, and if not, which physics is missing.
 
-    docs/inference.md tells how it is decided. Whether the study enables its diagnosis is for the workflow alone.
+    docs/inference.md explains how it is decided. The study's key ``diagnosis.enabled`` is for the workflow only.
 
     Parameters
     ----------
@@ -128,11 +128,11 @@ def diagnose(
     recordings
         As for `calibrate`; when not given, those of the calibration, or else the only set of the study.
     calibration
-        Where the diagnosis begins; when not given, the study is calibrated first.
+        From which the diagnosis starts; when not given, the study is calibrated first.
     results
         As for `calibrate`.
     report
-        Told how it goes on, such as ``print``; silent when not given.
+        Called with one line on the progress, such as ``print``; silent when not given.
 
     Returns
     -------
@@ -141,9 +141,9 @@ def diagnose(
     Raises
     ------
     InputError
-        When the study or a recording is not sound, or the calibration is of other parameters.
+        When the study or a recording is invalid, or the calibration is of other parameters.
     PalpateError
-        When a simulation fails without which nothing can be said.
+        When a simulation fails without which nothing can be lines.
     """
     chosen = study_of(study)
     if calibration is None:

@@ -27,21 +27,21 @@ from palpate.study.protocol import LOAD
 
 @dataclass(frozen=True, repr=False)
 class NotebookStudy(Study):
-    """A checked study that shows itself; ``from palpate import Study`` names this class.
+    """A checked study with a summary, a table and a plot; ``from palpate import Study`` names this class.
 
     It has the attributes of `palpate.configuration.study_file.Study` and is taken wherever that is.
 
     Parameters
     ----------
     remarks
-        What a draft wants people to look at.
+        Remarks of a draft that a person should look at.
     """
 
     remarks: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, study: Study, remarks: Iterable[str] = ()) -> NotebookStudy:
-        """Return a study that shows itself."""
+        """Return a study as one of a notebook."""
         return cls(**{each.name: getattr(study, each.name) for each in fields(Study)}, remarks=tuple(remarks))
 
     @classmethod
@@ -86,7 +86,7 @@ class NotebookStudy(Study):
         """Make a first study of recordings, as ``palpate draft`` does.
 
         Tests of one load history are replicates of one condition; of three conditions or more that in the middle
-        judges, the others calibrate. Ranges of the parameters are guessed from the curves.
+        validates, the others calibrate. Ranges of the parameters are guessed from the curves.
 
         Parameters
         ----------
@@ -97,20 +97,20 @@ class NotebookStudy(Study):
         sphere
             Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
         folder
-            Where ``study.yaml`` and ``recordings`` are written, to be looked at, changed and read again; when not
-            given, they are gone when Python ends.
+            Where ``study.yaml`` and ``recordings`` are written, to be inspected, changed and read again; when not
+            given, they are removed when Python ends.
         report
-            Told of files and tests that are left out, and why.
+            Called with one line for each file or test that is left out, and why.
 
         Raises
         ------
         InputError
             When no recording can be used, a unit looks mistaken, or the folder holds a study already.
         """
-        told: list[str] = []
+        messages: list[str] = []
 
         def say(line: str) -> None:
-            told.append(line)
+            messages.append(line)
             if report:
                 report(line)
 
@@ -121,18 +121,18 @@ class NotebookStudy(Study):
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
         study, remarks = write_study(drafted, output, name, say, law, sphere)
-        return cls.of(study, [*told, *remarks])
+        return cls.of(study, [*messages, *remarks])
 
     def summary(self) -> str:
-        """Say which law is asked for, within which ranges, and under which conditions."""
+        """Return law, ranges and conditions as text."""
         return "\n".join(
             [repr(self), *self._sentences(), "", text_table(self._parameters()), "", text_table(self.to_frame())]
         )
 
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
-        said = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
-        return [f"study: {self.file}", *said, *self.remarks]
+        lines = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
+        return [f"study: {self.file}", *lines, *self.remarks]
 
     def _parameters(self) -> pd.DataFrame:
         rows: list[dict[str, Any]] = [
@@ -162,7 +162,7 @@ class NotebookStudy(Study):
         return pd.DataFrame(rows)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw what is prescribed in time, dashed where it only judges, on `ax` or new axes, and return them."""
+        """Draw the drive over time, dashed for validation, on `ax` or new axes, and return them."""
         ax = axes_for(ax)
         for condition, colour in zip(self.conditions, cycle(SERIES)):
             protocol, style = condition.protocol, "-" if condition.role == "calibrate" else "--"
@@ -187,7 +187,7 @@ def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
     Raises
     ------
     InputError
-        When it is none of these, or not sound.
+        When it is none of these, or invalid.
     """
     if isinstance(given, NotebookStudy):
         return given
@@ -215,7 +215,7 @@ def _drafted(given: OneTest, report: Callable[[str], None]) -> list[Drafted]:
 
 
 def _origin(given: OneTest) -> str:
-    """Return what a drafted study is called after: the name of a file without its ending, or of a recording."""
+    """Return the name of a drafted study: that of the file without its ending, or of the recording."""
     if isinstance(given, str | Path):
         return Path(given).stem
     return given.file.stem if isinstance(given, MeasuredTest) else recording_of(given).name or "recording"

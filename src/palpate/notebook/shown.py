@@ -1,4 +1,4 @@
-"""How results show themselves: tables as text, HTML for a notebook, and axes of Matplotlib."""
+"""How results are shown: tables as text, HTML for a notebook, and axes of Matplotlib."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def axes_for(ax: Axes | None) -> Axes:
 
 @styled
 def composed(compose: Callable[[Figure], None]) -> np.ndarray:
-    """Let `compose` draw a whole figure, as the report has it, and return its visible axes (n,)."""
+    """Draw a whole figure of the report with `compose`, and return its visible axes (n,)."""
     figure = plt.figure()
     compose(figure)
     return np.array([ax for ax in figure.axes if ax.axison])

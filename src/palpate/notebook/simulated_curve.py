@@ -27,7 +27,7 @@ class SimulatedCurve:
     Parameters
     ----------
     specification
-        Everything that decides it.
+        Everything on which the curve depends.
     time, load, depth : ndarray, shape (n,)
         [s], [mN], [nm].
     solver_seconds
@@ -47,18 +47,18 @@ class SimulatedCurve:
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
 
     def summary(self) -> str:
-        """Say what was simulated, how large and how long the test is, and what it cost."""
+        """Return material, size, duration and solver time as text."""
         return "\n".join([repr(self), *self._sentences()])
 
     def _sentences(self) -> list[str]:
         peak, spec = int(np.argmax(self.load)), self.specification
-        said = [
+        lines = [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
             f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
             f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.2g} s in the solver",
         ]
-        return [*said, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
+        return [*lines, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm."""

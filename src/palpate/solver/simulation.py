@@ -71,7 +71,7 @@ class Simulation:
     Attributes
     ----------
     time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; what answers is NaN from a failure on, under displacement control load and depth.
+        [s], [mN], [nm]; from a failure on the response is NaN, under displacement control load and depth.
     status
         ``ok`` or ``failed``.
     reason
@@ -79,7 +79,7 @@ class Simulation:
     solver_seconds
         Wall time spent in the solver [s].
     quantity
-        What answers to the drive: ``depth`` or ``load``.
+        What the response to the drive is: ``depth`` or ``load``.
     """
 
     time: np.ndarray
@@ -92,7 +92,7 @@ class Simulation:
 
     @property
     def response(self) -> np.ndarray:
-        """What answers to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
+        """Response to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
         return self.load if self.quantity == LOAD else self.depth
 
 
@@ -152,7 +152,7 @@ def sensitivities(
 def sensitivities_batch(
     specifications: Sequence[Specification], parameters: Sequence[str], radii: np.ndarray | None = None
 ) -> list[tuple[Simulation, np.ndarray]]:
-    """Simulate several indentations together with the derivatives of what answers to their drives.
+    """Simulate several indentations together with the derivatives of their responses.
 
     They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`.
 

@@ -79,9 +79,9 @@ class Batch:
 
     @functools.cached_property
     def snapshots(self) -> list[Snapshot]:
-        """What is simulated; what is alike stands together.
+        """What is simulated; similar indentations are neighbours in the list.
 
-        Under a pyramid that is the equivalent cone's: on its surrogate a search begins, and ends on the pyramid.
+        Under a pyramid it is the equivalent cone: a search begins on its surrogate, and ends on the pyramid.
         """
         return [self._snapshot(cell, condition) for cell in self.cells for condition in self.conditions]
 
@@ -118,10 +118,10 @@ def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
-    """Return the calibrate conditions, together those that differ in size alone.
+    """Return the calibrate conditions in groups of those that differ in size alone.
 
-    Under a sharp tip a body without a length knows no size but that of the contact, so that one simulation serves them
-    all, see `palpate.solver.axisymmetric.similar`.
+    Under a sharp tip a body without a length scale has no size but that of the contact, so that one simulation serves
+    all of a group, see `palpate.solver.axisymmetric.similar`.
     """
     groups: list[list[Condition]] = []
     for condition in study.conditions:
@@ -214,9 +214,9 @@ def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) 
 
 
 def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Return parameters (n, d) and answers (n, points) of the snapshots that succeeded, and the reasons of the others.
+    """Return parameters (n, d) and responses (n, points) of the snapshots that succeeded, and why others failed.
 
-    What answers is the depth [nm], or under displacement control the load [mN].
+    The response is the depth [nm], or under displacement control the load [mN].
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A study held to all that can be known before anything is simulated; the command line and the workflow begin here."""
+"""Checks of a study before anything is simulated; the command line and the workflow begin with them."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _check_folders(study: Study) -> None:
 
 
 def _check_concealed(study: Study) -> None:
-    """Refuse what a virtual laboratory conceals where it cannot act; raises `InputError`."""
+    """Refuse mechanisms of a virtual laboratory that cannot act; raises `InputError`."""
     for name, settings in study.laboratory.items():
         for condition in study.conditions:
             specification = study.specification(settings["parameters"], condition)

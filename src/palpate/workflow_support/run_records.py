@@ -25,7 +25,7 @@ ERRORS = ("rmse_nm", "r2", "mean_abs_error_nm", "percent_error")
 
 @dataclass
 class Run:
-    """What MLflow is told of one surrogate, fit or explanation.
+    """The record for MLflow of one surrogate, fit or explanation.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _of_explanation(row: Mapping[str, Any], content: Mapping[str, Any], of: Mapp
 
 
 def answer_of(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return what an execution's own run says of a diagnosis: verdict, names and sentence; held-out error and noise."""
+    """Return a diagnosis for an execution's own run: verdict, names and sentence; held-out error and noise."""
     of, names = content["recordings"], "+".join(content["mechanisms"]) or "none"
     tags = {"verdict": content["verdict"], "mechanisms": names, "answer": content["sentence"]}
     errors = {f"validate.{k}": v for k, v in content["fit"]["validate"].items() if v is not None}

@@ -1,6 +1,6 @@
 """Curves of every condition, recorded against simulated, with the misfit in time underneath.
 
-Under load control the load is drawn over the depth; under displacement control, where the load answers, over the time.
+Under load control the load is drawn over the depth; under displacement control over the time.
 """
 
 from __future__ import annotations
@@ -111,5 +111,5 @@ def _condition(curve, upper, lower) -> None:
 
 
 def unit_of(curve: pd.DataFrame) -> str:
-    """Return the unit of what answers in a condition's part of a table of curves."""
+    """Return the unit of the response in a condition's part of a table of curves."""
     return "mN" if "recorded_mN" in curve and curve["recorded_mN"].notna().any() else "nm"
