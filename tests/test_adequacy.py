@@ -11,7 +11,7 @@ from palpate.diagnosis.detect import examine, filters, simulated_noise
 from palpate.diagnosis.screen import Screen
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import components, noise_of
-from palpate.inference.noise import LARGEST_UNREPLICATED_AUTOCORRELATION, SINGLE_MEMORY
+from palpate.inference.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
 
 
 def p_of(fit):

@@ -12,6 +12,9 @@ from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.undetected import undetected_effects
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.covariance import Errors
+from palpate.inference.estimated_noise import adjusted, freedom
 from palpate.inference.noise import NoiseModel
 
 

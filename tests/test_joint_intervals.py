@@ -8,6 +8,7 @@ from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.undetected import joint_intervals
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
 
 FRAME = "frame_compliance.compliance"

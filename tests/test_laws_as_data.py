@@ -12,6 +12,8 @@ from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.posterior import posterior_draws
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0
