@@ -18,13 +18,33 @@ UM_PER_NM = 1e-3
 
 
 def load(depth: ArrayLike, youngs_modulus: float, poisson_ratio: float, half_angle: float) -> np.ndarray:
-    """Return the load [mN] at `depth` [nm], of the same shape; modulus in GPa, half-angle in degrees."""
+    """Return the load [mN] at `depth` [nm], of the same shape; modulus in GPa, half-angle in degrees.
+
+    Parameters
+    ----------
+    depth
+        [nm], of any shape.
+    youngs_modulus, poisson_ratio
+        Of the half-space [GPa], [-].
+    half_angle
+        Of the cone, from its axis [deg].
+    """
     h = UM_PER_NM * np.asarray(depth, dtype=float)
     return 2 / np.pi * _plane_strain(youngs_modulus, poisson_ratio) * np.tan(np.radians(half_angle)) * h**2
 
 
 def depth(load: ArrayLike, youngs_modulus: float, poisson_ratio: float, half_angle: float) -> np.ndarray:
-    """Return the depth [nm] under `load` [mN], of the same shape; modulus in GPa, half-angle in degrees."""
+    """Return the depth [nm] under `load` [mN], of the same shape; modulus in GPa, half-angle in degrees.
+
+    Parameters
+    ----------
+    load
+        [mN], of any shape.
+    youngs_modulus, poisson_ratio
+        Of the half-space [GPa], [-].
+    half_angle
+        Of the cone, from its axis [deg].
+    """
     p = np.asarray(load, dtype=float)
     modulus = _plane_strain(youngs_modulus, poisson_ratio)
     return np.sqrt(np.pi / 2 * p / (modulus * np.tan(np.radians(half_angle)))) / UM_PER_NM

@@ -65,6 +65,8 @@ def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rn
 
     Parameters
     ----------
+    rng
+        Source of the draws.
     rows : sequence of ndarray, shape (r,)
         Values of each test's recordings.
     noise : ndarray, shape (c,)

@@ -106,7 +106,21 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
 
 
 def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site_scatter: float) -> float:
-    """Return the p-value of the hypothesis that the residual of `fit` is noise, for the whole family of tests."""
+    """Return the p-value of the hypothesis that the residual of `fit` is noise, for the whole family of tests.
+
+    Parameters
+    ----------
+    fit
+        Fit whose residual is tested.
+    screen
+        Effects of the mechanisms considered.
+    rng
+        Source of the draws of the noise.
+    draws
+        Number of draws.
+    site_scatter
+        Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
+    """
     family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
     found = max(min(float(f.log_p(fit.white[:, None])[0]) for f in family), LEAST_LOG_P)
     under_noise = np.min([f.log_p(noise) for f in family], axis=0)

@@ -67,6 +67,15 @@ def curves(
     A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter.
     Held-out conditions under which the forward model fails are left out; the second result gives the reasons by their
     names.
+
+    Parameters
+    ----------
+    study
+        The study.
+    observed
+        Recordings of every condition by its name, in nm.
+    before, after
+        Fits of the base model and of the best explanation.
     """
     tables, failed = [], {}
     for condition in study.conditions:
@@ -181,6 +190,14 @@ def to_mapping(
 
     Parameters
     ----------
+    study
+        The study.
+    observed
+        Recordings of every condition by its name, in nm.
+    diagnosis
+        The verdict and its fits.
+    rng
+        Source of the draws from posteriors.
     own_laws
         What exact laws say about each recording of each condition.
     """

@@ -129,6 +129,17 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
 
     A mechanism that varies has unknown values in the new recordings. The simulation's error counts as in a diagnosis: a
     difference by a common factor of the depth distinguishes nothing.
+
+    Parameters
+    ----------
+    study
+        The study.
+    fit
+        Explanation whose noise and amplitudes are used.
+    condition
+        The test as a condition.
+    curve : ndarray, shape (n,)
+        Simulated depth [nm].
     """
     errors, parts = fit.errors, components_under(fit.problem, fit.own, condition, curve)
     names = [str(amplitude) for amplitude in fit.own]

@@ -34,6 +34,12 @@ def recording_values(
 
     Parameters
     ----------
+    study
+        The study.
+    observed
+        Recordings of every condition by its name, in nm.
+    fit
+        An explanation in which amplitudes differ between recordings.
     own_laws
         Laws of each recording of each condition.
     """
@@ -72,6 +78,19 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm].
     The variances rest on the number of replicates, so departures have Student's distribution with that many degrees of
     freedom: an outlier, as where a tip met dirt, is not pulled to the mean.
+
+    Parameters
+    ----------
+    study
+        The study.
+    fit
+        An explanation at its best parameters.
+    condition
+        The condition.
+    curve : ndarray, shape (n_points,)
+        Simulated depth [nm].
+    item
+        Recordings of the condition.
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.response), [], []
     for amplitude in fit.own:
@@ -94,7 +113,21 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
 
 
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
-    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,)."""
+    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,).
+
+    Parameters
+    ----------
+    study
+        The study, for the error of the solver.
+    fit
+        An explanation, for its noise.
+    condition
+        The condition.
+    curve : ndarray, shape (n,)
+        Simulated depth [nm].
+    count
+        Number of recordings.
+    """
     noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
     return noise / count + model_covariance(
         {condition.name: curve}, study.calibration["solver_error"], fit.problem.shares

@@ -47,6 +47,12 @@ def run_diagnosis(
 
     Parameters
     ----------
+    study
+        The study.
+    recordings
+        Name of the set of recordings.
+    report
+        Called with one line on the progress.
     starts
         Materials, by the names of their parameters, from which the fit of the base model starts, such as its
         calibration.
@@ -66,7 +72,17 @@ def diagnosed(
     starts: Sequence[Mapping[str, float]],
     report: Callable[[str], None] = print,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`."""
+    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`.
+
+    Parameters
+    ----------
+    study
+        The study.
+    recorded
+        Checked recordings of each condition, from contact on.
+    starts, report
+        See `run_diagnosis`.
+    """
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded), scale_of(study))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}

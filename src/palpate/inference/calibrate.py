@@ -89,6 +89,8 @@ def calibrate(
 
     Parameters
     ----------
+    settings
+        How to calibrate; the defaults when not given.
     surrogates
         Predictor of each calibrated condition; columns in the order of `bounds`.
     observations
@@ -176,7 +178,19 @@ def calibrate(
 def check_consistent(
     space: Space, surrogates: Mapping[str, Predictor], measured: Mapping[str, np.ndarray], objective: str
 ) -> None:
-    """Raise `InputError` where observations and surrogates do not fit together."""
+    """Raise `InputError` where observations and surrogates do not fit together.
+
+    Parameters
+    ----------
+    space
+        Parameters and bounds.
+    surrogates
+        Predictor of each calibrated condition.
+    measured
+        Mean curve (n_points,) of each.
+    objective
+        See `CalibrationSettings`.
+    """
     if not measured:
         raise InputError("no condition has the role calibrate", remedy="give at least one", place="conditions")
     for name, mean in measured.items():
@@ -207,6 +221,17 @@ def objectives(
     """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum.
 
     Loads are converted to depths by `palpate.study.quantity.Quantity.nm`, so that all terms of the sum have one unit.
+
+    Parameters
+    ----------
+    space
+        Parameters and bounds.
+    surrogates
+        Predictor of each condition.
+    observations
+        Recordings of each condition.
+    settings
+        Objective, and whether objectives are summed.
     """
     measure = OBJECTIVES[settings.objective]
     measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}

@@ -93,6 +93,17 @@ def components_under(
 
     Where an amplitude that differs between recordings (`own`) has the same effect as a background, the background is
     left out: the variances of two equal components could not be separated.
+
+    Parameters
+    ----------
+    problem
+        The data of the diagnosis.
+    own
+        Amplitudes that differ between recordings.
+    condition
+        The condition.
+    curve : ndarray, shape (n,)
+        Its depth [nm].
     """
     time = condition.protocol.sample_time
     site = problem.shares.get(condition.name, 1.0) * curve
@@ -119,6 +130,17 @@ def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray,
     """Fit the noise where recordings have some amplitudes of their `own`.
 
     Where most conditions are not repeated a `residual` (n_all,) [nm] serves.
+
+    Parameters
+    ----------
+    problem
+        The data of the diagnosis.
+    own
+        Amplitudes that differ between recordings.
+    residual : ndarray, shape (n_all,)
+        Of a fit [nm].
+    site_scatter
+        Assumed standard deviation of the depth factor between sites, where most conditions have no replicates [-].
     """
     if problem.replicated:
         found = noise_between_replicates(problem, own, site_scatter)
@@ -162,6 +184,14 @@ def errors(
 
     Parameters
     ----------
+    problem
+        The data of the diagnosis.
+    depth : ndarray, shape (n_all,)
+        Simulated curves [nm].
+    noise
+        Noise of single recordings.
+    solver_error
+        Relative error of the simulated depth, standard deviation [-].
     own
         Amplitudes of which each recording has its own.
     effects

@@ -28,6 +28,8 @@ def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -
 
     Parameters
     ----------
+    fit
+        An explanation at its best parameters.
     design : ndarray, shape (n_all, k)
         What one unit of each coefficient adds to the curves [nm].
     covariance : ndarray, shape (k, k)

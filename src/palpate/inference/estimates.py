@@ -29,7 +29,19 @@ def predicted(
 def simulated(
     forward: Forward, names: Sequence[str], u: np.ndarray, report: Callable[[str], None]
 ) -> dict[str, np.ndarray]:
-    """Return the forward model's curves at coordinates u (k,) of held-out conditions; failures are reported."""
+    """Return the forward model's curves at coordinates u (k,) of held-out conditions; failures are reported.
+
+    Parameters
+    ----------
+    forward
+        The forward model.
+    names
+        Names of the conditions.
+    u : ndarray, shape (k,)
+        Coordinates.
+    report
+        Called with one line for each failure.
+    """
     found: dict[str, np.ndarray] = {}
     for name, curve in under_each(forward, names, u).items():
         if isinstance(curve, str):
@@ -57,7 +69,19 @@ def condition_errors(
 def estimates(
     coordinates: Space | Coordinates, u: np.ndarray, found: Intervals, explained: bool
 ) -> dict[str, Estimate]:
-    """Physical estimates and intervals by name, truncated to plausible values; none is identified in a failing fit."""
+    """Physical estimates and intervals by name, truncated to plausible values; none is identified in a failing fit.
+
+    Parameters
+    ----------
+    coordinates
+        Of the free parameters.
+    u : ndarray, shape (k,)
+        The estimate.
+    found
+        Half-widths and flags of the coordinates.
+    explained
+        Whether the fit explains the recordings.
+    """
     beyond = np.where(np.isinf(found.half_width), 0.0, float(isinstance(coordinates, Coordinates)))
     first, last = np.minimum(u, 0.0) - beyond, np.maximum(u, 1.0) + beyond
     ends = np.clip(u - found.half_width, first, last), np.clip(u + found.half_width, first, last)

@@ -110,7 +110,19 @@ def operators(settings: GeneticSettings, rng: np.random.Generator) -> base.Toolb
 
 
 def breed(toolbox: base.Toolbox, parents: np.ndarray, crossovers: int, deviation: float) -> np.ndarray:
-    """As many children as there are parents (n, dimensions), which are sorted best first."""
+    """As many children as there are parents (n, dimensions), which are sorted best first.
+
+    Parameters
+    ----------
+    toolbox
+        Operators, see `operators`.
+    parents : ndarray, shape (n, dimensions)
+        Sorted best first.
+    crossovers
+        Number of children by crossover; the others are mutants.
+    deviation
+        Standard deviation of the mutation, in units of the range.
+    """
     n = len(parents)
     first, second = (parents[toolbox.select(n, crossovers)] for _ in range(2))
     mutants = parents[toolbox.select(n, n - crossovers)]
@@ -122,6 +134,12 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
 
     Parameters
     ----------
+    dimensions
+        Number of parameters.
+    settings
+        Numbers of the genetic algorithm.
+    rng
+        Source of randomness.
     evaluate
         Objectives (n, m) of points (n, dimensions) in [0, 1]; called once for each generation.
     """

@@ -64,7 +64,21 @@ def intervals(
     observations: Mapping[str, Observation],
     confidence: float = 0.95,
 ) -> Intervals:
-    """Intervals about the estimate u (k,) of a weighted fit."""
+    """Intervals about the estimate u (k,) of a weighted fit.
+
+    Parameters
+    ----------
+    fit
+        The least-squares problem around the estimate.
+    u : ndarray, shape (k,)
+        The estimate.
+    noise
+        Noise of each condition.
+    observations
+        Recordings of each condition.
+    confidence
+        Probability that an interval contains the truth.
+    """
     jacobian = fit.jacobian(u)
     size, k = jacobian.shape
     information = jacobian.T @ jacobian
@@ -89,7 +103,19 @@ def freedom(
     noise: Mapping[str, Noise],
     observations: Mapping[str, Observation],
 ) -> np.ndarray:
-    """Satterthwaite's degrees of freedom (k,): the share of the site scatter in each variance decides."""
+    """Satterthwaite's degrees of freedom (k,): the share of the site scatter in each variance decides.
+
+    Parameters
+    ----------
+    fit
+        The least-squares problem around the estimate.
+    jacobian : ndarray, shape (n, k)
+        Whitened derivatives.
+    covariance : ndarray, shape (k, k)
+        Of the coordinates.
+    noise, observations
+        Noise and recordings of each condition.
+    """
     site = np.zeros(len(covariance))
     for name in fit.measured:
         tau, count = noise[name].site_scatter, len(observations[name].response)

@@ -142,7 +142,19 @@ def largest_autocorrelation(replicated: bool) -> float:
 def matrix_of(
     sigma: float, autocorrelation: float, variances: Mapping[str, float], components: Mapping[str, np.ndarray]
 ) -> np.ndarray:
-    """Return K (n, n) of one condition [nm^2]: its point noise, and the variance `components`."""
+    """Return K (n, n) of one condition [nm^2]: its point noise, and the variance `components`.
+
+    Parameters
+    ----------
+    sigma
+        Standard deviation of the point noise [nm].
+    autocorrelation
+        Correlation rho of neighbouring points.
+    variances
+        Variance of each component.
+    components : mapping of ndarray, shape (n, n)
+        Matrix of each component.
+    """
     matrix = point_noise(sigma, autocorrelation, len(next(iter(components.values()))))
     for name, component in components.items():
         matrix += variances[name] * component

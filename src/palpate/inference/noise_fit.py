@@ -109,6 +109,10 @@ def fit_noise(
 
     Parameters
     ----------
+    replicates
+        Deviations of each condition.
+    replicated
+        Whether they are deviations between replicates; else residuals without trends.
     assumed
         Variance of each component: the value itself without replicates, else where the search begins.
     largest

@@ -63,6 +63,17 @@ class Observation:
     ) -> Observation:
         """Resample depths or loads of recordings on the sample times, see `palpate.base.interpolation`.
 
+        Parameters
+        ----------
+        time : ndarray, shape (n_points,)
+            Sample times [s].
+        recordings
+            Replicates of one condition.
+        role
+            ``calibrate`` or ``validate``.
+        quantity
+            The response: ``depth`` or ``load``.
+
         Raises
         ------
         InputError

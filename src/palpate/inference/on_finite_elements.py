@@ -70,7 +70,19 @@ class Linearised:
 def all_errors(
     observations: Mapping[str, Observation], noise: Mapping[str, Noise], curves: Curves, solver_error: float
 ) -> np.ndarray:
-    """Return the covariance (n, n) of the mean curves about simulated `curves`: noise, sites, error of the solver."""
+    """Return the covariance (n, n) of the mean curves about simulated `curves`: noise, sites, error of the solver.
+
+    Parameters
+    ----------
+    observations
+        Recordings of each condition.
+    noise
+        Noise of each condition.
+    curves
+        Simulated curve (n_points,) of each condition.
+    solver_error
+        Relative error of the simulated depth, standard deviation [-].
+    """
     blocks = (noise[name].mean_covariance(curves[name], len(item.response)) for name, item in observations.items())
     shares = {name: item.quantity.share for name, item in observations.items()}
     return block_diag(*blocks) + model_covariance(curves, solver_error, shares)
@@ -82,6 +94,17 @@ def known_errors(
     """Return the covariance (n, n) of the known errors: replicates' noise, sites, error of the solver.
 
     The noise of a condition that was tested once cannot be separated from the model's discrepancy.
+
+    Parameters
+    ----------
+    observations
+        Recordings of each condition.
+    noise
+        Noise of each condition.
+    curves
+        Simulated curve (n_points,) of each condition.
+    solver_error
+        Relative error of the simulated depth, standard deviation [-].
     """
     known = {
         name: noise[name] if len(item.response) > 1 else replace(noise[name], sigma=0.0)
@@ -105,6 +128,12 @@ def estimated(
 
     Parameters
     ----------
+    forward
+        The forward model.
+    observations
+        Recordings of each condition.
+    report
+        Called with one line for each iteration.
     known : ndarray, shape (n, n)
         Covariance of the errors that are known.
     starts

@@ -125,7 +125,19 @@ class Problem:
     def special_case(
         self, explanation: Explanation, z: np.ndarray, key: str, included: str
     ) -> tuple[Explanation, np.ndarray]:
-        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,)."""
+        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,).
+
+        Parameters
+        ----------
+        explanation
+            Keys of its mechanisms.
+        z : ndarray, shape (k,)
+            Coordinates.
+        key
+            Mechanism that is replaced.
+        included
+            Its special case.
+        """
         smaller, rest = self.without(explanation, z, key)
         values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
         return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])

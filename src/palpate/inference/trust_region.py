@@ -95,6 +95,12 @@ def descend(
 
     Parameters
     ----------
+    misfit
+        The least-squares problem.
+    model
+        Gives curves and derivatives.
+    report
+        Called with one line for each iteration.
     starts
         Coordinates (k,), or searches that have ended.
     iterations
@@ -141,6 +147,13 @@ def resumed(
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
     Parameters and errors are those of `descend`.
+
+    Parameters
+    ----------
+    way
+        The search that ended.
+    misfit, model, iterations, report, tolerance, exact
+        See `descend`.
     """
     for start in [way.u, *reversed(way.path)]:
         try:

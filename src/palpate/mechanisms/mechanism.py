@@ -79,7 +79,15 @@ def same_values(values: Values, scale: Scale) -> Values:
 
 
 def unchanged_depth(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Record the depth as it is."""
+    """Record the depth as it is.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        Time [s], recorded load [mN] and true depth [nm].
+    values
+        Parameters of the mechanism by name.
+    """
     return depth
 
 

@@ -198,6 +198,11 @@ def read_recordings(
 ) -> list[MeasuredTest]:
     """Read all tests of a file; arguments as for `read_recording`.
 
+    Parameters
+    ----------
+    path, contact, corrections, columns, units
+        See `read_recording`.
+
     Returns
     -------
     list of MeasuredTest

@@ -141,5 +141,15 @@ def located(rows: list[dict[str, Any]]) -> str:
 def write(
     content: Mapping[str, Any], declared: Mapping[str, Parameter], figure: str | Path, path: str | Path, title: str
 ) -> None:
-    """Write `diagnosis.html`."""
+    """Write `diagnosis.html`.
+
+    Parameters
+    ----------
+    content, declared, figure
+        See `sections`.
+    path
+        File that is written.
+    title
+        Title of the study.
+    """
     html_report.build(f"Diagnosis of {title}", sections(content, declared, figure), [], path)

@@ -65,6 +65,10 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
     Parameters
     ----------
+    title
+        Title of the page.
+    path
+        File that is written.
     sections
         Heading and pieces of HTML of each section.
     notes

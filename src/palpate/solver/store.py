@@ -150,6 +150,17 @@ def computed(
     """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
 
     They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
+
+    Parameters
+    ----------
+    snapshots
+        What is needed.
+    store
+        Folder of the curves.
+    report
+        Called with one line on the progress.
+    solve
+        Simulates specifications.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
     missing = [snapshot for snapshot in snapshots if found[snapshot.address] is None]
@@ -168,7 +179,19 @@ def computed(
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
-    """Write one snapshot; the file appears whole or not at all."""
+    """Write one snapshot; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    path
+        File that is written.
+    simulation
+        The curve.
+    cell
+        Parameters of the material by name.
+    condition
+        Name of the condition.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(f".{os.getpid()}.partial")
     try:

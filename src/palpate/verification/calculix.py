@@ -160,6 +160,8 @@ def refined(
 
     Parameters
     ----------
+    specification
+        The test.
     long, short, fine : ndarray, shape (n,)
         Depth on a coarse mesh in long and in half as long steps, and on a fine mesh in long ones.
     ripples

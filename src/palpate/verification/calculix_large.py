@@ -61,7 +61,19 @@ def specification(protocol: Protocol, friction: float) -> Specification:
 
 
 def moved(program: Path, friction: float, points: int, resolution: Resolution) -> Curve:
-    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops before it turns back."""
+    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops before it turns back.
+
+    Parameters
+    ----------
+    program
+        CalculiX.
+    friction
+        Coulomb coefficient.
+    points
+        Number of samples from knot to knot.
+    resolution
+        Of the mesh.
+    """
     ends = np.arange(float(len(KNOTS)))
     times = np.arange(1, points * (len(KNOTS) - 1) + 1) / points
     asked = specification(Protocol(ends, 4.9 * (KNOTS / KNOTS.max()) ** 2, times), friction)

@@ -103,7 +103,19 @@ def calibrate_study(
     observed: Mapping[str, Observation],
     report: Callable[[str], None] = print,
 ) -> Calibration:
-    """Calibrate a study's parameters: on its surrogates first, then on the finite elements."""
+    """Calibrate a study's parameters: on its surrogates first, then on the finite elements.
+
+    Parameters
+    ----------
+    study
+        The study.
+    models
+        Surrogate of each calibrated condition.
+    observed
+        Recordings of every condition.
+    report
+        Called with one line on the progress.
+    """
     return calibrate(
         models,
         observed,
@@ -122,6 +134,15 @@ def run_calibration(
     """Calibrate one condition set on one set of recordings, and compute its errors with the solver on every condition.
 
     The estimate is that of the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
+
+    Parameters
+    ----------
+    study
+        The study.
+    recordings, condition_set
+        Names of the set of recordings and of the conditions.
+    surrogate_files
+        File of each condition's surrogate.
 
     Returns
     -------
@@ -211,7 +232,19 @@ def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
 
 
 def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
-    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`."""
+    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`.
+
+    Parameters
+    ----------
+    study
+        The study.
+    folder
+        Its results.
+    path
+        File that is written.
+    made_from
+        See `palpate.workflow_support.manifest.of`.
+    """
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
     summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"

@@ -28,7 +28,15 @@ from palpate.output.figures.style import (
 
 @styled
 def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Write a figure with one column a condition; `curves` as for `compose`."""
+    """Write a figure with one column a condition; `curves` as for `compose`.
+
+    Parameters
+    ----------
+    path
+        File that is written.
+    curves, title, synthetic
+        See `compose`.
+    """
     figure = Figure()
     compose(figure, curves, title, synthetic)
     save(figure, path)
@@ -39,6 +47,12 @@ def compose(figure: Figure, curves: pd.DataFrame, title: str, synthetic: bool) -
 
     Parameters
     ----------
+    figure
+        An empty figure.
+    title
+        Title of the figure.
+    synthetic
+        Whether the figure is marked as one of synthetic recordings.
     curves
         Table of `palpate.workflow_support.steps.curves_beside`.
     """

@@ -18,6 +18,17 @@ def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title:
     """Draw the smallest sum of objectives in each generation, for every condition set.
 
     Of several objectives a whole front survives, so that the smallest sum in it may rise again.
+
+    Parameters
+    ----------
+    calibrations
+        Content of each condition set's calibration JSON.
+    path
+        File that is written.
+    title
+        Title of the figure.
+    synthetic
+        Whether the figure is marked as one of synthetic recordings.
     """
     figure, axis = subplots(figsize=(4.4, 2.8))
     for name, calibration in calibrations.items():

@@ -24,6 +24,15 @@ sharp tips hold exactly. At given a and p the force has a potential, so the stif
 
 Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels
 of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
+
+Arguments of several functions:
+
+- `large`: whether strains are large, so that the profile of the tip is taken where a node has moved to
+- `body`: surface nodes and their unknowns, see `palpate.solver.axisymmetric.element.Body`
+- `contact`, `state`: `Contact` and `ContactState`
+- `displacement` (size + 1, LANES), `depth` (LANES,): of the body and of the tip, in the lanes' units of length
+- `k`, `lane`: number of a surface node, and of a lane
+- `done` (LANES,): lanes that are left as they are
 """
 
 from __future__ import annotations
@@ -175,7 +184,15 @@ def pull_on(contact, area, lane):
 
 @njit(cache=True, error_model="numpy")
 def fitted(contact, state, borne, area, lane):
-    """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls."""
+    """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls.
+
+    Parameters
+    ----------
+    borne
+        Load of the contact.
+    area
+        Area of the contact.
+    """
     pull = pull_on(contact, area, lane)
     push = max(borne + pull, LEAST_PRESSURE * pull)
     edge, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
@@ -319,6 +336,15 @@ def spread(body, coupling, widening, swelling, growth):
     """Write the derivatives of the area, of the residual by it (size + 1, LANES), and of the load by it (LANES,).
 
     Those of the area are by the displacements, and by the depth in the last row.
+
+    Parameters
+    ----------
+    coupling
+        See `Coupling`.
+    widening, swelling : ndarray, shape (size + 1, LANES)
+        Out: derivatives of the area, and of the residual by it.
+    growth : ndarray, shape (LANES,)
+        Out: derivative of the load by the area.
     """
     size = widening.shape[0] - 1
     widening[:], swelling[:], growth[:] = 0.0, 0.0, 0.0
@@ -341,6 +367,17 @@ def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
 
     Without friction the matrix is symmetric: `upper` is empty, see `palpate.solver.axisymmetric.banded`, and the `row`
     the `column`. `geometric` (LANES,) is zero where the matrix is to be positive definite.
+
+    Parameters
+    ----------
+    tangent
+        See `Coupling`.
+    lower, upper : ndarray, shape (size * width + 1, LANES)
+        In and out: both halves of the band.
+    column, row : ndarray, shape (size + 1, LANES)
+        Out: border of the depth.
+    corner : ndarray, shape (LANES,)
+        Out: diagonal entry of the depth.
     """
     symmetric = len(upper) == 0
     column[:] = 0.0

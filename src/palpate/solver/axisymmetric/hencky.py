@@ -21,6 +21,11 @@ iteration or so more, and Cholesky's factorisation serves.
 
 The return to the law stands in `internal_forces` here and in `element`: as one function that both call, inlined
 or not, it makes a run a fifth slower.
+
+Arguments of the kernels: `body`, `points`, `laws`, `weights`, `displacement`, `forces` and `band` are those of
+`palpate.solver.axisymmetric.element`; `parts` (PARTS, LANES) is written by `stretch`; `t0`, `t1`, `t2`, `t3` are the
+stress rr, zz, tt, rz [GPa], and `r0`, `r1`, `r2`, `r3` the direction R / rho likewise; `moduli` (4, 4, LANES) are the
+derivatives of the stress by m, h, c and the hoop strain.
 """
 
 from __future__ import annotations

@@ -131,6 +131,15 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded:
 
     Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
     for its size, and run in lanes.
+
+    Parameters
+    ----------
+    smallest, largest
+        Contact radii, in one unit of length with the result.
+    resolution
+        Of the mesh.
+    rounded
+        Whether the tip is rounded.
     """
     growth, even = resolution.growth, resolution.even
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]

@@ -63,7 +63,17 @@ class Neighbours:
         return np.array([moved.get(time, time) for moved, time in zip(self.corners[k], times.tolist(), strict=True)])
 
     def follow(self, start: States, arrived: States, begin: np.ndarray, end: np.ndarray, lanes: np.ndarray) -> None:
-        """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s."""
+        """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s.
+
+        Parameters
+        ----------
+        start, arrived
+            States of the hosts before and after the step.
+        begin, end : ndarray, shape (LANES,)
+            Times of the hosts [s].
+        lanes : ndarray of bool, shape (LANES,)
+            Which take part.
+        """
         refactor(
             self.host.large, self.host.body, arrived.points, self.host.contact, arrived.contact, arrived.laws,
             arrived.displacement, arrived.depth, self.host.system,

@@ -11,6 +11,16 @@ A factor of the matrix serves `REUSES` iterations. Each lane searches along Newt
 work of the forces along it falls below 0.8 of what it was. All lanes are assembled and factored together, at iterations
 that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
 never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
+
+Arguments of several functions, beside those of `advance`:
+
+- `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact.Coupling`
+- `forces`, `forward` (size + 1, LANES): residual R, and K^-1 R
+- `direction` (size + 1, LANES), `toward`, `wider` (LANES,): Newton's direction of displacements, depth and area
+- `force_weight`, `depth_weight`, `excess` (LANES,): of the last equation
+- `late`, `limit` (LANES,): the e of the area, and the largest change of the area
+- `start`, `work` (LANES,): work of the forces along the direction, at its start and now; `norm` the largest force
+- `geometric` (LANES,): zero where the matrix leaves out what keeps it from being positive definite
 """
 
 from __future__ import annotations
@@ -277,7 +287,13 @@ def unbalanced(work, start, tries):
 
 @njit(cache=True)
 def move(displacement, depth, state, direction, toward, wider, lane, distance):
-    """Move one lane along its direction."""
+    """Move one lane along its direction.
+
+    Parameters
+    ----------
+    distance
+        In units of the direction.
+    """
     for i in range(displacement.shape[0] - 1):
         displacement[i, lane] += distance * direction[i, lane]
     depth[lane] += distance * toward[lane]
@@ -286,7 +302,13 @@ def move(displacement, depth, state, direction, toward, wider, lane, distance):
 
 @njit(cache=True)
 def shorten(direction, toward, wider, start, lane, farthest):
-    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that."""
+    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that.
+
+    Parameters
+    ----------
+    farthest
+        Largest displacement of any node.
+    """
     if farthest == np.inf:
         return
     largest = max(np.abs(direction[:, lane]).max(), abs(toward[lane]))
@@ -299,7 +321,13 @@ def shorten(direction, toward, wider, start, lane, farthest):
 
 @njit(cache=True)
 def measure(forces, direction, size, norm, work):
-    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`."""
+    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`.
+
+    Parameters
+    ----------
+    size
+        Number of unknowns.
+    """
     largest, total = splat(0.0), splat(0.0)
     for i in range(size):
         force = load(forces, i)
