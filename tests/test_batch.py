@@ -11,7 +11,8 @@ from scipy.stats import norm
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march, march_cases, newton
 from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
-from palpate.solver.axisymmetric.contact import contact_forces, fit, no_coupling, penetration, width_of
+from palpate.solver.axisymmetric.contact import contact_forces, fit, penetration, width_of
+from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, store

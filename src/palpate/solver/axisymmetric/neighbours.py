@@ -23,7 +23,8 @@ import numpy as np
 from numba import njit
 
 from palpate.solver.axisymmetric.banded import solve_again
-from palpate.solver.axisymmetric.contact import LEAST_RESPONSE, contact_forces, end_step, fit, no_coupling
+from palpate.solver.axisymmetric.contact import contact_forces, end_step, fit
+from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, no_coupling
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march import March, States
 from palpate.solver.axisymmetric.newton import (

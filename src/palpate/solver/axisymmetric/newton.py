@@ -14,7 +14,7 @@ never depend on each other. A lane whose matrix is not positive definite takes i
 
 Arguments of several functions, beside those of `advance`:
 
-- `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact.Coupling`
+- `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact_coupling.Coupling`
 - `forces`, `forward` (size + 1, LANES): residual R, and K^-1 R
 - `direction` (size + 1, LANES), `toward`, `wider` (LANES,): Newton's direction of displacements, depth and area
 - `force_weight`, `depth_weight`, `excess` (LANES,): of the last equation
@@ -33,16 +33,8 @@ from numba import njit
 
 from palpate.solver.axisymmetric import element, hencky
 from palpate.solver.axisymmetric.banded import solve, solve_again
-from palpate.solver.axisymmetric.contact import (
-    LEAST_RESPONSE,
-    add_tangent,
-    contact_forces,
-    fit,
-    no_coupling,
-    pull_on,
-    share_of,
-    spread,
-)
+from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, share_of
+from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
@@ -79,7 +71,7 @@ class System(NamedTuple):
         Solution for the border.
     widening, swelling : ndarray, shape (size + 1, LANES)
         Derivatives of the area, and solution for those of all forces by it, see
-        `palpate.solver.axisymmetric.contact.spread`.
+        `palpate.solver.axisymmetric.contact_coupling.spread`.
     growth : ndarray, shape (LANES,)
         Derivative of the load by the area.
     """
