@@ -95,10 +95,8 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lowe
 
     Parameters
     ----------
-    load, depth : ndarray, shape (n,)
-        [mN], [nm].
-    upper, lower
-        Fractions of the largest load between which the unloading is taken.
+    load, depth, upper, lower
+        See `unloading_part`.
 
     Raises
     ------

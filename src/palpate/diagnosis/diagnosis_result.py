@@ -190,16 +190,14 @@ def to_mapping(
 
     Parameters
     ----------
-    study
-        The study.
-    observed
-        Recordings of every condition by its name, in nm.
+    study, observed
+        See `curves`.
     diagnosis
         The verdict and its fits.
     rng
         Source of the draws from posteriors.
     own_laws
-        What exact laws say about each recording of each condition.
+        Amplitudes that exact laws give for each recording of each condition.
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit

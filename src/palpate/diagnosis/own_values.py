@@ -34,10 +34,8 @@ def recording_values(
 
     Parameters
     ----------
-    study
-        The study.
-    observed
-        Recordings of every condition by its name, in nm.
+    study, observed
+        The study, and the recordings of every condition in nm.
     fit
         An explanation in which amplitudes differ between recordings.
     own_laws
@@ -81,14 +79,8 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
 
     Parameters
     ----------
-    study
-        The study.
-    fit
-        An explanation at its best parameters.
-    condition
-        The condition.
-    curve : ndarray, shape (n_points,)
-        Simulated depth [nm].
+    study, fit, condition, curve
+        See `about`.
     item
         Recordings of the condition.
     """

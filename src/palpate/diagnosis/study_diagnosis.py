@@ -76,11 +76,9 @@ def diagnosed(
 
     Parameters
     ----------
-    study
-        The study.
     recorded
         Checked recordings of each condition, from contact on.
-    starts, report
+    study, starts, report
         See `run_diagnosis`.
     """
     rng = np.random.default_rng([study.seed, 1])

@@ -133,14 +133,12 @@ def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray,
 
     Parameters
     ----------
-    problem
-        The data of the diagnosis.
-    own
-        Amplitudes that differ between recordings.
+    problem, own
+        See `components_under`.
     residual : ndarray, shape (n_all,)
         Of a fit [nm].
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where most conditions have no replicates [-].
+        Assumed scatter between sites, where most conditions have no replicates [-].
     """
     if problem.replicated:
         found = noise_between_replicates(problem, own, site_scatter)

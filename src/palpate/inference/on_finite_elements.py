@@ -97,14 +97,8 @@ def known_errors(
 
     Parameters
     ----------
-    observations
-        Recordings of each condition.
-    noise
-        Noise of each condition.
-    curves
-        Simulated curve (n_points,) of each condition.
-    solver_error
-        Relative error of the simulated depth, standard deviation [-].
+    observations, noise, curves, solver_error
+        See `all_errors`.
     """
     known = {
         name: noise[name] if len(item.response) > 1 else replace(noise[name], sigma=0.0)

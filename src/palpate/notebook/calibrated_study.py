@@ -16,7 +16,7 @@ from palpate.inference.calibration_result import Calibration
 from palpate.inference.study_recordings import resampled
 from palpate.notebook.notebook_study import NotebookStudy, study_of
 from palpate.notebook.session import kept_results
-from palpate.notebook.shown import axes_for, composed, page, text_table
+from palpate.notebook.shown import Shown, axes_for, composed
 from palpate.notebook.study_tests import Given, StudyTests
 from palpate.output import html_report
 from palpate.output.figures import fitted_curves
@@ -26,7 +26,7 @@ from palpate.workflow_support.steps import calibrate_study, curves_beside, error
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CalibratedStudy:
+class CalibratedStudy(Shown):
     """What a calibration found.
 
     Parameters
@@ -71,13 +71,8 @@ class CalibratedStudy:
             for name, found in self.calibration.parameters.items()
         )
 
-    def summary(self) -> str:
-        """Return parameters, errors and their meaning as text."""
-        tables = [text_table(self._estimates()), text_table(self.errors)]
-        return "\n\n".join([repr(self), *tables, *self._sentences()])
-
-    def _estimates(self) -> pd.DataFrame:
-        return self.to_frame()[["parameter", "unit", "estimate", "lower", "upper", "identified"]]
+    def _tables(self) -> list[pd.DataFrame]:
+        return [self.to_frame()[["parameter", "unit", "estimate", "lower", "upper", "identified"]], self.errors]
 
     def _sentences(self) -> list[str]:
         content = self.calibration.to_mapping()
@@ -115,9 +110,6 @@ class CalibratedStudy:
             f"<CalibratedStudy {self.study.name!r}, recordings {self.tests.name!r}: {fixed} of {len(known)} parameters "
             "identified>"
         )
-
-    def _repr_html_(self) -> str:
-        return page(repr(self).strip("<>"), self._sentences(), self._estimates(), self.errors)
 
 
 def calibrate(

@@ -16,14 +16,14 @@ from palpate.diagnosis.study_diagnosis import diagnosed
 from palpate.errors import InputError
 from palpate.notebook.calibrated_study import CalibratedStudy, calibrate
 from palpate.notebook.notebook_study import NotebookStudy, study_of
-from palpate.notebook.shown import composed, page, text_table
+from palpate.notebook.shown import Shown, composed
 from palpate.notebook.study_tests import Given, StudyTests
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosedStudy:
+class DiagnosedStudy(Shown):
     """What a diagnosis found.
 
     Parameters
@@ -75,10 +75,12 @@ class DiagnosedStudy:
         """
         return diagnosis_page.explanations(self.content)
 
-    def summary(self) -> str:
-        """Return the verdict in words, the candidates, and the limits of the recordings as text."""
-        candidates = [text_table(self.to_frame())] if len(self.to_frame()) else []
-        return "\n\n".join([repr(self), self.content["sentence"], *candidates, *self.content["limits"]])
+    def _sentences(self) -> list[str]:
+        return [self.content["sentence"], *self.content["limits"]]
+
+    def _tables(self) -> list[pd.DataFrame]:
+        candidates = self.to_frame()
+        return [candidates, self.tried] if len(candidates) else [self.tried]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw what was found.
@@ -103,10 +105,6 @@ class DiagnosedStudy:
     def __repr__(self) -> str:
         named = f", {' + '.join(self.mechanisms)}" if self.mechanisms else ""
         return f"<DiagnosedStudy {self.study.name!r}, recordings {self.tests.name!r}: {self.verdict}{named}>"
-
-    def _repr_html_(self) -> str:
-        frames = [self.to_frame()] if len(self.to_frame()) else []
-        return page(repr(self).strip("<>"), [self.content["sentence"], *self.content["limits"]], *frames, self.tried)
 
 
 def diagnose(

@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError
-from palpate.notebook.shown import axes_for, page
+from palpate.notebook.shown import Shown, axes_for
 from palpate.output.figures.recorded_test import COLOURS
 from palpate.recordings.readers import (
     CORRECTIONS,
@@ -32,7 +32,7 @@ from palpate.recordings.segments import Segment, segments
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredTest:
+class MeasuredTest(Shown):
     """A test that was read from a file.
 
     Parameters
@@ -89,10 +89,6 @@ class MeasuredTest:
             return segments(self.time, self.load)
         return []
 
-    def summary(self) -> str:
-        """Return size, duration, segments and anomalies of the test as text."""
-        return "\n".join([repr(self), *self._sentences()])
-
     def _sentences(self) -> list[str]:
         peak = int(np.argmax(self.load))
         lines = [
@@ -132,9 +128,6 @@ class MeasuredTest:
 
     def __repr__(self) -> str:
         return f"<MeasuredTest {self.name!r} of {self.file.name}>"
-
-    def _repr_html_(self) -> str:
-        return page(f"{self.file.name}, {self.name}", self._sentences())
 
 
 def read_recording(

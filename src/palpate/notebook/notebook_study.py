@@ -18,7 +18,7 @@ from palpate.draft import Drafted, readable, study_name, write_study
 from palpate.errors import InputError
 from palpate.notebook.measured_test import MeasuredTest
 from palpate.notebook.session import new_folder
-from palpate.notebook.shown import axes_for, page, text_table
+from palpate.notebook.shown import Shown, axes_for
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
 from palpate.recordings.readers import VendorTest
@@ -26,7 +26,7 @@ from palpate.study.protocol import LOAD
 
 
 @dataclass(frozen=True, repr=False)
-class NotebookStudy(Study):
+class NotebookStudy(Shown, Study):
     """A checked study with a summary, a table and a plot; ``from palpate import Study`` names this class.
 
     It has the attributes of `palpate.configuration.study_file.Study` and is taken wherever that is.
@@ -50,10 +50,8 @@ class NotebookStudy(Study):
 
         Parameters
         ----------
-        path
-            The file; relative paths in it count from the folder in which Python runs.
-        data
-            The vendor's file in place of the one that ``source`` names, or a folder that holds one of that name.
+        path, data
+            See `palpate.configuration.study_file.load_study`; relative paths count from the present folder.
 
         Raises
         ------
@@ -123,18 +121,12 @@ class NotebookStudy(Study):
         study, remarks = write_study(drafted, output, name, say, law, sphere)
         return cls.of(study, [*messages, *remarks])
 
-    def summary(self) -> str:
-        """Return law, ranges and conditions as text."""
-        return "\n".join(
-            [repr(self), *self._sentences(), "", text_table(self._parameters()), "", text_table(self.to_frame())]
-        )
-
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
         lines = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
         return [f"study: {self.file}", *lines, *self.remarks]
 
-    def _parameters(self) -> pd.DataFrame:
+    def _tables(self) -> list[pd.DataFrame]:
         rows: list[dict[str, Any]] = [
             {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(levels), "to": max(levels)}
             for name, levels in self.levels.items()
@@ -143,7 +135,7 @@ class NotebookStudy(Study):
             {"parameter": in_words(name), "unit": self.declared[name].unit, "from": value, "to": value}
             for name, value in self.fixed.items()
         ]
-        return pd.DataFrame(rows)
+        return [pd.DataFrame(rows), self.to_frame()]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a condition: name, role, drive with its largest value and unit, duration_s, points."""
@@ -176,9 +168,6 @@ class NotebookStudy(Study):
     def __repr__(self) -> str:
         names = ", ".join(condition.name for condition in self.conditions)
         return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, conditions {names}>"
-
-    def _repr_html_(self) -> str:
-        return page(repr(self).strip("<>"), self._sentences(), self._parameters(), self.to_frame())
 
 
 def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:

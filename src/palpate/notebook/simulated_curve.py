@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError
-from palpate.notebook.shown import axes_for, page
+from palpate.notebook.shown import Shown, axes_for
 from palpate.output.figures.style import RECORDED
 from palpate.recordings.recording import Recording
 from palpate.solver import simulation
@@ -21,7 +21,7 @@ from palpate.study.specification import Specification
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SimulatedCurve:
+class SimulatedCurve(Shown):
     """A simulated test.
 
     Parameters
@@ -45,10 +45,6 @@ class SimulatedCurve:
         """The curve as a recording, which can be drafted and calibrated like a measured one."""
         notes = ("SYNTHETIC: simulated by palpate",)
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
-
-    def summary(self) -> str:
-        """Return material, size, duration and solver time as text."""
-        return "\n".join([repr(self), *self._sentences()])
 
     def _sentences(self) -> list[str]:
         peak, spec = int(np.argmax(self.load)), self.specification
@@ -74,9 +70,6 @@ class SimulatedCurve:
 
     def __repr__(self) -> str:
         return f"<SimulatedCurve of {self.specification.model} under {self.specification.indenter.shape}>"
-
-    def _repr_html_(self) -> str:
-        return page(f"{self.specification.model} under {self.specification.indenter.shape}", self._sentences())
 
 
 def simulate(

@@ -240,15 +240,7 @@ def _same_body(solid: Specification, other: Specification) -> bool:
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
-    """Simulate one indentation for displacement and stress at some times [s].
-
-    Raises
-    ------
-    InputError
-        When a time lies outside the test.
-    PalpateError
-        When the solver fails.
-    """
+    """Simulate one indentation for displacement and stress at some times [s]; errors are those of `states_at`."""
     if not specification.indenter.of_revolution:
         problem, states = states_at(specification, times)
         return [fields_of(problem, state) for state in states]

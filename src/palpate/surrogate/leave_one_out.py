@@ -115,14 +115,8 @@ def choose_lengths(points: np.ndarray, data: np.ndarray, kernel: str, max_condit
 
     Parameters
     ----------
-    points : ndarray, shape (n, p)
-        Centres, scaled to [0, 1].
-    data : ndarray, shape (n, k)
-        Values at the centres.
-    kernel
-        Key of `palpate.surrogate.kernels.KERNELS`.
-    max_condition
-        Largest condition number allowed.
+    points, data, kernel, max_condition
+        See `choose_shape`.
 
     Raises
     ------

@@ -136,14 +136,8 @@ def rms(quantity: str, expected: np.ndarray, found: np.ndarray, allowed: float |
 
     Parameters
     ----------
-    quantity
-        What is compared, with its unit.
-    expected, found : ndarray, shape (n,)
-        Reference values and those of palpate.
-    allowed
-        Largest relative deviation; None where it is reported only.
-    note
-        Shown beside the row.
+    quantity, expected, found, allowed, note
+        See `worst`.
     """
     k = int(np.argmax(expected))
     measure = float(np.sqrt(np.mean((found / expected - 1) ** 2)))

@@ -47,12 +47,8 @@ def compose(figure: Figure, curves: pd.DataFrame, title: str, synthetic: bool) -
 
     Parameters
     ----------
-    figure
-        An empty figure.
-    title
-        Title of the figure.
-    synthetic
-        Whether the figure is marked as one of synthetic recordings.
+    figure, title, synthetic
+        See `palpate.output.figures.explained_curves.compose`.
     curves
         Table of `palpate.workflow_support.steps.curves_beside`.
     """

@@ -23,12 +23,8 @@ def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title:
     ----------
     calibrations
         Content of each condition set's calibration JSON.
-    path
-        File that is written.
-    title
-        Title of the figure.
-    synthetic
-        Whether the figure is marked as one of synthetic recordings.
+    path, title, synthetic
+        See `palpate.output.figures.estimates_figure.draw`.
     """
     figure, axis = subplots(figsize=(4.4, 2.8))
     for name, calibration in calibrations.items():

@@ -56,8 +56,19 @@ class Resolution:
         return round(1.0 / (self.growth - 1.0))
 
 
+class Numbered:
+    """A mesh with `equations`, -1 where a displacement is held."""
+
+    equations: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return int(self.equations.max()) + 1
+
+
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Numbered):
     """Four-node axisymmetric elements with everything that does not change during a simulation.
 
     Attributes
@@ -84,11 +95,6 @@ class Mesh:
     gradients: np.ndarray
     weights: np.ndarray
     bandwidth: int
-
-    @property
-    def size(self) -> int:
-        """Number of equations."""
-        return int(self.equations.max()) + 1
 
     def share_above(self, height: float) -> np.ndarray:
         """Return the share (m,) of each element's volume of revolution above z = `height` [um], exactly."""
