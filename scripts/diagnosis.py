@@ -10,13 +10,13 @@ from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.run_records import answer_of, of_diagnosis, recorded
+from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
 
 
 def main(snakemake):
     study, output, answer = job.study(snakemake), snakemake.output, {}
     recordings, calibrated = snakemake.wildcards.recordings, steps.estimate_of(snakemake.input.calibration)
-    with recorded(study.name, output.record, answer) as runs:
+    with tracked_runs(study.name, output.record, answer) as runs:
         with open(snakemake.log[0], "w", encoding="utf-8") as log:
             report = functools.partial(print, file=log, flush=True)
             content, curves = run_diagnosis(study, recordings, calibrated, report)

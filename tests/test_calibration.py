@@ -161,7 +161,7 @@ def test_the_forward_model_removes_the_error_of_the_surrogate():
     assert abs(found.on_surrogates["b"] - TRUTH["b"]) > 5e-3
     assert found.values["b"] == pytest.approx(TRUTH["b"], abs=1e-4)
     assert found.conditions["slow"]["rmse_nm"] < 0.2
-    assert found.settled
+    assert found.converged
 
 
 def test_an_estimate_may_lie_outside_its_range():
@@ -195,7 +195,7 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
     found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, lines.append)
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
-    assert found.settled and len(lines) < 40
+    assert found.converged and len(lines) < 40
 
 
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
@@ -228,7 +228,7 @@ def test_a_held_out_condition_that_cannot_be_simulated_is_told_and_left_out():
     told = []
     found = calibrated(data, Forward(fails=("check",)), report=told.append)
     assert set(found.simulated_curves) == set(found.conditions) == set(FAMILIES)
-    assert told[-1] == "check is not judged: no equilibrium"
+    assert told[-1] == "check has no errors: no equilibrium"
 
 
 class Linear:

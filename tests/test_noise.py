@@ -18,7 +18,7 @@ SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]
 def test_more_components_never_fit_worse(seed, replicates):
     """Slow noise, a random walk and a drift pass for each other: the nearest maximum may be the wrong one.
 
-    The prior that keeps scatter and wander from zero may cost the likelihood a few tenths.
+    The prior that keeps scatter and random walk from zero may cost the likelihood a few tenths.
     """
     rng = np.random.default_rng(seed)
     task = problem(recordings(rng, replicates=replicates, sigma=4.0, memory=0.97))

@@ -14,7 +14,7 @@ from palpate.inference.study_scale import SLOPE, scale_of
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.study.specification import of_equivalent_cone
 
 SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
@@ -27,7 +27,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names what is not known or cannot act, ranges of what is not searched, or too few draws.
+        When the study names a mechanism that does not exist or cannot act, a range of a quantity that is not searched,
+        or too few draws.
     """
     try:
         return _candidates(study)
@@ -50,7 +51,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
         values = dict(mechanism.from_search(some, scale))
         try:
             for specification in specifications:
-                acting(replace(specification, mechanisms={key: values}))
+                applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
             if study.diagnosis["mechanisms"]:
                 raise
@@ -60,7 +61,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _check_draws(draws: int, level: float) -> None:
-    """Refuse so few draws of the noise that no p-value falls below the significance: everything would pass."""
+    """Refuse so few draws that no p-value can fall below the significance: everything would be adequate."""
     least = int(KINDS_OF_TESTS / level + 1e-9)
     if draws < least:
         raise InputError(
@@ -71,7 +72,7 @@ def _check_draws(draws: int, level: float) -> None:
 
 
 def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
-    """Refuse stated ranges of what is not searched, or that hold nothing."""
+    """Refuse stated ranges of quantities that are not searched, and empty ranges."""
     for key, ranges in scale.stated.items():
         if key not in considered:
             raise InputError(
@@ -91,7 +92,7 @@ def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
 
 
 def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
-    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have.
+    """Refuse stated ranges with ends that the mechanism does not allow, or that the study's extreme bodies cannot have.
 
     Quantities without a stated range are at their lowest, where bodies are softest.
     """

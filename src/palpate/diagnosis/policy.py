@@ -14,21 +14,22 @@ class SearchPolicy:
     starts
         Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
         advance side by side, and one that falls behind is given up.
-    screened
+    behind_best
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
-    outdone
+    behind_adequate
         The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both are
         accepted.
     least, most, most_sets
         Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
     mechanism_penalty
-        Logarithm of the likelihood of what is left, by which one more mechanism must raise it to tell the noise of
-        recordings without replicates: the cost of a parameter by Akaike's criterion is one, by Schwarz's about three.
+        By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
+        the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
+        Schwarz's.
     """
 
     starts: int = 2
-    screened: float = 40.0
-    outdone: float = 10.0
+    behind_best: float = 40.0
+    behind_adequate: float = 10.0
     least: int = 5
     most: int = 8
     most_sets: int = 5

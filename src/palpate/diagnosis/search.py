@@ -55,7 +55,7 @@ class Search:
     calibrated
         Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
     laws
-        Returns what exact laws say about amplitudes beside a fit of the base model.
+        Returns the amplitudes that exact laws give, from a fit of the base model.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Search:
     base
         The base model.
     screen
-        What mechanisms would add to it.
+        Effects of mechanisms at its optimum.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class Search:
         return self.fitted((*fit.explanation, key), starts, fit.curve)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
-        """Return a fit that is near to what noise leaves without each of its mechanisms in turn, where it lies."""
+        """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""
         problem, found = self.problem, []
         for key in fit.explanation if self._fitter.near(fit) else ():
             smaller, rest = problem.without(fit.explanation, fit.z, key)
@@ -122,23 +122,24 @@ class Search:
         return Candidate(fit, left, tuple(contradicted(fit, fit.laws)))
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
-        """Take for noise, without replicates, what the fit leaves that leaves least beside slow trends.
+        """Estimate the noise from the residual of the best-fitting set of mechanisms, less slow trends.
 
-        One that fits worse would allow itself more noise, but what is compared has to be measured by the same. To first
-        order, sets grow from the base model as long as one more mechanism makes what is left much likelier.
+        A worse fit would estimate more noise, but explanations have to be compared with the same noise. To first order,
+        mechanisms are added to the base model as long as one more raises the log-likelihood of the residual by more
+        than its penalty.
         """
         fitter, likeliest, best = self._fitter, base, self._residual_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis["largest_set"]):
-            fitter.take_for_noise(likeliest.residual)
+            fitter.use_residual_as_noise(likeliest.residual)
             likeliest = replace(likeliest, errors=fitter.errors((), likeliest.z, likeliest.curve))
-            wider = [self.screen.taken_off(likeliest, key) for key in self.screen.keys]
+            wider = [self.screen.with_effect(likeliest, key) for key in self.screen.keys]
             likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
             if max(likely, default=-np.inf) <= best:
                 break
             likeliest = wider[int(np.argmax(likely))]
             best = self._residual_log_likelihood(likeliest.residual)
-        fitter.take_for_noise(likeliest.residual)
+        fitter.use_residual_as_noise(likeliest.residual)
 
     def _residual_log_likelihood(self, residual: np.ndarray) -> float:
-        """Return the logarithm of the likelihood of what is left (n_all,) beside slow trends."""
+        """Return the log-likelihood of a residual (n_all,) as noise, less slow trends."""
         return noise_of(self.problem, (), residual, self.study.calibration["site_scatter"]).log_likelihood

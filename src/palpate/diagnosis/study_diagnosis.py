@@ -16,7 +16,7 @@ from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
-from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
+from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
 from palpate.recordings.recording import Recording
@@ -51,7 +51,15 @@ def diagnosed(
     calibrated: Mapping[str, float] | None = None,
     report: Callable[[str], None] = print,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`."""
+    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`.
+
+    Parameters
+    ----------
+    recorded
+        Checked recordings of each condition, from contact on.
+    study, starts, report
+        See `run_diagnosis`.
+    """
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
@@ -62,9 +70,9 @@ def diagnosed(
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)
     best = found.accepted[0] if found.accepted else found.base
     explained = found.verdict != "unexplained"
-    content["may_hide"] = may_hide(best.fit, search.screen.keys) if explained else {}
-    content["open_amplitudes"] = open_amplitudes(best.fit, search.screen) if explained else {}
-    content["limits"] += not_fixed(best.fit, content["open_amplitudes"])
+    content["undetected_effects"] = undetected_effects(best.fit, search.screen.keys) if explained else {}
+    content["joint_intervals"] = joint_intervals(best.fit, search.screen) if explained else {}
+    content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
     content["study"] = study.name
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.inference.calibration_result import Calibration
-from palpate.inference.estimates import described, estimates, judged, named_matrix
+from palpate.inference.estimates import condition_errors, described, estimates, named_matrix
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
@@ -83,12 +83,12 @@ def calibrate(
     rng
         Source of all randomness.
     report
-        Told how it goes on.
+        Called with one line on the progress.
 
     Raises
     ------
     InputError
-        When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
+        When no condition is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
         parameters, a mean depth is constant or nowhere positive, or the relative objective meets a depth that is not
         positive.
     PalpateError
@@ -105,10 +105,10 @@ def calibrate(
     found, solved = intervals(fit, rng), {}
     for name, curve in fit.everywhere.items():
         if isinstance(curve, str):
-            report(f"{name} is not judged: {curve.removeprefix(f'{name}: ')}")
+            report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
         else:
             solved[name] = curve / problem.nm.get(name, 1.0)
-    table = judged(problem.recorded, solved)
+    table = condition_errors(problem.recorded, solved)
     weighable = not problem.replicated or found.misfit_ratio < MOST_MISFIT
     explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
     return Calibration(
@@ -117,7 +117,7 @@ def calibrate(
         surrogate_curves=first.curves({name: surrogates[name] for name in problem.recorded if name in surrogates}),
         simulated_curves=solved,
         on_surrogates=first.values,
-        settled=fit.settled,
+        converged=fit.converged,
         misfit_ratio=found.misfit_ratio,
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=described(problem, fit.errors.noise),
@@ -142,5 +142,5 @@ def base_fit(
     fit = fitter.base([*begin, *fitter.scattered(rng)])
     if problem.replicated:
         return fit
-    fitter.take_for_noise(fit.residual)
+    fitter.use_residual_as_noise(fit.residual)
     return fitter.fitted((), [fit.z], fit.curve)

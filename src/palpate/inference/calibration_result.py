@@ -20,7 +20,7 @@ class Estimate:
     lower, upper
         95 % interval.
     identified
-        Whether the data fix it (see `palpate.inference.intervals`).
+        Whether the data determine it (see `palpate.inference.intervals`).
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound
@@ -54,14 +54,14 @@ class Calibration:
         Curves of the forward model at the estimate, of every condition under which it did not fail.
     on_surrogates
         Parameters at the optimum of the genetic search.
-    settled
-        Whether the search on the forward model arrived.
+    converged
+        Whether the search on the forward model converged.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     correlation
         Correlations of the free parameters, by name.
     noise
-        For each calibrated condition: sigma_nm (or sigma_mN, where the load answers), correlation, site_scatter,
+        For each calibrated condition: sigma_nm (or sigma_mN under displacement control), correlation, site_scatter,
         replicates.
     pareto
         `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.
@@ -80,7 +80,7 @@ class Calibration:
     surrogate_curves: Mapping[str, np.ndarray]
     simulated_curves: Mapping[str, np.ndarray]
     on_surrogates: Mapping[str, float]
-    settled: bool
+    converged: bool
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
@@ -107,7 +107,7 @@ class Calibration:
             "parameters": {name: vars(found).copy() for name, found in self.parameters.items()},
             "conditions": {name: dict(row) for name, row in self.conditions.items()},
             "on_surrogates": dict(self.on_surrogates),
-            "settled": self.settled,
+            "converged": self.converged,
             "misfit_ratio": self.misfit_ratio,
             "correlation": {name: dict(row) for name, row in self.correlation.items()},
             "noise": {name: dict(row) for name, row in self.noise.items()},

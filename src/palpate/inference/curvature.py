@@ -1,9 +1,9 @@
-"""Curves around a fit to second order, where recordings leave its parameters open.
+"""Curves around a fit to second order, along the parameters that the recordings determine least.
 
-Along the few directions in which least is known an interval is wide, and the slope at the best point is not that at its
-ends. The forward model's derivatives one standard deviation to either side along each of these axes tell by how much
-the curves bend along it, and how the slope by every other coordinate changes with it (Box & Wilson, J. R. Stat. Soc. B
-13 (1951) 1-45, with slopes in place of further runs).
+Along the few least determined directions an interval is wide, and the derivatives at the best point differ from those
+at its ends. The forward model's derivatives one standard deviation to either side along each of these axes give the
+second derivatives along it, pure and mixed with every other coordinate (Box & Wilson, J. R. Stat. Soc. B 13 (1951)
+1-45, with slopes in place of further runs).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from palpate.inference.explanation import Fit
 
-AXES = 3  # along which the curves may bend
-REACH = 2.0  # standard deviations, beyond which they go on straight
+AXES = 3  # along which second derivatives are taken
+REACH = 2.0  # standard deviations, beyond which the curves are continued linearly
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +40,10 @@ class Curvature:
 
     @classmethod
     def of(cls, fit: Fit) -> Curvature:
-        """Simulate the slopes around a fit; where one end lies beyond a limit, or fails, the other tells the bend."""
+        """Simulate the slopes around a fit, one-sided where an end lies beyond a limit or the model fails."""
         variances, directions = np.linalg.eigh(fit.posterior)
         axes = (directions * np.sqrt(variances))[:, -AXES:]
-        least, largest = fit.coordinates.walls
+        least, largest = fit.coordinates.limits
         ends = [fit.z + side * step for step in axes.T for side in (1.0, -1.0)]
         within = [bool(np.all((end >= least) & (end <= largest))) for end in ends]
         outcomes = fit.model.tangents([fit.z, *(end for end, inside in zip(ends, within, strict=True) if inside)])

@@ -17,7 +17,9 @@ from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 
 
-def judged(observations: Mapping[str, Observation], curves: Mapping[str, np.ndarray]) -> dict[str, dict[str, Any]]:
+def condition_errors(
+    observations: Mapping[str, Observation], curves: Mapping[str, np.ndarray]
+) -> dict[str, dict[str, Any]]:
     """Return the errors of simulated curves (n_points,), by condition."""
     return {
         name: error_measures(observations[name].mean, curve, observations[name].quantity)
@@ -27,16 +29,26 @@ def judged(observations: Mapping[str, Observation], curves: Mapping[str, np.ndar
 
 
 def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate]:
-    """Return estimates and intervals in their units, by name; none is identified in a fit that fails."""
+    """Return estimates and intervals in their units, by name; none is identified in a failing fit.
+
+    Parameters
+    ----------
+    fit
+        The fit of the base model.
+    found
+        Intervals and flags of its coordinates.
+    explained
+        Whether the fit explains the recordings.
+    """
     coordinates, outside = fit.coordinates, np.abs(fit.z - 0.5) > 0.5 + 1e-9
     low, high = coordinates.named(found.lower), coordinates.named(found.upper)
     places = {name: k for k, name in enumerate(coordinates.names)}
-    told = {}
+    found_estimates = {}
     for name, value in coordinates.named(fit.z).items():
         free, k = name in places, places.get(name, 0)
         flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
-        told[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
-    return told
+        found_estimates[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
+    return found_estimates
 
 
 def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:
@@ -52,7 +64,7 @@ def described(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, float]
         item = problem.recorded[name]
         told[name] = {
             f"sigma_{item.quantity.unit}": float(noise.sigma[k]) / problem.nm.get(name, 1.0),
-            "correlation": float(noise.memory[k]),
+            "correlation": float(noise.autocorrelation[k]),
             "site_scatter": float(np.sqrt(noise.variances["site"])) * abs(item.quantity.share),
             "replicates": len(item.response),
         }

@@ -40,8 +40,8 @@ class Fit:
         Their slopes [nm].
     laws
         What exact laws say about amplitudes: data, too.
-    settled
-        Whether the search that led here arrived.
+    converged
+        Whether the search that led here converged.
     """
 
     problem: Problem
@@ -52,7 +52,7 @@ class Fit:
     curve: np.ndarray
     tangent: np.ndarray
     laws: tuple[AmplitudeConstraint, ...] = ()
-    settled: bool = True
+    converged: bool = True
 
     @cached_property
     def own(self) -> tuple[Amplitude, ...]:
@@ -93,7 +93,7 @@ class Fit:
         return np.linalg.qr(self.whiten(self.tangent))[0]
 
     def off_tangent(self, white: np.ndarray) -> np.ndarray:
-        """Return what whitened values (n_all, ...) have off the tangent space."""
+        """Return the part of whitened values (n_all, ...) off the tangent space."""
         return white - self.tangent_space @ (self.tangent_space.T @ white)
 
     @cached_property
@@ -102,7 +102,7 @@ class Fit:
         return self.whiten(self.residual)
 
     def from_laws(self, z: np.ndarray) -> np.ndarray:
-        """Return by how many standard deviations the amplitudes at z (k,) depart from the laws."""
+        """Return the departures [standard deviations] of the amplitudes at z (k,) from the laws."""
         return departures(self.laws, self.model.amplitudes(z))
 
     @cached_property
@@ -112,7 +112,7 @@ class Fit:
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, of the laws and of what lies outside its range."""
+        """Chi-square of the mean curves, of the laws, and of the prior outside the ranges."""
         off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
         return float(self.white @ self.white + off @ off + beyond @ beyond)
 
@@ -123,7 +123,7 @@ class Fit:
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Of means, laws and, where there are replicates, what distinguishes them."""
+        """Log-likelihood of the means, of the laws and, where there are replicates, of their differences."""
         noise = self.errors.noise
         return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume
 
@@ -139,15 +139,15 @@ class Fit:
 
     @cached_property
     def information(self) -> np.ndarray:
-        """What curves and laws tell about the coordinates (k, k), to first order."""
+        """Fisher information (k, k) of curves and laws about the coordinates, to first order."""
         white = self.whiten(self.tangent)
         return white.T @ white + self.law_tangent.T @ self.law_tangent
 
     @cached_property
     def log_evidence(self) -> float:
         """Laplace's approximation with priors of density one over the ranges."""
-        sharpened = np.eye(len(self.z)) + DENSITY_ONE * self.information
-        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
+        relative = np.eye(len(self.z)) + DENSITY_ONE * self.information
+        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(relative)[1])
 
     @property
     def log_volume(self) -> float:

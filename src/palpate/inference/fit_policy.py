@@ -16,20 +16,21 @@ class FitPolicy:
     searches
         That go on, from the best of all places.
     iterations
-        Largest number of iterations of a search; those that settle take 4 to 8, and 1 to 3 where one ended before.
+        Largest number of iterations of a search; those that converge take 4 to 8, and 1 to 3 where one ended before.
     iterations_from_afar
         The same of one that begins at scattered places.
-    settled_at_first, settled
-        Changes of chi-square below which a search has settled: 0.7 and 0.14 standard deviations of the estimate in all.
-    hopeless
-        Chi-square per sample from which a fit leaves far more than noise, whatever the meshes differ by where it lies:
-        no more is spent on an explanation that does.
+    first_tolerance, tolerance
+        Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
+        estimate.
+    poor_fit
+        Chi-square per sample above which an explanation leaves far more than noise, whatever the error of the mesh: it
+        is not refined.
     """
 
     scattered: int = 16
     searches: int = 2
     iterations: int = 12
     iterations_from_afar: int = 30
-    settled_at_first: float = 0.5
-    settled: float = 0.02
-    hopeless: float = 50.0
+    first_tolerance: float = 0.5
+    tolerance: float = 0.02
+    poor_fit: float = 50.0

@@ -58,7 +58,7 @@ class Fitter:
     _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self.take_for_noise(np.zeros(len(self.problem.mean)))
+        self.use_residual_as_noise(np.zeros(len(self.problem.mean)))
 
     def base(self, starts: Sequence[np.ndarray]) -> Fit:
         """Fit the base model from coordinates (k,); of several the best are followed with few samples first.
@@ -102,21 +102,21 @@ class Fitter:
         misfit, limit = self._misfit(explanation, self.errors(explanation, starts[0], depth)), policy.iterations
         end = None if explanation else self._near_start(model, starts)
         if end is None:
-            end = descend(misfit, model, starts, limit, settled=policy.settled_at_first)
+            end = descend(misfit, model, starts, limit, tolerance=policy.first_tolerance)
         weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
-            end = descend(self._certain(fit), model, [end], limit, settled=policy.settled, exact=False)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=policy.tolerance, exact=False)
             fit = self._fit(explanation, model, end, fit.errors)
         near = self.near(fit)
         if explanation and not near:
             return fit
         record = model.of_record(end.u)
-        goal = self._certain(fit) if near else misfit
+        goal = self._without_discrepancy(fit) if near else misfit
         if record is model:
-            end = descend(goal, model, [end], limit, settled=policy.settled, exact=False)
+            end = descend(goal, model, [end], limit, tolerance=policy.tolerance, exact=False)
         else:
-            end = resumed(goal, record, end, limit, settled=policy.settled, exact=False)
+            end = resumed(goal, record, end, limit, tolerance=policy.tolerance, exact=False)
         return self._fit(explanation, record, end, fit.errors)
 
     def _near_start(self, model: Forward, starts: Sequence[np.ndarray]) -> Descent | None:
@@ -130,7 +130,7 @@ class Fitter:
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
-        return float(fit.white @ fit.white) < self.policy.hopeless * len(fit.white)
+        return float(fit.white @ fit.white) < self.policy.poor_fit * len(fit.white)
 
     def errors(
         self,
@@ -145,7 +145,7 @@ class Fitter:
             self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)
         return errors(self.problem, own, depth, self._noise[own], self.solver_error, effects)
 
-    def take_for_noise(self, residual: np.ndarray) -> None:
+    def use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where most conditions are not repeated."""
         self._residual_as_noise, self._noise = residual, {}
 
@@ -166,16 +166,18 @@ class Fitter:
         best = [starts[k] for k in np.argsort(left, kind="stable")[: policy.searches] if np.isfinite(left[k])]
         if not best:
             raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
-        return descend(misfit, cheaper, best, policy.iterations_from_afar, settled=policy.settled_at_first, exact=False)
+        return descend(
+            misfit, cheaper, best, policy.iterations_from_afar, tolerance=policy.first_tolerance, exact=False
+        )
 
     def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended."""
         curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
-        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.settled)
+        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
 
-    def _certain(self, fit: Fit) -> Misfit:
+    def _without_discrepancy(self, fit: Fit) -> Misfit:
         """Return the misfit of a model that lacks nothing, by the errors of a fit."""
-        return replace(self._misfit(fit.explanation, fit.errors), lacking=False)
+        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def _misfit(
         self, explanation: Explanation, weighed: Errors, keep: Mapping[str, np.ndarray] | None = None

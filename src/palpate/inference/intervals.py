@@ -51,6 +51,6 @@ def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
     draws = posterior_draws(fit, rng)
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
     lower, upper = np.minimum(lower, fit.z), np.maximum(upper, fit.z)
-    at_bound = fit.coordinates.at_wall(fit.z)
+    at_bound = fit.coordinates.at_limit(fit.z)
     identified = (upper - lower < WIDEST_IDENTIFIED) & ~at_bound
     return Intervals(lower, upper, at_bound, identified, np.atleast_2d(np.corrcoef(draws.T)), fit.misfit_ratio)

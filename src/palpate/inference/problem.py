@@ -1,9 +1,9 @@
-"""What a diagnosis works on: mean curves, and a forward model that any set of mechanisms can join.
+"""The data of a diagnosis: mean curves, and a forward model to which any set of mechanisms can be added.
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
-amplitudes, see `palpate.inference.coordinates`. All curves are in nm: a load that answers to a displacement counts as
-the depth that it amounts to (`palpate.study.quantity`), so that noise, drift and misfit of all conditions are of one
-kind.
+amplitudes, see `palpate.inference.coordinates`. All curves are in nm: where the displacement is prescribed, the load is
+converted to an equivalent depth (`palpate.study.quantity`), so that noise, drift and misfit of all conditions have one
+unit.
 """
 
 from __future__ import annotations
@@ -131,7 +131,19 @@ class Problem:
     def special_case(
         self, explanation: Explanation, z: np.ndarray, key: str, included: str
     ) -> tuple[Explanation, np.ndarray]:
-        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,)."""
+        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,).
+
+        Parameters
+        ----------
+        explanation
+            Keys of its mechanisms.
+        z : ndarray, shape (k,)
+            Coordinates.
+        key
+            Mechanism that is replaced.
+        included
+            Its special case.
+        """
         smaller, rest = self.without(explanation, z, key)
         values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
         return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])
@@ -145,17 +157,17 @@ class Problem:
         return self.coordinates(explanation).names.index(name)
 
     def quantity(self, explanation: Explanation, z: np.ndarray, name: str) -> tuple[float, float]:
-        """Return the value of such a quantity at coordinates z (k,), and its slope by its own."""
+        """Return the value of such a quantity at coordinates z (k,), and its derivative by its coordinate."""
         place = self.place(explanation, name)
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
-    def felt(self, key: str) -> bool:
-        """Return whether the body feels a mechanism under any of the conditions."""
-        return any(MECHANISMS[key].felt_under(condition.protocol.control) for condition in self.conditions)
+    def is_simulated(self, key: str) -> bool:
+        """Return whether a mechanism's effect must be simulated under any of the conditions."""
+        return any(MECHANISMS[key].is_simulated_under(condition.protocol.control) for condition in self.conditions)
 
     def typical(self, key: str) -> tuple[Amplitude, ...]:
-        """Return the amplitudes of a mechanism that only adds to the depth; what else it has, in the middle of it."""
+        """Return the amplitudes of a mechanism that only adds to the depth, its other parameters mid-range."""
         mechanism = MECHANISMS[key]
         ranges = mechanism.searched(self.scale).items()
         return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
@@ -163,8 +175,8 @@ class Problem:
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
         """Return what one unit of an amplitude adds (n_points,) [nm].
 
-        Where a displacement is prescribed it is the slope at the middle material; of a condition that takes no part,
-        what the same depth amounts to at the largest load.
+        Where a displacement is prescribed it is the derivative at the mid-range material; for a condition that takes no
+        part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
         if protocol.control == LOAD:
@@ -190,7 +202,7 @@ class Problem:
 
 @lru_cache(maxsize=64)
 def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]:
-    """Return slopes by an amplitude, where its mechanism does nothing, under a prescribed displacement [nm]."""
+    """Return derivatives by an amplitude, at zero, under a prescribed displacement [nm]."""
     explanation, none = (amplitude.key,), amplitude.parameters(0.0)
     coordinates = problem.coordinates(explanation).free[problem.material :]
     beside = [float(coordinate.scaled(none[coordinate.name.split(".")[1]])) for coordinate in coordinates]
