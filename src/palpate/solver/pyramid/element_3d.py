@@ -268,7 +268,7 @@ def begin_step(state, laws, points):
 
 @njit(cache=True)
 def end_step(state, laws, points, pressure):
-    """Advance `state` (m, 8, k) in place, by the solution of a step at its `points` and `pressure` (m,) under `laws`."""
+    """Advance `state` (m, 8, k) in place, with the solution at `points` and the `pressure` (m,) under `laws`."""
     region, coefficients, weights = laws
     for e in range(state.shape[0]):
         for g in range(8):
