@@ -207,12 +207,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         indenter = Indenter.from_mapping(values["indenter"])
     except InputError as error:
         raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
-    recordings = {name: Path(folder) for name, folder in values.get("recordings", {}).items()}
-    for name in recordings:
-        if name in RESERVED:
-            raise InputError(
-                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
-            )
+    recordings = _recordings(values.get("recordings", {}))
     conditions = tuple(
         _condition(k, entry, settings["points"], recordings, source, tests)
         for k, entry in enumerate(values["conditions"])
@@ -248,6 +243,16 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     study.specification(study.cells[0], conditions[0])
     _check_laboratories(study)
     return study
+
+
+def _recordings(given: Mapping[str, str]) -> dict[str, Path]:
+    """Return the folder of each set of recordings; raises `InputError` where a set has the name of other results."""
+    for name in given:
+        if name in RESERVED:
+            raise InputError(
+                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
+            )
+    return {name: Path(folder) for name, folder in given.items()}
 
 
 def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:

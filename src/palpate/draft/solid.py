@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.analytic import hertz, sneddon
-from palpate.classical import AreaFunction, oliver_pharr
+from palpate.classical import AreaFunction, TipConstants, oliver_pharr
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
 from palpate.recordings.readers.zero import begins_off_contact
@@ -53,10 +53,10 @@ class Solid:
         if radius is not None:
             area = AreaFunction((-np.pi, 2.0 * np.pi * radius))
         poisson_ratio = stated.poisson_ratio or POISSON_RATIO
-        unloadings = []
+        tip, unloadings = TipConstants(area) if area else None, []
         for recording in recordings:
             with suppress(InputError):
-                unloadings.append(oliver_pharr(recording.load, recording.depth, poisson_ratio, area=area))
+                unloadings.append(oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=tip))
         told = [(found.modulus, found.hardness) for found in unloadings] or [(math.nan, math.nan)]
         secant = np.median([secant_modulus(recording, radius, stated) for recording in recordings])
         return cls(float(secant), *(float(value) for value in np.median(told, axis=0)))
