@@ -7,11 +7,13 @@ import pytest
 import yaml
 
 from palpate.cli import check
+from palpate.configuration.study_file import study_from
 from palpate.errors import InputError
 from palpate.inference import study_recordings
 from palpate.recordings import recording_file
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
+from palpate.solver import store
 
 STUDY = {
     "study": "many",
@@ -43,6 +45,21 @@ def test_check_reads_every_recording_once(tmp_path, monkeypatch, capsys):
     assert check.run(argparse.Namespace(study=tmp_path / "study.yaml", data=None)) == 0
     assert len(read) == len(set(read)) == 5
     assert "5 of A" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("given", "most"), [({}, 400), ({"cells_per_job": 1000}, 100)])
+def test_a_hundred_thousand_snapshots_are_a_few_hundred_jobs(tmp_path, given, most):
+    levels = {
+        name: list(np.linspace(*ends, 29)) for name, ends in (("youngs_modulus", (2, 4)), ("yield_stress", (1, 2)))
+    }
+    levels["hardening"] = list(np.linspace(0.0, 1.0, 30))
+    conditions = [{"name": f"T{k}", "max_load": 1.0, "loading_time": 30, "unloading_time": 30 + k} for k in range(4)]
+    law = {"material": {"model": "bilinear_plasticity", "poisson_ratio": 0.3}, "parameters": levels}
+    plan = store.plan(study_from(STUDY | law | {"conditions": conditions, "recordings": {}} | given, "study.yaml"))
+    sizes = [len(batch.cells) * len(batch.conditions) for batch in plan]
+    assert sum(sizes) == 4 * 29 * 29 * 30
+    assert len(plan) <= most + len(conditions)
+    assert len({batch.name for batch in plan}) == len(plan)
 
 
 def test_files_read_by_columns_and_line_by_line_hold_the_same(tmp_path):

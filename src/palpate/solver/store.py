@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
+import math
 import os
 import zipfile
 import zlib
@@ -31,6 +32,8 @@ from palpate.study.specification import Specification, of_equivalent_cone
 
 STORE = Path("results/store")
 AT_ONCE = 2 * LANES
+LEAST_CELLS = 24  # of a job: seconds of work, so that its start, two seconds, is not most of it
+JOBS = 400  # of a large study: Snakemake plans thousands of jobs in minutes, hundreds in seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,11 +105,15 @@ def address(specification: Specification) -> str:
 
 
 def plan(study: Study) -> list[Batch]:
-    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
-    cells, size = study.cells, study.cells_per_job
+    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone.
+
+    A study that does not say how many cells a job takes has about `JOBS` jobs, of at least `LEAST_CELLS` cells each.
+    """
+    cells, groups = study.cells, conditions_by_shape(study)
+    size = study.cells_per_job or max(LEAST_CELLS, math.ceil(len(cells) * len(groups) / JOBS))
     return [
         Batch(f"{conditions[0].name}_{first // size:03d}", study, tuple(conditions), tuple(cells[first : first + size]))
-        for conditions in conditions_by_shape(study)
+        for conditions in groups
         for first in range(0, len(cells), size)
     ]
 
