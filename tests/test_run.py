@@ -18,8 +18,16 @@ STUDY = {
     "parameters": {"youngs_modulus": [2.0, 2.5, 3.0, 3.5]},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "points": 12,
-    "conditions": [{"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
+    "conditions": [
+        {"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30},
+        {"name": "B", "max_load": 0.5, "loading_time": 30, "unloading_time": 30},
+    ],
+    "recordings": {"lab": "results/elastic/recordings/lab"},
+    "laboratory": {"lab": {"seed": 3, "replicates": 2, "parameters": {"youngs_modulus": 2.8}}},
+    "calibration": {"population": 16, "generations": 4},
+    "diagnosis": {"enabled": False},
 }
+APART = ("logs", "tracking", "mlartifacts", "mlflow.db", "mlflow.db.lock", "snapshots", "report.manifest.json")
 
 
 @pytest.fixture
@@ -32,11 +40,29 @@ def run(folder, *arguments):
     return subprocess.run([PALPATE, "run", *arguments], cwd=folder, capture_output=True, text=True)
 
 
-def test_a_study_runs_away_from_the_repository(folder):
+def contents(folder):
+    """Return the bytes of all results of a folder by name, but for logs and what is sent to MLflow, which hold times.
+
+    The tables of single batches and the manifest, which holds the configuration, follow the size of a batch.
+    """
+    files = [file for file in (folder / "results").rglob("*") if file.is_file()]
+    names = {file.relative_to(folder): file for file in files}
+    return {name: file.read_bytes() for name, file in names.items() if not set(APART) & set(name.parts)}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Return the folder of a study that ran on one core."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY))
     found = run(folder, "study.yaml", "--cores", "1")
     assert found.returncode == 0, found.stderr[-3000:]
-    assert (folder / "results/elastic/report.html").is_file()
-    again = run(folder, "study.yaml", "--cores", "1", "--dry-run")
+    return folder
+
+
+def test_a_study_runs_away_from_the_repository(undisturbed):
+    assert (undisturbed / "results/elastic/report.html").is_file()
+    again = run(undisturbed, "study.yaml", "--cores", "1", "--dry-run")
     assert "Nothing to be done" in again.stdout + again.stderr
 
 
@@ -49,17 +75,23 @@ def test_a_mistake_is_one_line_and_nothing_is_made(folder):
 
 
 @pytest.mark.faults
-def test_interrupted_it_stops_at_once_and_the_next_run_goes_on(folder):
-    process = subprocess.Popen([PALPATE, "run", "study.yaml", "--cores", "1"], cwd=folder, start_new_session=True)
-    while not list(folder.glob("results/elastic/logs/snapshots/*.log")):
+def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cores_in_other_batches(
+    folder, undisturbed
+):
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY | {"cells_per_job": 3}))
+    process = subprocess.Popen([PALPATE, "run", "study.yaml", "--cores", "2"], cwd=folder, start_new_session=True)
+    while not list(folder.glob("results/store/*/*.npz")):
         assert process.poll() is None
         time.sleep(0.1)
     began = time.monotonic()
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=30) == 130
     assert time.monotonic() - began < 3.0
-    assert run(folder, "study.yaml", "--cores", "1").returncode == 0
-    assert (folder / "results/elastic/report.html").is_file()
+    assert not (folder / "results/elastic/report.html").is_file()
+    assert run(folder, "study.yaml", "--cores", "2").returncode == 0
+    expected, found = contents(undisturbed), contents(folder)
+    assert len(found) > 20
+    assert [name for name in expected | found if expected.get(name) != found.get(name)] == []
 
 
 def test_a_wheel_holds_the_workflow(tmp_path):

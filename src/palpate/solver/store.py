@@ -124,6 +124,17 @@ def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
     return [snapshot for batch in batches for snapshot in batch.snapshots if snapshot.condition == condition]
 
 
+def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict[str, Any]]:
+    """Return the contents of a study's snapshots under one condition; what is missing is computed with its batch."""
+    contents: list[dict[str, Any]] = []
+    for batch in plan(study):
+        own = [place(each.address, store) for each in batch.snapshots if each.condition == condition]
+        if None in map(_intact, own):
+            computed(batch.snapshots, store)
+        contents += map(read, own)
+    return contents
+
+
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
     """Return the calibrate conditions, together those that differ in size alone.
 
@@ -156,18 +167,22 @@ def computed(
 ) -> list[dict[str, Any]]:
     """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
 
-    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
+    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are. A cell that lacks one of
+    its conditions is solved under all of them, because of those that differ in size alone the first is simulated: what
+    was interrupted goes on to the last bit as if it had not been.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
-    missing = [snapshot for snapshot in snapshots if found[snapshot.address] is None]
+    lacking = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}
+    missing = [snapshot for snapshot in snapshots if tuple(snapshot.cell.values()) in lacking]
     at_once = AT_ONCE * len({snapshot.condition for snapshot in snapshots})
     for first in range(0, len(missing), at_once):
         chosen = missing[first : first + at_once]
         simulations = solve([snapshot.specification for snapshot in chosen])
         for snapshot, simulation in zip(chosen, simulations, strict=True):
-            file = place(snapshot.address, store)
-            write(file, simulation, snapshot.cell, snapshot.condition)
-            found[snapshot.address] = read(file)
+            if found[snapshot.address] is None:
+                file = place(snapshot.address, store)
+                write(file, simulation, snapshot.cell, snapshot.condition)
+                found[snapshot.address] = read(file)
         seconds = sum(simulation.solver_seconds for simulation in simulations)
         report(f"{first + len(chosen)} of {len(missing)} snapshots computed, {seconds:.1f} s")
     report(f"{len(snapshots)} snapshots, {len(missing)} computed")
