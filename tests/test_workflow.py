@@ -219,7 +219,7 @@ def test_a_moved_or_copied_study_is_finished(finished, tmp_path):
     assert planned(tmp_path / "elsewhere", study=TINY) == set()
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="old results were called up to date")
 def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(finished, tmp_path):
     """All that rests on a result that is missing is made again, though it lies there from before."""
     copy = tmp_path / "copy"
