@@ -1,5 +1,7 @@
 """``palpate run``: from any folder, stopped at once, going on where it stopped; installed, without the repository."""
 
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -60,6 +62,7 @@ def undisturbed(tmp_path_factory):
     return folder
 
 
+@pytest.mark.faults(before="needed a clone of the repository")
 def test_a_study_runs_away_from_the_repository(undisturbed):
     assert (undisturbed / "results/elastic/report.html").is_file()
     again = run(undisturbed, "study.yaml", "--cores", "1", "--dry-run")
@@ -92,6 +95,16 @@ def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cor
     expected, found = contents(undisturbed), contents(folder)
     assert len(found) > 20
     assert [name for name in expected | found if expected.get(name) != found.get(name)] == []
+
+
+@pytest.mark.faults(before="old results were called up to date")
+def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(undisturbed, tmp_path):
+    """All that rests on a result that is missing is made again, though it lies there from before."""
+    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
+    (tmp_path / "results/elastic/lab/calibrations/all.json").unlink()
+    planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
+    rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
+    assert {"calibration", "tables", "report", "tracking"} <= rules
 
 
 @pytest.mark.faults(before="bash: /home/me/My: No such file or directory")
