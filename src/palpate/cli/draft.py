@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     for remark in remarks:
         _reported(remark)
-    print(*check.described(study), sep="\n")
+    print(*check.examined(study), sep="\n")
     print(f"next: look through the guesses in {study.file}, then palpate run {study.file}")
     return 0
 

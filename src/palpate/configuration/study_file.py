@@ -95,7 +95,7 @@ class Study:
     conditions: tuple[Condition, ...]
     condition_sets: Mapping[str, tuple[str, ...]]
     recordings: Mapping[str, Path]
-    cells_per_job: int
+    cells_per_job: int | None
     seed: int
     surrogate: Mapping[str, Any]
     calibration: Mapping[str, Any]

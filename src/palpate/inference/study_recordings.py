@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,15 +63,26 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
 
 def check(study: Study, name: str) -> dict[str, list[Recording]]:
     """Read every recording of set `name` and check it against the study; raises `InputError`."""
-    checked: dict[str, list[Recording]] = {}
+    return {condition: begun for condition, _, begun in read_checked(study, name)}
+
+
+def read_checked(study: Study, name: str) -> Iterator[tuple[str, list[Recording], list[Recording]]]:
+    """Yield each condition of set `name`, its recordings as they were written, and from contact on, checked.
+
+    Raises
+    ------
+    InputError
+        As `find`, and when a recording is not one of its condition.
+    """
     for condition, files in find(study, name).items():
-        checked[condition] = []
+        written, begun = [], []
         for file in files:
+            written.append(read_recording(file))
             try:
-                checked[condition].append(_checked(study, study.condition(condition), read_recording(file)))
+                begun.append(_checked(study, study.condition(condition), written[-1]))
             except InputError as error:
                 raise error.located(file=file) from None
-    return checked
+        yield condition, written, begun
 
 
 def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[str, list[Recording]]:
@@ -103,19 +114,25 @@ def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[
     return checked
 
 
-def check_given(study: Study) -> None:
+def check_given(study: Study, look: Callable[[str, str, list[Recording]], None] | None = None) -> None:
     """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file.
 
-    Replicates that are copies of one another are refused: they would suggest that sites never differ and noise does not
-    exist.
+    Replicates that are copies of one another are refused: as if sites never differed, and noise did not exist.
+
+    Parameters
+    ----------
+    look
+        Is shown each set, condition and its recordings as they were written, so that nobody need read them again.
     """
     remedy = "remove one of them: each replicate is a test of its own"
     for name in study.recordings:
         if not written_by_workflow(study, name):
-            for recordings in check(study, name).values():
-                for copy, first in copies(recordings):
+            for condition, written, begun in read_checked(study, name):
+                for copy, first in copies(begun):
                     file = study.recordings[name] / f"{copy.name}.csv"
                     raise InputError(f"is the same recording as {first.name}.csv", remedy=remedy, file=file)
+                if look:
+                    look(name, condition, written)
     for condition, tests in (read_source(study.source) if study.source else {}).items():
         for test in tests:
             try:
