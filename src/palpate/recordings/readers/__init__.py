@@ -14,7 +14,9 @@ from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import lacking, read_columns
-from palpate.recordings.readers.source import Source, number_of
+from palpate.recordings.readers.sheets_of_tests import number_of
+from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.vendor import (
     CORRECTIONS,
@@ -27,6 +29,7 @@ from palpate.recordings.readers.vendor import (
     messages,
     refuse_corrections,
     sound,
+    unless_all_fail,
 )
 from palpate.recordings.readers.zero import zeroed_each
 
@@ -106,7 +109,7 @@ def read_each(
     source = Source(path, content)
     try:
         tests = [_printable(test) for test in _whole(source, corrections, columns)]
-        return zeroed_each(path, tests, contact)
+        return unless_all_fail([set_aside(source, test) for test in zeroed_each(path, tests, contact)])
     except InputError as error:
         raise error.located(file=path) from None
 
@@ -216,6 +219,8 @@ def select(
 ) -> VendorTest:
     """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
 
+    One that the vendor's file tags is returned too.
+
     Raises
     ------
     InputError
@@ -224,8 +229,8 @@ def select(
     named = {test.name: test for test in tests}
     numbered = {number_of(test.name) or count: test for count, test in enumerate(tests, 1)}
     if wanted in named:
-        return sound(named[wanted])
+        return sound(taken(named[wanted]))
     if wanted.isdecimal() and int(wanted) in numbered:
-        return sound(numbered[int(wanted)])
+        return sound(taken(numbered[int(wanted)]))
     names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

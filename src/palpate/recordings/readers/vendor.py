@@ -56,11 +56,14 @@ class Unreadable:
         What is wrong with it.
     sought
         Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
+    tagged
+        The test, where it could be read and the vendor's file says not to count it.
     """
 
     name: str
     error: InputError
     sought: bool = True
+    tagged: VendorTest | None = None
 
 
 @dataclass(frozen=True)
@@ -114,8 +117,8 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 
 
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
-    """Return the tests of a file, all of which can be read; raises what is wrong with the first that cannot."""
-    return [sound(test) for test in tests if isinstance(test, VendorTest) or test.sought]
+    """Return the tests of a file, less tagged ones; raises what is wrong with the first that cannot be read."""
+    return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.tagged is None)]
 
 
 def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:
