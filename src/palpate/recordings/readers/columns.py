@@ -13,7 +13,7 @@ from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_
 from palpate.recordings.readers.left_out import left_out, nothing_found
 from palpate.recordings.readers.several_tests import Part
 from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.table_body import Body, body_of, is_numeric, parts_of
+from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from palpate.recordings.readers.tables import NAME_WITH_UNIT, Table, tables_of
 from palpate.recordings.readers.units import CHANNELS, scale
 from palpate.recordings.readers.vendor import (
@@ -79,7 +79,7 @@ def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     return [attempt(path, name, _test, name, body, part, columns) for name, part in zip(names, parts, strict=True)]
 
 
-def _test(name: str, body: Body, part: Part, columns: ColumnMap) -> VendorTest:
+def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorTest:
     """Return the test of a name from its part of a table."""
     table, skipped = body.table, len(body.table.rows) - len(body.cells.rows)
     whole = np.flatnonzero(np.isfinite(part.values).all(axis=1))

@@ -19,7 +19,7 @@ from palpate.recordings.readers.tables import Table
 
 
 @dataclass(frozen=True)
-class Body:
+class TableBody:
     """A table's rows of time, load and depth.
 
     Parameters
@@ -55,7 +55,7 @@ class Body:
     told: tuple[str, ...]
 
 
-def body_of(table: Table, columns: ColumnMap) -> Body | None:
+def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     """Return the rows of a table that has the columns and numbers in them; None for another."""
     found = columns_of(table.rows, columns)
     if found is None:
@@ -80,10 +80,10 @@ def body_of(table: Table, columns: ColumnMap) -> Body | None:
     repeated = np.array([header is not None and [*row] == [*table.rows[header]] for row in rows])
     blank = np.array([not any(map(str, row)) for row in rows]) | (np.diff(numbered, prepend=numbered[0]) > 1)
     of_clock = clock[first] != cells.rows[first][0]
-    return Body(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, told)
+    return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, told)
 
 
-def parts_of(body: Body) -> list[Part]:
+def parts_of(body: TableBody) -> list[Part]:
     """Return the tests below one another in a table; raises `InputError` where one of them has names of its own."""
     parts = parted(body.values, body.broken, body.cells.place)
     whole = np.isfinite(body.values).all(axis=1)
