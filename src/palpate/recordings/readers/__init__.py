@@ -177,12 +177,18 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
-    if columns is not None:
+    if columns is not None and not source.container:
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
+    if source.container:
+        raise InputError(
+            f"is of no format that palpate knows: {source.container}",
+            remedy="unpack it, or export its tests as text; `palpate read --formats` lists formats",
+            file=source.path,
+        )
     missing = lacking(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)

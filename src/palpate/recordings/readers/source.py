@@ -12,7 +12,11 @@ from typing import Any
 from palpate.base.bounded_workbook import Workbook, read_workbook
 from palpate.errors import InputError
 
-WORKBOOKS = (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04")
+OLE, ZIP, HDF5 = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04", b"\x89HDF\r\n"
+IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
+IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
+FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
+CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
 PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -39,7 +43,7 @@ class Source:
         UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1 otherwise. What pads the
         end of the file (zero bytes, DOS's end of text) is dropped.
         """
-        if self.content.startswith(WORKBOOKS):
+        if self.content.startswith((OLE, ZIP, HDF5)):
             return []
         try:
             text = self.content.decode(self._encoding)
@@ -64,10 +68,23 @@ class Source:
         """The first line that holds more than blanks; empty where there is none."""
         return next((line.strip() for line in self.lines if line.strip()), "")
 
-    @property
+    @cached_property
     def workbook(self) -> bool:
-        """Whether the file is an Excel workbook, old or new, by its first bytes."""
-        return self.content.startswith(WORKBOOKS)
+        """Whether the file is an Excel or OpenDocument workbook, be it damaged, by its bytes."""
+        content = self.content
+        if not content.startswith(ZIP):
+            return content.startswith(OLE)
+        of_office = content[:FIRST_NAME].find(b"[Content_Types].xml") >= 0
+        return any(part in content for part in IN_WORKBOOKS) or (
+            of_office and not any(part in content for part in IN_OTHERS)
+        )
+
+    @property
+    def container(self) -> str:
+        """What kind of container of other files or tables this is, in words; empty for text and workbooks."""
+        if self.workbook:
+            return ""
+        return next((kind for magic, kind in CONTAINERS.items() if self.content.startswith(magic)), "")
 
     @property
     def sheets(self) -> list[str]:
