@@ -32,8 +32,7 @@ from palpate.recordings.recording import Recording
 NAMES = {"time": ("time",), "load": ("force", "load"), "depth": ("displacement", "depth")}
 FACTS = ("instrument", "metadata")
 WRITERS = (b"hap2hdf", b"WIN-HCU", b"Fischer", b"FISCHER")
-OTHER_FACTS = ("instrument", "metadata")
-WRITERS = (b"Micromaterials2hdf", b"nmd2hdf", b"xls2hdf", b"afmformats")
+OTHER_WRITERS = (b"Micromaterials2hdf", b"nmd2hdf", b"xls2hdf", b"afmformats")
 APPROACH = 0.05  # of the largest load: what stays below it before the clock begins anew is the search for the surface
 
 
