@@ -198,3 +198,10 @@ def test_a_damaged_workbook_is_called_one(tmp_path):
         (tmp_path / "y.xlsx").write_bytes((tmp_path / "x.xlsx").read_bytes()[:size])
         with pytest.raises(InputError, match="is no whole Excel workbook"):
             read_vendor_file(tmp_path / "y.xlsx")
+
+
+@pytest.mark.parametrize("begin", [rb"\*Force file list", rb"\*File list"])
+def test_a_nanoscope_file_is_called_one(tmp_path, begin):
+    (tmp_path / "x.000").write_bytes(begin + b"\r\n\\Version: 0x09400103\r\n" + bytes(100))
+    with pytest.raises(InputError, match="palpate knows: a NanoScope file, which the library afmformats does not read"):
+        read_vendor_file(tmp_path / "x.000")

@@ -18,6 +18,7 @@ from palpate.recordings.readers.sheets_of_tests import number_of
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
+from palpate.recordings.readers.unknown import unknown
 from palpate.recordings.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -183,13 +184,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    if source.container:
-        raise InputError(
-            f"is of no format that palpate knows: {source.container}",
-            remedy="unpack it, or export its tests as text; `palpate read --formats` lists formats",
-            file=source.path,
-        )
-    missing = lacking(source)
+    missing = None if source.container else lacking(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
         raise InputError(
@@ -197,14 +192,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
             remedy=f"export the {missing} too, or name its column (--columns time=...,load=...,depth=...)",
             file=source.path,
         )
-    first = " ".join(source.first.split())
-    begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
-    raise InputError(
-        f"is of no format that palpate knows{begins}",
-        remedy="name the columns of its table (--columns time=...,load=...,depth=...); "
-        "`palpate read --formats` lists formats and units",
-        file=source.path,
-    )
+    raise unknown(source)
 
 
 def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
