@@ -112,6 +112,8 @@ def _of_sheet(source: Source, sheet: str) -> Columns:
     names = [str(cell) for cell in rows[header]]
     wanted = [k for k, name in enumerate(names) if HEADING.fullmatch(name.strip())]
     cells = [[row[k] for k in wanted] for row in rows[header + 1 :]]
+    if not cells:
+        raise InputError("holds no measured values", remedy="export the test again")
     values = numbers(cells, lambda row: f"sheet {sheet}, row {first + header + 1 + row}")
     words = np.argwhere(np.isnan(values))
     if len(words):

@@ -109,17 +109,16 @@ def _reading(cell: Any, heading: str) -> Reading | None:
     text = " ".join(cell.split())
     if ISO.fullmatch(text):
         try:
-            moment = datetime.datetime.fromisoformat(text)
+            return _of_calendar(datetime.datetime.fromisoformat(text))
         except ValueError:
             return None
-        return _of_calendar(moment if moment.tzinfo is None else moment.astimezone(datetime.UTC))
     found = CLOCK.fullmatch(text)
     return _of_clock(found.groupdict(), text, heading) if found else None
 
 
 def _of_calendar(moment: datetime.datetime) -> Reading:
-    """Return the day and the seconds of a moment, whatever its time zone."""
-    since = moment.replace(tzinfo=None) - ORIGIN
+    """Return the day and the seconds of a moment, in UTC where it has a time zone."""
+    since = moment.replace(tzinfo=None) - ORIGIN - (moment.utcoffset() or datetime.timedelta())
     return Reading(since.seconds + since.microseconds / 1e6, since.days)
 
 

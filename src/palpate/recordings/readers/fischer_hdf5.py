@@ -6,11 +6,11 @@ layout are none of Fischer's, and their depths and loads may be raw.
 
 from __future__ import annotations
 
-import io
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from palpate.base.bounded_hdf5 import available, read_hdf5
 from palpate.errors import InputError
 from palpate.recordings.readers.several_tests import parted
 from palpate.recordings.readers.source import HDF5, Source
@@ -30,9 +30,10 @@ from palpate.recordings.readers.vendor import (
 from palpate.recordings.recording import Recording
 
 NAMES = {"time": ("time",), "load": ("force", "load"), "depth": ("displacement", "depth")}
-FACTS = ("instrument", "metadata")
+FACTS = ("", "instrument", "metadata")
 WRITERS = (b"hap2hdf", b"WIN-HCU", b"Fischer", b"FISCHER")
 OTHER_WRITERS = (b"Micromaterials2hdf", b"nmd2hdf", b"xls2hdf", b"afmformats")
+Columns = Mapping[str, tuple[Sequence[float], Mapping[str, str]]]
 APPROACH = 0.05  # of the largest load: what stays below it before the clock begins anew is the search for the surface
 
 
@@ -55,33 +56,26 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         When the library h5py is missing, or no test can be read.
     """
     refuse_corrections(source, corrections)
-    try:
-        import h5py
-    except ImportError as error:
-        raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py") from error
-    try:
-        with h5py.File(io.BytesIO(source.content), "r") as file:
-            groups: list[Any] = []
-            file.visititems(lambda _, item: groups.append(item) if isinstance(item, h5py.Group) else None)
-            told_by = (file, *(file[name] for name in FACTS if name in file))
-            facts = {key: _text(value) for group in told_by for key, value in group.attrs.items()}
-            return unless_all_fail(
-                [test for group in (file, *groups) if _channels(group) for test in _of_group(source, group, facts)]
-            )
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
-        raise InputError(f"h5py cannot read it ({type(error).__name__})", remedy="copy or export it again") from error
+    if not available():
+        raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py")
+    found = read_hdf5(source.content)
+    if found.problem:
+        raise InputError(f"h5py cannot read it ({found.problem})", remedy="copy or export it again")
+    facts = {key: value for name in FACTS for key, value in found.attributes.get(name, {}).items()}
+    tests = [_of_group(source, path, group, facts) for path, group in found.groups.items() if _channels(group)]
+    return unless_all_fail([test for of_group in tests for test in of_group])
 
 
-def _channels(group: Any) -> dict[str, str]:
+def _channels(group: Columns) -> dict[str, str]:
     """Return what a group calls its channels; empty where it lacks one."""
     spelt = {name.casefold(): name for name in group}
     found = {key: next((spelt[name] for name in names if name in spelt), "") for key, names in NAMES.items()}
     return found if all(found.values()) else {}
 
 
-def _of_group(source: Source, group: Any, facts: dict[str, str]) -> list[VendorTest | Unreadable]:
+def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) -> list[VendorTest | Unreadable]:
     """Return the tests in a group: one, or as many as its clock begins anew and the load rises again."""
-    name = " ".join(part for part in group.name.split("/") if part not in ("", "data")) or source.path.stem
+    name = " ".join(part for part in path.split("/") if part not in ("", "data")) or source.path.stem
     values = attempt(source.path, name, _values, group)
     if isinstance(values, Unreadable):
         return [Unreadable(name, values.error)]
@@ -105,19 +99,19 @@ def _point(*rows: int) -> str:
     return f"point {', '.join(str(row + 1) for row in rows[:PLACES])}{' and more' if len(rows) > PLACES else ''}"
 
 
-def _values(group: Any) -> np.ndarray:
+def _values(group: Columns) -> np.ndarray:
     """Return time [s], load [mN] and depth [nm] of a group, shape (n, 3)."""
     columns = []
     for key, name in _channels(group).items():
-        data, attributes = group[name], {str(k).casefold(): v for k, v in group[name].attrs.items()}
-        stated = _text(attributes.get("unit", attributes.get("units", "")))
+        data, attributes = group[name]
+        stated = next((value for called, value in attributes.items() if called.casefold() in ("unit", "units")), "")
         unit = unit_of(key, stated)
         if unit is None:
             raise InputError(
                 f"its {name} is in {stated!r}" if stated else f"states no unit of its {name}",
                 remedy=f"convert it again with one of: {', '.join(SCALES[key])}, or export the tests as text",
             )
-        columns.append(SCALES[key][unit] * np.asarray(data, dtype=float).ravel())
+        columns.append(SCALES[key][unit] * np.asarray(data, dtype=float))
     if len({len(column) for column in columns}) > 1:
         raise InputError("its channels are of unequal length", remedy="convert it again, or export the tests as text")
     return np.column_stack(columns)
@@ -129,12 +123,6 @@ def _test(source: Source, name: str, values: np.ndarray, facts: dict[str, str], 
     time, load, depth = values[kept].T
     recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
     return VendorTest(name, recording, facts, (*told, *warnings, *unfinished(load)))
-
-
-def _text(value: Any) -> str:
-    """Return an attribute as text, be it text, bytes, a number or a list of them."""
-    single = value.ravel()[0] if isinstance(value, np.ndarray) and value.size == 1 else value
-    return single.decode(errors="replace") if isinstance(single, bytes) else str(single)
 
 
 READER = Reader("fischer_hdf5", "Fischer HDF5 (by h5py)", matches, read)
