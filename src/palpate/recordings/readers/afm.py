@@ -129,14 +129,16 @@ def _lacking(*names: str) -> InputError:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Keep the library from printing what it meets; the caller says it in one line."""
-    logger = logging.getLogger("afmformats")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
+    """Keep the libraries from printing what they meet; the caller says it in one line."""
+    loggers = [logging.getLogger(name) for name in ("afmformats", "igor2")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5; by afmformats)", matches, read)
