@@ -57,6 +57,16 @@ def test_a_clock_of_any_kind_is_read(tmp_path, kind):
     assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
 
 
+@pytest.mark.parametrize("half", ["PM", "p.m.", "pm"])
+def test_the_half_of_the_day_is_no_column_of_a_table_at_blanks(tmp_path, half):
+    times = [f"1:{k // 60:02d}:{k % 60:02d}.5 {half}" for k in range(100)]
+    rows = [f"{a}  {b:.5f}   {c:.3f}" for a, b, c in zip(times, LOAD, DEPTH, strict=True)]
+    (tmp_path / "x.txt").write_text("\n".join(["Time  Load (mN)  Depth (nm)", *rows]))
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=NUMBERED)
+    assert test.recording.time == pytest.approx(np.arange(100))
+    assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
+
+
 def serial(moment):
     """A moment as a workbook's number of days."""
     return (moment - dt.datetime(1899, 12, 30)).total_seconds() / 86400
