@@ -14,8 +14,7 @@ from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import lacking, read_columns
-from palpate.recordings.readers.sheets_of_tests import number_of
-from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import unknown

@@ -11,18 +11,11 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import BRACKETED, is_word
-from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
 
-TEST = re.compile(r"test[ _]?(\d+)(?![^\W_])", re.IGNORECASE)
 MARKERS = ("markers", "marker")
 SURFACE = "surface"
-
-
-def number_of(name: str) -> int | None:
-    """Return the number of a sheet such as ``Test 010`` or ``TEST 010``, or None for another name."""
-    found = TEST.match(name)
-    return int(found[1]) if found else None
 
 
 def tests_of(source: Source) -> dict[str, str]:

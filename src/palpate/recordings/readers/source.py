@@ -17,6 +17,7 @@ IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
 IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
+TEST = re.compile(r"test[ _]?(\d+)(?![^\W_])", re.IGNORECASE)
 PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -112,3 +113,9 @@ class Source:
             problem = f"is no whole Excel workbook ({found.problem})"
             raise InputError(problem, remedy="copy or export it again, or as text", file=self.path)
         return found
+
+
+def number_of(name: str) -> int | None:
+    """Return the number of a sheet such as ``Test 010`` or ``TEST 010``, or None for another name."""
+    found = TEST.match(name)
+    return int(found[1]) if found else None
