@@ -207,6 +207,21 @@ def test_columns_are_read_from_a_workbook_and_sums_beside_them_are_told(tmp_path
     assert first.depth == pytest.approx(DEPTH, abs=1e-6)
 
 
+@pytest.mark.parametrize("names", [("Time [s]", "Pd [nm]", "Fn [mN]"), ("Time (s)", "Pd (nm)", "Fn (mN)")])
+@pytest.mark.parametrize("workbook", [True, False])
+def test_columns_without_a_test_s_name_are_one_test(tmp_path, names, workbook):
+    rows = [list(names), *np.column_stack([TIME, DEPTH, ONE[:, 1]]).tolist()]
+    if workbook:
+        file = write_workbook(tmp_path / "x.xlsx", {"first": rows, "second": rows})
+    else:
+        file = tmp_path / "x.txt"
+        file.write_text("\n".join("\t".join(map(str, row)) for row in rows))
+    tests = read_vendor_file(file)
+    assert [test.name for test in tests] == (["first", "second"] if workbook else ["x"])
+    assert tests[0].recording.load == pytest.approx(LOAD)
+    assert tests[0].recording.depth == pytest.approx(DEPTH)
+
+
 def test_copies_of_columns_on_another_sheet_get_its_name(tmp_path):
     names = [f"{cell}" for cell in ("X_P_Time_[s]", "Y_P_Fn_[mN]", "Y_P_Pd_[nm]")]
     sheet = [names, *np.column_stack([TIME, ONE[:, 1], DEPTH]).tolist()]

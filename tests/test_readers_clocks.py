@@ -67,6 +67,14 @@ def test_the_half_of_the_day_is_no_column_of_a_table_at_blanks(tmp_path, half):
     assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
 
 
+@pytest.mark.parametrize("heading", ["Time", "Time (s)"])
+def test_times_without_enough_digits_are_called_so(tmp_path, heading):
+    times = [f"1:00:{k // 4:02d}" if heading == "Time" else k // 4 for k in range(100)]
+    file = text(tmp_path / "x.txt", times, heading=f"{heading}\tLoad (mN)\tDepth (nm)")
+    with pytest.raises(InputError, match=r"has the time of the row before; 75 of 100 rows.*with more digits"):
+        read_vendor_file(file, columns=NUMBERED)
+
+
 def serial(moment):
     """A moment as a workbook's number of days."""
     return (moment - dt.datetime(1899, 12, 30)).total_seconds() / 86400

@@ -1,4 +1,7 @@
-"""Anton Paar column exports, as text or in a workbook: tests side by side, a time before each channel or for all."""
+"""Anton Paar column exports, as text or in a workbook: tests side by side, a time before each channel or for all.
+
+Where the columns are called ``Time [s]``, ``Pd [nm]``, ``Fn [mN]`` alone, the table is one test.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
-HEADING = re.compile(r"[XY]_(.+?)[_ ]+(Time|Fn|Pd)[_ ]*[\[({<](.+)[\])}>]", re.IGNORECASE)
+HEADING = re.compile(r"(?:[XY]_(.+?)[_ ]+)?(Time|Fn|Pd)[_ ]*[\[({<](.+)[\])}>]", re.IGNORECASE)
 KEYS = {"Time": "time", "Fn": "load", "Pd": "depth"}
 GAP = 10
 HEAD = 10  # rows of a sheet in which its headings are sought
@@ -74,7 +77,8 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
             if key == "time":
                 time = channel
             else:
-                tests.setdefault(found[1], {"load": [], "depth": []})[key].append((time, channel))
+                name = found[1] or sheet or source.path.stem
+                tests.setdefault(name, {"load": [], "depth": []})[key].append((time, channel))
     named = {f"{sheet} {name}" if name in known else name: both for name, both in tests.items()}
     return [
         attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in named.items()
@@ -82,9 +86,10 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
 
 
 def _names(cells: Sequence[Any]) -> bool:
-    """Return whether cells name a time and another channel of a test."""
-    keys = {found[2].capitalize() for cell in cells if (found := HEADING.fullmatch(str(cell).strip()))}
-    return "Time" in keys and len(keys) > 1
+    """Return whether cells name the time and the other channels of a test, one of them where it is called by name."""
+    found = [named for cell in cells if (named := HEADING.fullmatch(str(cell).strip()))]
+    keys = {named[2].capitalize() for named in found}
+    return "Time" in keys and len(keys) > (1 if any(named[1] for named in found) else 2)
 
 
 def _header(source: Source, sheet: str) -> int | None:

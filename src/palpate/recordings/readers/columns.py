@@ -154,14 +154,7 @@ def _kept(body: Table, values: np.ndarray, idle: np.ndarray) -> tuple[np.ndarray
     counted = between | (spoilt & (row > complete[-1]) & np.isnan(values).any(axis=1))
     damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(whole & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
-        first = int(damaged[0])
-        cells = ", ".join(str(cell) for cell in body.rows[first])
-        raise InputError(
-            f"{cells!r} {'does not come later than the rows before' if late[first] else 'is not three numbers'}; "
-            f"{len(damaged)} of {counted.sum()} rows cannot be used",
-            remedy="correct them, export the test again, or write each of several tests to a file of its own",
-            place=body.place(first),
-        )
+        raise _too_many(body, values, damaged, late, int(counted.sum()))
     if len(kept) < 2:
         raise InputError("is the only row of numbers", remedy="export the test again", place=body.place(int(kept[0])))
     causes = [
@@ -171,3 +164,15 @@ def _kept(body: Table, values: np.ndarray, idle: np.ndarray) -> tuple[np.ndarray
     ]
     left_out = int((spoilt | late).sum())
     return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+
+
+def _too_many(body: Table, values: np.ndarray, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
+    """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
+    first = int(damaged[0])
+    cells = ", ".join(str(cell) for cell in body.rows[first])
+    what = "does not come later than the rows before" if late[first] else "is not three numbers"
+    remedy = "correct them, export the test again, or write each of several tests to a file of its own"
+    if late[damaged].all() and (values[late, 0] == np.fmax.accumulate(values[:, 0])[late]).all():
+        what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
+    problem = f"{cells!r} {what}; {len(damaged)} of {count} rows cannot be used"
+    return InputError(problem, remedy=remedy, place=body.place(first))
