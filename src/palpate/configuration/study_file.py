@@ -23,7 +23,8 @@ from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
-from palpate.study.protocol import LOAD, Protocol, recorded
+from palpate.study.protocol import LOAD, Protocol
+from palpate.study.recorded_history import recorded
 from palpate.study.specification import Specification
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study

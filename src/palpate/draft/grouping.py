@@ -16,7 +16,7 @@ from palpate.inference.study_recordings import check_drive
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.recordings.segments import segments
-from palpate.study.protocol import recorded
+from palpate.study.recorded_history import recorded
 
 TRAPEZOIDAL = 0.005  # of the largest load, root mean square, within which a load is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
