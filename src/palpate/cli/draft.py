@@ -10,14 +10,13 @@ from palpate.cli import check, read
 
 NAME = "draft"
 HELP = "write a first study from recordings or vendors' files"
-POLYMER = "nonlinear_burgers"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE|FOLDER")
     read.reading_arguments(parser)
-    parser.add_argument("--law", type=_law, default=POLYMER, help=f"material model (default: {POLYMER}, a polymer's)")
+    parser.add_argument("--law", type=_law, help="material model (default: chosen from the tests)")
     parser.add_argument(
         "--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: as files state, or Berkovich)"
     )
@@ -46,7 +45,7 @@ def _length(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; say what it does."""
-    from palpate.draft import readable, study_name, write_study
+    from palpate.draft import lines, readable, study_name, write_study
     from palpate.errors import InputError
 
     try:
@@ -54,13 +53,12 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         raise error.located(file=arguments.files[0]) from None
     tests = readable(arguments.files, _said, arguments.contact, arguments.corrections, columns)
-    study, remarks = write_study(
-        tests, arguments.output, study_name(arguments.output), _said, arguments.law, arguments.sphere
-    )
-    for remark in remarks:
+    found = write_study(tests, arguments.output, study_name(arguments.output), _said, arguments.law, arguments.sphere)
+    for remark in found.remarks:
         _said(remark)
-    print(*check.described(study), sep="\n")
-    print(f"next: look through the guesses in {study.file}, then palpate run {study.file}")
+    print("taken from the tests or guessed:", *lines(found.table), sep="\n")
+    print(*check.described(found.study), sep="\n")
+    print(f"next: look through the guesses in {found.study.file}, then palpate check {found.study.file}")
     return 0
 
 

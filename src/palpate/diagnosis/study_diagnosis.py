@@ -19,6 +19,7 @@ from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
 from palpate.inference.observation import Observation
+from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.study_recordings import check, resampled
 from palpate.inference.surrogate_fit import WeightedFit
 from palpate.inference.surrogate_space import Space
@@ -67,7 +68,8 @@ def diagnosed(
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`."""
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, resampled(study, recorded), scale_of(study))
+    observed = brought_to_one_load(study, resampled(study, recorded), starts[0], report)
+    problem = Problem.of(study, observed, scale_of(study))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)

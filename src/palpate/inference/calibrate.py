@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -17,10 +17,11 @@ from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evol
 from palpate.inference.intervals import intervals
 from palpate.inference.measures import OBJECTIVES, check_indents, check_measurable
 from palpate.inference.observation import Observation
-from palpate.inference.on_finite_elements import Linearised, all_errors, estimated, known_errors
+from palpate.inference.on_finite_elements import Linearised, all_errors, estimated, estimated_anew, known_errors
 from palpate.inference.recording_noise import complete_noise
 from palpate.inference.surrogate_fit import Predictor, WeightedFit
 from palpate.inference.surrogate_space import Space
+from palpate.inference.trust_region import Descent
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 MOST_MISFIT = 3.0  # chosen, of chi-square per degree of freedom: above it what the model lacks outweighs the noise
@@ -132,9 +133,11 @@ def calibrate(
             iterations.append(line)
             report(line)
 
-        known = known_errors(fitted, noise, rough, settings.solver_error)
-        begin = [own, *(space.named(start) for start in starts)]
-        found_there, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
+        found_there, recorded, observations = on_finite_elements(
+            forward, observations, [own, *map(space.named, starts)], rough, settings, rng, kept
+        )
+        fitted = {name: observations[name] for name in fitted}
+        measured = {name: item.mean for name, item in fitted.items()}
         u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
         noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
         errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
@@ -163,6 +166,37 @@ def calibrate(
         settings=asdict(settings),
         seed=seed,
     )
+
+
+def on_finite_elements(
+    forward: Forward,
+    observations: Mapping[str, Observation],
+    starts: Sequence[Mapping[str, float]],
+    rough: Mapping[str, np.ndarray],
+    settings: CalibrationSettings,
+    rng: np.random.Generator,
+    report: Callable[[str], None],
+) -> tuple[Descent, Forward, Mapping[str, Observation]]:
+    """Return the estimate on the forward model, the model of record, and what was observed.
+
+    Where tests have loads of their own, they are brought to one load at the best of the `starts`, and once more at the
+    estimate, from which the search then goes on (`palpate.inference.own_loads`). Errors are those about `rough` curves.
+    """
+    names = [name for name, item in observations.items() if item.role == "calibrate"]
+
+    def brought(values: Mapping[str, float]) -> tuple[Mapping[str, Observation], dict[str, Observation], np.ndarray]:
+        own = any(item.own for item in observations.values())
+        moved = forward.at_one_load(observations, values, report) if own else observations
+        fitted = {name: moved[name] for name in names}
+        noise = complete_noise(fitted, rough, settings.site_scatter)
+        return moved, fitted, known_errors(fitted, noise, rough, settings.solver_error)
+
+    moved, fitted, known = brought(starts[0])
+    found, recorded = estimated(forward.under(names), fitted, known, starts, rng, report)
+    if moved is not observations:
+        moved, fitted, known = brought(forward.coordinates.named(found.u))
+        found = estimated_anew(recorded, fitted, known, found, report)
+    return found, recorded, moved
 
 
 def check_consistent(

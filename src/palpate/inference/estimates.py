@@ -57,17 +57,23 @@ def judged(
 def estimates(
     coordinates: Space | Coordinates, u: np.ndarray, found: Intervals, explained: bool
 ) -> dict[str, Estimate]:
-    """Physical estimates and intervals by name, these within what is plausible; none is identified in a failing fit."""
+    """Physical estimates and intervals by name, these within what is plausible.
+
+    None is identified in a failing fit, nor one whose interval ends where it is cut off.
+    """
     beyond = np.where(np.isinf(found.half_width), 0.0, float(isinstance(coordinates, Coordinates)))
     first, last = np.minimum(u, 0.0) - beyond, np.maximum(u, 1.0) + beyond
+    if isinstance(coordinates, Coordinates):
+        first, last = np.maximum(first, coordinates.walls[0]), np.minimum(last, coordinates.walls[1])
     ends = np.clip(u - found.half_width, first, last), np.clip(u + found.half_width, first, last)
     low, high = map(coordinates.named, ends)
+    ended = (ends[0] <= first) | (ends[1] >= last)
     outside = np.abs(u - 0.5) > 0.5 + 1e-9
     places = {name: k for k, name in enumerate(coordinates.names)}
     told = {}
     for name, value in coordinates.named(u).items():
         free, k = name in places, places.get(name, 0)
-        flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
+        flags = [bool(free and flag[k]) for flag in (found.identified & explained & ~ended, found.at_bound, outside)]
         told[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
     return told
 

@@ -140,3 +140,16 @@ def estimated(
             break
         recorded, end = again, resumed(whole, again, end, AT_LAST, report)
     return end, recorded
+
+
+def estimated_anew(
+    recorded: Forward,
+    observations: Mapping[str, Observation],
+    known: np.ndarray,
+    earlier: Descent,
+    report: Callable[[str], None],
+) -> Descent:
+    """Return the least misfit of the model of record to mean curves that have moved a little since an `earlier` one."""
+    nm = {name: item.quantity.nm for name, item in observations.items()}
+    misfit = Misfit({name: item.mean for name, item in observations.items()}, known, nm, recorded.coordinates)
+    return resumed(misfit, recorded, earlier, AT_LAST, report)

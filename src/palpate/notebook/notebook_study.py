@@ -78,7 +78,7 @@ class NotebookStudy(Study):
         cls,
         recordings: OneTest | Iterable[OneTest],
         *,
-        law: str = "nonlinear_burgers",
+        law: str | None = None,
         sphere: float | None = None,
         folder: str | Path | None = None,
         report: Callable[[str], None] | None = None,
@@ -93,7 +93,7 @@ class NotebookStudy(Study):
         recordings
             A file, a test or a recording, or several of them; of a file all tests are taken.
         law
-            Key of the constitutive law, or keys of several joined by ``+``.
+            Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
         sphere
             Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
         folder
@@ -120,8 +120,8 @@ class NotebookStudy(Study):
         drafted = [test for each in given for test in _drafted(each, say)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
-        study, remarks = write_study(drafted, output, name, say, law, sphere)
-        return cls.of(study, [*told, *remarks])
+        found = write_study(drafted, output, name, say, law, sphere)
+        return cls.of(found.study, [*told, *found.remarks])
 
     def summary(self) -> str:
         """Say which law is asked for, within which ranges, and under which conditions."""

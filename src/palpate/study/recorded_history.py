@@ -118,6 +118,12 @@ def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERA
     return over if swing(drive, over) < WILDEST * drive.max() else 1
 
 
+def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:
+    """Return the standard deviation of what is averaged away of a recorded drive (n,); zero where nothing is."""
+    over = averaged_over(time, drive)
+    return swing(drive, over) if over > 1 else 0.0
+
+
 def swing(drive: np.ndarray, over: int) -> float:
     """Return the standard deviation of a drive (n,) about its average over so many points."""
     return float(np.std(drive - uniform_filter1d(drive, over, mode="nearest")))

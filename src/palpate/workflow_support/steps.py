@@ -20,6 +20,7 @@ from palpate.inference.calibration_result import Calibration
 from palpate.inference.forward import FiniteElements
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.observation import Observation
+from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.study_recordings import observations
 from palpate.output import html_report
 from palpate.solver import store
@@ -139,7 +140,8 @@ def run_calibration(
     }
 
     result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
-    return result, curves_beside(study, judged, result)
+    at_one_load = brought_to_one_load(study, judged, {key: found.estimate for key, found in result.parameters.items()})
+    return result, curves_beside(study, at_one_load, result)
 
 
 def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
