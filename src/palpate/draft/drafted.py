@@ -26,6 +26,7 @@ BORNE = 10.0  # standard deviations of its noise by which a load that is borne r
 WANDERS = 30.0, 2.0  # of these, and of what the load reaches on the first way in, that a wandering load may rise
 FIRST_WAY = 0.3  # of the largest depth
 NEAR_START = 10  # points
+TELLING = 20  # points that tell the noise of a load
 PULLED = 0.02  # of the largest load, a pull on the tip that is told
 
 
@@ -111,7 +112,8 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
     others = f" and {len(found) - 1} more" if len(found) > 1 else ""
     most = max(test.pull for test in found)
     return [
-        f"{found[0].recording.name}{others}: the surface holds the tip by up to {most:.3g} mN while it leaves; that part is cut off, as the test ends where the load is zero (mechanism adhesion explains it)"
+        f"{found[0].recording.name}{others}: the surface holds the tip by up to {most:.3g} mN while it leaves; "
+        "that part is cut off, as a test ends where its load is zero"
     ]
 
 
@@ -124,6 +126,8 @@ def _check_load(recording: Recording) -> None:
         With the size of the noise.
     """
     load, depth = recording.load, recording.depth
+    if len(load) < TELLING:
+        return
     noise, smooth = noise_of(load), median_filter(load, 5, mode="nearest")
     rise = float(smooth.max() - np.median(load[:NEAR_START]))
     way = np.flatnonzero(depth >= depth[0] + FIRST_WAY * (depth.max() - depth[0]))

@@ -10,16 +10,16 @@ import numpy as np
 
 from palpate.configuration.study_file import Study, load_study
 from palpate.draft.drafted import Drafted, assumed, pulled
-from palpate.draft.drive import Drive
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
 from palpate.draft.guesses import ranges
+from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import POLYMER, chosen_law
 from palpate.draft.metadata import not_taken, of_the_instrument
+from palpate.draft.prescribed_drive import Drive
 from palpate.draft.rollback_on_error import taken_back_if_unsound
 from palpate.draft.solid import POISSON_RATIO, Solid, check_unit, unlike
 from palpate.draft.stated import Stated
-from palpate.draft.tip import Tip
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
@@ -84,7 +84,7 @@ def write_study(
             raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
     tests = _without_copies(tests, report)
     stated = Stated.by_all([test.facts for test in tests])
-    tip = Tip.of(stated, sphere, float(np.median([test.recording.depth.max() for test in tests])))
+    tip = KnownTip.of(stated, sphere, float(np.median([test.recording.depth.max() for test in tests])))
     tests = _sound(tests, lambda test: check_unit(test.recording, tip), report)
     drive = Drive.by_all([test.recording for test in tests], stated)
     tests = _sound(tests, lambda test: drive.followed(test.recording), report)
@@ -133,7 +133,9 @@ def _sound(tests: Sequence[Drafted], check: Callable[[Drafted], object], report:
     return kept
 
 
-def _drafted(tests: Sequence[Drafted], output: Path, name: str, law: str | None, tip: Tip, drive: Drive) -> FirstStudy:
+def _drafted(
+    tests: Sequence[Drafted], output: Path, name: str, law: str | None, tip: KnownTip, drive: Drive
+) -> FirstStudy:
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
     stated, said = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
@@ -144,7 +146,8 @@ def _drafted(tests: Sequence[Drafted], output: Path, name: str, law: str | None,
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     guessed = ranges(chosen[0], solid, shortest)
     table = guess_table(chosen, solid, used, drive, stated, guessed)
-    remarks = [*not_taken(said, stated, tip), *of_the_instrument(said), *unlike(recordings, tip)]
+    deepest = float(np.median([recording.depth.max() for recording in recordings]))
+    remarks = [*not_taken(said, stated, tip, deepest), *of_the_instrument(said), *unlike(recordings, tip)]
     remarks += [*assumed(tests), *pulled(tests)]
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)

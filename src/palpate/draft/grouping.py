@@ -10,8 +10,8 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.draft.drive import Drive
 from palpate.draft.methods import of_one_method, with_the_middle_first
+from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
 from palpate.inference.study_recordings import check_drive

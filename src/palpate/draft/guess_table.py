@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.draft.drive import Drive
 from palpate.draft.guesses import reason
+from palpate.draft.known_tip import FILES, KnownTip
+from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import POISSON_RATIO, Solid
 from palpate.draft.stated import Stated, modulus_and_hardness
-from palpate.draft.tip import FILES, Tip
 from palpate.materials import law_of
 
 WIDEST = 40  # letters of a value
@@ -41,7 +41,7 @@ class Guess(NamedTuple):
 def guess_table(
     law: tuple[str, str],
     solid: Solid,
-    tip: Tip,
+    tip: KnownTip,
     drive: Drive,
     stated: Stated,
     guessed: Mapping[str, Sequence[float]],
@@ -92,7 +92,7 @@ def _brief(text: str) -> str:
     return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
 
 
-def _tip(tip: Tip) -> str:
+def _tip(tip: KnownTip) -> str:
     keys = {key: value for key, value in tip.keys.items() if key not in ("shape", "modulus", "poisson_ratio")}
     shown = (
         ", ".join(f"{v:.4g}" for v in value) if isinstance(value, list) else f"{value:g}" for value in keys.values()

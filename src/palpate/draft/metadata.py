@@ -6,17 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.solid import POISSON_RATIO
 from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio
-from palpate.draft.tip import Tip
-from palpate.errors import InputError
-from palpate.study.indenter import Indenter
 
 BERKOVICH, NEAR = 24.5, 0.05
 Said = Sequence[tuple[str, Mapping[str, Any]]]
 
 
-def not_taken(tests: Said, stated: Stated, tip: Tip) -> list[str]:
+def not_taken(tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0) -> list[str]:
     """Return one remark for each of tip and Poisson's ratio that is stated and not taken.
 
     Parameters
@@ -27,6 +25,8 @@ def not_taken(tests: Said, stated: Stated, tip: Tip) -> list[str]:
         What was taken.
     tip
         That is used; nothing is said of the files' tips where one was given.
+    deepest
+        Largest depth of the tests [nm].
     """
     remarks = []
     if stated.poisson_ratio is None:
@@ -37,7 +37,7 @@ def not_taken(tests: Said, stated: Stated, tip: Tip) -> list[str]:
         tips = {name: coefficients(each) for name, each in tests}
         if not all(_ideal(area) for area in tips.values()):
             shown = {name: ", ".join(f"{value:g}" for value in area) for name, area in tips.items()}
-            reason = _no_tip(next(iter(tips.values())))
+            reason = _no_tip(next(iter(tips.values())), deepest)
             remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
         if stated.shape and stated.shape not in ("berkovich", "vickers"):
             remarks.append(
@@ -77,12 +77,7 @@ def _ideal(area: tuple[float, ...]) -> bool:
     return not area or (len(area) == 1 and math.isclose(area[0], BERKOVICH, rel_tol=NEAR))
 
 
-def _no_tip(area: tuple[float, ...]) -> str:
+def _no_tip(area: tuple[float, ...], deepest: float) -> str:
     """Return why an area function cannot be taken."""
-    try:
-        low, high = Indenter.from_mapping({"shape": "area_function", "area": list(area)}).holds_between
-    except InputError as error:
-        return error.problem
-    if len(area) > 1:
-        return f"it is positive and grows from {low:.3g} to {high:.3g} nm, where the tests do not lie"
-    return f"a single coefficient other than {BERKOVICH} is an ideal tip that is no Berkovich's"
+    ideal = f"a single coefficient other than {BERKOVICH} is an ideal tip that is no Berkovich's"
+    return ideal if len(area) == 1 else unusable(area, deepest)

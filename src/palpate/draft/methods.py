@@ -8,9 +8,11 @@ their loads have no levels, but spread.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
+from palpate.inference.study_recordings import LOAD_TOLERANCE
 from palpate.recordings.recording import Recording
 
 SHAPE = 0.05  # of the largest, root mean square, by which normalised histories of one method differ
@@ -18,7 +20,7 @@ LONGER = 1.5  # ratio of durations of one method
 SAME_DEPTH = 0.25  # of what the loads would make the depths differ by, that they differ at most
 SPREAD = 1.5  # ratio of the loads of one method, the largest to the least
 MANY = 6  # tests that tell a spread from levels
-LOOSE = 1 / 3  # of the tests, as many groups as which are no levels
+GAP = 1.08  # ratio of neighbouring loads from which on they are two levels
 GRID = np.linspace(0.0, 1.0, 201)
 LOADED = 0.98
 
@@ -43,17 +45,37 @@ def with_the_middle_first(recordings: Sequence[Recording]) -> list[Recording]:
 
 def _by_method(groups: list[list[Recording]]) -> list[list[Recording]]:
     """Return groups of one shape, joined where they differ as tests of one method do."""
-    count, peaks = sum(map(len, groups)), [group[0].load.max() for group in groups]
-    if len(groups) > 1 and count >= MANY and len(groups) > LOOSE * count and max(peaks) < SPREAD * min(peaks):
-        return [[recording for group in groups for recording in group]]
     found: list[list[Recording]] = []
-    for group in groups:
+    for group in [joined for level in _levels(groups) for joined in _spread(level)]:
         same = next((members for members in found if _same_depth(members[0], group[0])), None)
         if same is None:
             found.append(group)
         else:
             found[found.index(same)] = [*same, *group]
     return found
+
+
+def _levels(groups: list[list[Recording]]) -> list[list[list[Recording]]]:
+    """Return the groups by largest load, cut where these leave a gap."""
+    ordered = sorted(groups, key=_largest)
+    levels = [ordered[:1]]
+    for before, after in pairwise(ordered):
+        if _largest(after) > GAP * _largest(before):
+            levels.append([])
+        levels[-1].append(after)
+    return levels
+
+
+def _spread(level: list[list[Recording]]) -> list[list[Recording]]:
+    """Return the groups of one level as one, where they are many tests whose loads spread."""
+    wide = _largest(level[-1]) > (1.0 + LOAD_TOLERANCE) * _largest(level[0])
+    if wide and sum(map(len, level)) >= MANY and _largest(level[-1]) < SPREAD * _largest(level[0]):
+        return [[recording for group in level for recording in group]]
+    return level
+
+
+def _largest(group: list[Recording]) -> float:
+    return float(np.median([recording.load.max() for recording in group]))
 
 
 def _same_shape(one: Recording, other: Recording) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.classical import oliver_pharr
-from palpate.draft.tip import Tip
+from palpate.draft.known_tip import KnownTip
 from palpate.errors import InputError
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
@@ -20,7 +20,7 @@ STIFFEST = 1200.0  # GPa, a little above diamond
 STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
 UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
 HELD = 0.98  # of the largest load, at which a test counts as held
-BERKOVICH = Tip()
+BERKOVICH = KnownTip()
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,9 @@ class Solid:
     returned: float = math.nan
 
     @classmethod
-    def of(cls, recordings: Sequence[Recording], tip: Tip = BERKOVICH, poisson_ratio: float = POISSON_RATIO) -> Solid:
+    def of(
+        cls, recordings: Sequence[Recording], tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO
+    ) -> Solid:
         """Analyse recordings under a tip; raises `InputError` when the tip has not sunk in at the largest load."""
         told = [by_unloading(recording, tip, poisson_ratio) for recording in recordings]
         secant = np.median([secant_modulus(recording, tip, poisson_ratio) for recording in recordings])
@@ -69,7 +71,7 @@ def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
     return [float(value) for value in np.median(told, axis=0)] if told else [math.nan] * count
 
 
-def by_unloading(recording: Recording, tip: Tip, poisson_ratio: float) -> tuple[float, float]:
+def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> tuple[float, float]:
     """Return modulus and hardness [GPa] by unloading, NaN where it does not tell them."""
     with suppress(InputError):
         area = tip.area_at(float(recording.depth.max()))
@@ -110,13 +112,13 @@ def peak_of(recording: Recording) -> tuple[float, float]:
     return float(recording.load[peak]), depth
 
 
-def secant_modulus(recording: Recording, tip: Tip = BERKOVICH, poisson_ratio: float = POISSON_RATIO) -> float:
+def secant_modulus(recording: Recording, tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO) -> float:
     """Return the modulus [GPa] of an elastic body that is as deep at the largest load."""
     load, depth = peak_of(recording)
     return load / tip.elastic_load(depth, poisson_ratio)
 
 
-def check_unit(recording: Recording, tip: Tip) -> None:
+def check_unit(recording: Recording, tip: KnownTip) -> None:
     """Refuse a recording of a solid stiffer than any: its unit is mistaken, or its columns are swapped.
 
     A depth mistaken by 1000 changes the modulus by a million under a cone, a load by 1000. The other way round nothing
@@ -140,7 +142,7 @@ def check_unit(recording: Recording, tip: Tip) -> None:
         )
 
 
-def unlike(recordings: Sequence[Recording], tip: Tip) -> list[str]:
+def unlike(recordings: Sequence[Recording], tip: KnownTip) -> list[str]:
     """Return a remark when tests of one draft seem to be of different materials, else none.
 
     Where one begins off contact, its depth is not the body's, and says nothing.

@@ -41,7 +41,7 @@ MODULUS = re.compile(
 HARDNESS = re.compile(r"(?!.*(limit|vickers))(H ?IT\b|H$|H average|(avg |average )?hardness\b)", re.IGNORECASE)
 OF_INSTRUMENT = {
     "frame": re.compile(r"frame (stiffness|compliance)|machine comp", re.IGNORECASE),
-    "drift": re.compile(r"(?!.*allowable).*drift (rate|correction)|drift \[", re.IGNORECASE),
+    "drift": re.compile(r"(?!.*(allowable|\?)).*(drift (rate|correction)|drift \[)", re.IGNORECASE),
     "temperature": re.compile(r"(test )?temp(erature)?\b", re.IGNORECASE),
 }
 Value = TypeVar("Value")

@@ -15,7 +15,7 @@ from palpate.configuration.study_file import SHARED
 from palpate.draft.grouping import Group
 from palpate.draft.guess_table import Guess
 from palpate.draft.guesses import points_for
-from palpate.draft.tip import Tip
+from palpate.draft.known_tip import KnownTip
 from palpate.materials import law_of
 
 WIDTH = 116  # of a comment, without its sign
@@ -49,7 +49,7 @@ def study_text(
     name: str,
     groups: Sequence[Group],
     folder: Path,
-    tip: Tip,
+    tip: KnownTip,
     guessed: Mapping[str, Sequence[float]],
     table: Sequence[Guess],
     remarks: Sequence[str] = (),

@@ -28,6 +28,7 @@ LEAST_POSITIVE = 0.05
 SHALLOWEST = 0.2
 DEEPEST = 30.0
 OWN_SIZE = 0.5  # by which the largest loads of tests with loads of their own may differ from their condition's
+OWN_COURSE = 0.1  # and the courses of these, each in its largest
 NOISE_PEAK = 4.0  # standard deviations by which noise lets a largest value stick out
 DEEPEST_IN_SPHERE = 3.0  # radii; a zero point that is off by a radius is not a mistaken unit
 
@@ -247,7 +248,8 @@ def check_drive(protocol: Protocol, recording: Recording, own_loads: bool = Fals
         )
     departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, drive))
     departure -= protocol.sample_drive
-    if np.sqrt(np.mean(departure**2)) > np.hypot(LOAD_TOLERANCE * expected, noise):
+    allowed = (OWN_COURSE if own_loads else LOAD_TOLERANCE) * expected
+    if np.sqrt(np.mean(departure**2)) > np.hypot(allowed, noise):
         worst = int(np.argmax(np.abs(departure)))
         hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
         raise InputError(

@@ -76,7 +76,7 @@ def recorded(
     if abs(drive[0]) > allowed:
         raise InputError(
             f"the {control} history begins at {drive[0]:.4g} {unit}",
-            remedy=f"begin it at contact, at zero {control}",
+            remedy=f"begin it at contact, at zero {control} (--contact auto finds it)",
             place=place,
         )
     drive[0] = 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,17 +12,37 @@ from palpate.analytic import hertz, sneddon
 from palpate.classical import AreaFunction
 from palpate.classical.oliver_pharr import DIAMOND
 from palpate.draft.stated import Stated
+from palpate.errors import InputError
 from palpate.study.area_function import BERKOVICH
 from palpate.study.indenter import Indenter
 
 BERKOVICH_CONE = 70.3
 EQUIVALENT_CONES = {"berkovich": BERKOVICH_CONE, "vickers": 70.3, "cube corner": 42.28}  # half-angles [degrees]
 ROUND_TO = 0.1  # radii of depth to which the round end of a cone decides
+THINNEST = 0.5  # of the ideal tip's area, that an area function gives at least where it was calibrated
 FILES = "as the files state"
 
 
+def unusable(area: Sequence[float], depth: float) -> str:
+    """Return why an area function cannot be used for tests of a depth [nm]; empty where it can.
+
+    A tip is blunter than the ideal one, whose area is the first term; a series that falls far below that has left the
+    depths of its calibration.
+    """
+    try:
+        low, high = Indenter.from_mapping({"shape": "area_function", "area": list(area)}).holds_between
+    except InputError as error:
+        return error.problem
+    if not depth or not low < depth < high:
+        return f"it is positive and grows from {low:.3g} to {high:.3g} nm, where the tests do not lie" if depth else ""
+    share = float(AreaFunction(tuple(area)).area(np.array(depth))) / (area[0] * depth**2)
+    if area[0] > 0.0 and share < THINNEST:
+        return f"at the tests' {depth:.3g} nm it gives {share:.0%} of the area that its first term does"
+    return ""
+
+
 @dataclass(frozen=True)
-class Tip:
+class KnownTip:
     """A tip with where it is known from.
 
     Parameters
@@ -37,7 +57,7 @@ class Tip:
     why: str = "guess: a Berkovich tip, by its equivalent cone"
 
     @classmethod
-    def of(cls, stated: Stated = Stated(), sphere: float | None = None, deepest: float = 0.0) -> Tip:  # noqa: B008
+    def of(cls, stated: Stated = Stated(), sphere: float | None = None, deepest: float = 0.0) -> KnownTip:  # noqa: B008
         """Return the tip that was given as a sphere of a radius [nm], is stated, or is guessed.
 
         A radius that is stated without a shape is a sphere's where a test is less than one radius deep, else that of
@@ -50,11 +70,10 @@ class Tip:
         """
         if sphere is not None:
             return cls({"shape": "sphere", "radius": sphere}, "nm, as given")
-        if stated.area:
-            low, high = Indenter.from_mapping({"shape": "area_function", "area": list(stated.area)}).holds_between
-            if low < deepest < high:
-                from_depth = f", from {low:.3g} nm on, where it grows" if low > 1.0 else ""
-                return cls({"shape": "area_function", "area": list(stated.area)}, f"nm, {FILES}{from_depth}")
+        if stated.area and not unusable(stated.area, deepest):
+            keys: dict[str, object] = {"shape": "area_function", "area": list(stated.area)}
+            low = Indenter.from_mapping(keys).holds_between[0]
+            return cls(keys, f"nm, {FILES}" + (f", from {low:.3g} nm on, where it grows" if low > 1.0 else ""))
         angle = EQUIVALENT_CONES.get(stated.shape)
         if stated.radius and (stated.shape == "sphere" or (angle is None and deepest < stated.radius)):
             return cls({"shape": "sphere", "radius": stated.radius}, f"nm, {FILES}")
@@ -67,7 +86,7 @@ class Tip:
         return cls()
 
     @property
-    def of_diamond(self) -> Tip:
+    def of_diamond(self) -> KnownTip:
         """The same tip with the elastic constants of diamond (Oliver and Pharr, J. Mater. Res. 7 (1992) 1564)."""
         modulus, poisson_ratio = DIAMOND
         return replace(self, keys={**self.keys, "modulus": modulus, "poisson_ratio": poisson_ratio})
