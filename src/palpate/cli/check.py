@@ -29,8 +29,12 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.workflow_support.manifest import changed
 
     study = checked(load_study(arguments.study, arguments.data))
+    print(f"relative paths count from {Path.cwd()}")
     for line in described(study):
         print(line)
+    for line in expected(study, os.cpu_count() or 1):
+        print(line)
+    print(f"next: palpate run {arguments.study}")
     for line in changed(study, plain(read_yaml(arguments.study)), Path("results") / study.name):
         print(f"{line}: run the study again")
     return 0

@@ -23,6 +23,7 @@ CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which nobody minds what is assumed
 BORNE = 10.0  # standard deviations of its noise by which a load that is borne rises above them, smoothed
+FALLS = 0.3  # of the rise of a load, by which one that is borne falls at least while the tip comes back
 WANDERS = 30.0, 2.0  # of these, and of what the load reaches on the first way in, that a wandering load may rise
 FIRST_WAY = 0.3  # of the largest depth
 NEAR_START = 10  # points
@@ -118,7 +119,9 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
 
 
 def _check_load(recording: Recording) -> None:
-    """Refuse a test that never bears load: its load stays within its noise, or wanders as it does on the first way in.
+    """Refuse a test that never bears load: its load stays within its noise, or wanders.
+
+    It wanders where it rises no more than on the first way in, or does not fall when the tip has come back.
 
     Raises
     ------
@@ -132,7 +135,11 @@ def _check_load(recording: Recording) -> None:
     rise = float(smooth.max() - np.median(load[:NEAR_START]))
     way = np.flatnonzero(depth >= depth[0] + FIRST_WAY * (depth.max() - depth[0]))
     early = float(np.abs(smooth[: max(int(way[0]), 1)] - smooth[0]).max()) if len(way) else 0.0
-    if rise < BORNE * noise or (rise < WANDERS[0] * noise and rise < WANDERS[1] * early):
+    wanders = rise < WANDERS[0] * noise and rise < WANDERS[1] * early
+    deepest = int(np.argmax(depth))
+    back = smooth[deepest:][depth[deepest:] < depth[0] + FIRST_WAY * (depth[deepest] - depth[0])]
+    stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
+    if rise < BORNE * noise or wanders or stays:
         raise InputError(
             f"never bears load: over {depth.max() - depth[0]:.4g} nm its load rises by {rise:.3g} mN, its noise is "
             f"{noise:.3g} mN",

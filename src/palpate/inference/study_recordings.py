@@ -43,7 +43,8 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
     """
     folder = study.recordings[name]
     if not folder.is_dir():
-        problem = "is a file, no folder" if folder.exists() else "the folder is missing"
+        missing = "the folder is missing" + ("" if folder.is_absolute() else f" below {Path.cwd()}")
+        problem = "is a file, no folder" if folder.exists() else missing
         raise InputError(problem, remedy=f"correct recordings.{name} in {study.file}", file=folder)
     names = [condition.name for condition in study.conditions]
     found: dict[str, list[Path]] = {name: [] for name in names}
