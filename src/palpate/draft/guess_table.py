@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.draft.guesses import reason
+from palpate.draft.guesses import LINEAR, reason
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import POISSON_RATIO, Solid
@@ -28,6 +28,7 @@ REASONS = {
     "spectrum_coefficient": "up to a tenth of the elastic compliance",
 }
 USUAL = "usual values"
+CREEP = ("steady_coefficient", "steady_exponent", "transient_coefficient", "transient_exponent")
 
 
 class Guess(NamedTuple):
@@ -63,6 +64,8 @@ def guess_table(
     rows.append(Guess("Poisson's ratio", f"{ratio:g}", known))
     for name, values in guessed.items():
         why = reason(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
+        if name in CREEP and solid.secant < LINEAR:
+            why = "linear creep, as of gels and rubbers"
         shown = " to ".join(f"{value:.4g}" for value in values)
         rows.append(Guess(name, f"{shown} {units[name].replace('-', '')}".strip(), f"guess: {why}"))
     return rows

@@ -10,6 +10,7 @@ from palpate.errors import InputError
 from palpate.materials import law_of
 
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
+LINEAR = 0.1  # GPa, chosen: softer solids are taken to creep linearly
 POINTS = {1: 16, 2: 32, 3: 64}  # snapshots for so many free parameters; more would lie too near to each other
 MOST_POINTS = 128
 
@@ -23,7 +24,8 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     has the hardness of a metal. The yield stress lies between a fifth and nine tenths of the hardness (Johnson, Contact
     Mechanics, 1985, section 6.3). Creep is that of an epoxy whose stresses grow with the modulus, from none to about
     three times as much; what recovers does so in a time between a five-hundredth and four tenths of the shortest
-    loading. No range leaves that of its parameter.
+    loading. Gels and rubbers, far below the stresses of plastics, creep in proportion to the stress. No range leaves
+    that of its parameter.
 
     Parameters
     ----------
@@ -62,6 +64,9 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"transient_coefficient": (0.0, 0.3 / middle), "retardation_time": (0.5 * shortest,)}
+    elif solid.secant < LINEAR:
+        known |= {"steady_exponent": (0.0,), "transient_exponent": (0.0,)}
+        known |= {"steady_coefficient": (0.0, 0.5 / (middle * shortest)), "transient_coefficient": (0.0, 1.0 / middle)}
     unknown = [p.name for p in declared if p.default is None and p.name not in {*known, "poisson_ratio"}]
     if unknown:
         raise InputError(
