@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.base.yaml_file import read_yaml
     from palpate.configuration.study_file import load_study
     from palpate.workflow_support.check_study import checked
+    from palpate.workflow_support.expected_time import expected
     from palpate.workflow_support.job import plain
     from palpate.workflow_support.manifest import changed
 
