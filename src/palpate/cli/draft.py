@@ -14,7 +14,9 @@ HELP = "write a first study from recordings or vendors' files"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("files", type=Path, nargs="+", metavar="FILE|FOLDER")
+    parser.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, vendors' files, or folders of them"
+    )
     read.reading_arguments(parser)
     parser.add_argument("--law", type=_law, help="material model (default: chosen from the tests)")
     parser.add_argument(
