@@ -7,11 +7,11 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.covariance import components, noise_of
 from palpate.diagnosis.detect import examine, filters, simulated_noise
-from palpate.diagnosis.noise import SINGLE_MEMORY
 from palpate.diagnosis.screen import Screen
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.covariance import components, noise_of
+from palpate.inference.noise import SINGLE_MEMORY
 
 
 def p_of(fit):

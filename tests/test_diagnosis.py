@@ -10,17 +10,17 @@ from scipy.linalg import toeplitz
 
 from palpate.configuration.study_file import Condition
 from palpate.diagnosis.accepted import may_be_named, without_idle
-from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _special_cases
 from palpate.diagnosis.locate import location
-from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.outside import outside
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
+from palpate.inference.covariance import errors, noise_of
+from palpate.inference.noise_fit import Replicates, contrasts, fit_noise
 from palpate.inference.observation import Observation
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
 from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.study.protocol import trapezoid

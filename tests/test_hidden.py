@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.undetected import open_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
 
 FRAME = "frame_compliance.compliance"

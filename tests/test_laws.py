@@ -5,10 +5,10 @@ import pytest
 from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted, laws_of, zero_points
 from palpate.diagnosis.undetected import may_hide
 from palpate.errors import InputError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.recordings.recording import Recording
 
 

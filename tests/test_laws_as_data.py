@@ -8,12 +8,12 @@ from closed_forms import TRUTH
 from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
 from palpate.diagnosis import undetected
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.posterior import posterior_draws
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.covariance import noise_between_replicates, noise_of
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.covariance import noise_between_replicates, noise_of
 
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]

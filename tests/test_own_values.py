@@ -10,15 +10,15 @@ from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.candidates import longest_rise
 from palpate.diagnosis.diagnosis_result import curves
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Search
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.observation import Observation
+from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
 from palpate.study.protocol import Protocol, trapezoid
 

@@ -9,11 +9,11 @@ from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
 from palpate.diagnosis.accepted import accepted_of, judged, likeliest_of_each, not_told_from_none, without_idle
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
 
 LEVEL = 0.01

@@ -14,12 +14,12 @@ from scipy.stats import chi2
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates, scale_of
-from palpate.diagnosis.covariance import errors, noise_of
 from palpate.diagnosis.detect import count_of_filters
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.study_diagnosis import optimum_on_surrogates, run_diagnosis
 from palpate.errors import PalpateError
+from palpate.inference.covariance import errors, noise_of
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.search import Candidate
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)

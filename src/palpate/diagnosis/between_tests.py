@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
 DRAWS = 20000
 JITTER = 1e-9

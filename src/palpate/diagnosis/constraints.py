@@ -3,7 +3,7 @@
 A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
 oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. Of the first two,
 what creep does there is taken off. A hold at any load bounds the drift, because creep only adds to the depth. Laws are
-data beside the curves (`palpate.diagnosis.amplitude_constraint`), as long as the two agree: an explanation to which the
+data beside the curves (`palpate.inference.amplitude_constraint`), as long as the two agree: an explanation to which the
 curves alone give another amplitude, beyond both intervals, is wrong, however well it fits.
 """
 
@@ -19,9 +19,9 @@ import numpy as np
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.errors import InputError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
 from palpate.recordings.recording import Recording
 from palpate.recordings.sharp_origin import sharp_origin

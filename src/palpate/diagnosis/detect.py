@@ -26,11 +26,11 @@ from scipy.linalg import cholesky
 from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import noise_of
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.screen import Screen, count_of_trials
+from palpate.inference.covariance import noise_of
+from palpate.inference.explanation import Fit
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2

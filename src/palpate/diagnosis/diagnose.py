@@ -17,10 +17,10 @@ from palpate.diagnosis.accepted import (
     not_told_from_none,
     without_idle,
 )
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Explanation
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Explanation
 from palpate.mechanisms import MECHANISMS
 
 

@@ -10,19 +10,19 @@ import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.accepted import not_told_from_none
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.diagnose import Diagnosis
-from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.posterior import draws_to_first_order, posterior_draws
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.scaling_check import similarity
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
+from palpate.inference.posterior import draws_to_first_order, posterior_draws
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 

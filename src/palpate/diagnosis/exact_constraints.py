@@ -13,9 +13,9 @@ from itertools import chain
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import law_of_reference, laws_of
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.explanation import Fit
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
 

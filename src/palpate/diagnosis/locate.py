@@ -9,9 +9,9 @@ from scipy.linalg import cho_solve
 from scipy.stats import false_discovery_control
 from scipy.stats import t as student
 
-from palpate.diagnosis.estimated_noise import freedom
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.prescribed_segments import segments
+from palpate.inference.estimated_noise import freedom
+from palpate.inference.explanation import Fit
+from palpate.inference.prescribed_segments import segments
 
 CERTAIN = 0.05  # share of false discoveries below which a part stands out
 

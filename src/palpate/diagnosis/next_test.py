@@ -10,10 +10,10 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.covariance import components_under
-from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.indenter import Indenter

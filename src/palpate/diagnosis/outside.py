@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
 OUTSIDE = 0.005  # of a range, beyond its ends
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import NORMAL_95, AmplitudeConstraint
-from palpate.diagnosis.covariance import components_under
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.recording_noise import model_covariance
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.stats import chi2
 from scipy.stats import f as variance_ratio
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 from palpate.study.protocol import LOAD, Protocol
 
 DEGREE = 2

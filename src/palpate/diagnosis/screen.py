@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import qmc
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
-from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
 

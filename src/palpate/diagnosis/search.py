@@ -12,19 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.covariance import Errors, errors, noise_of
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.noise import NoiseModel
 from palpate.diagnosis.policy import SearchPolicy
-from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.screen import Screen
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude, own_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
+from palpate.inference.covariance import Errors, errors, noise_of
+from palpate.inference.explanation import Fit
 from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit
+from palpate.inference.noise import NoiseModel
+from palpate.inference.problem import Explanation, Problem
 from palpate.inference.trust_region import Descent, descend, resumed
 from palpate.mechanisms import MECHANISMS
 

@@ -14,12 +14,12 @@ from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
 from palpate.inference.surrogate_fit import WeightedFit
 from palpate.inference.surrogate_space import Space

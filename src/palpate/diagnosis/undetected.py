@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.estimated_noise import adjusted
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.screen import Screen
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.estimated_noise import adjusted
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS
 
 EVEN = 1.0 / 3.0

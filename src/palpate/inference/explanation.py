@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint, departures
-from palpate.diagnosis.covariance import Errors
-from palpate.diagnosis.problem import Explanation, Problem
+from palpate.inference.amplitude import Amplitude, own_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.covariance import Errors
 from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes
+from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
@@ -31,7 +31,7 @@ class Fit:
     model
         The forward model, whose points are coordinates of the explanation.
     z : ndarray, shape (k,)
-        Coordinates, see `palpate.diagnosis.problem`.
+        Coordinates, see `palpate.inference.problem`.
     errors
         Errors of the mean curves.
     curve : ndarray, shape (n_all,)

@@ -13,8 +13,8 @@ from collections.abc import Callable
 import emcee
 import numpy as np
 
-from palpate.diagnosis.curvature import Curvature
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.curvature import Curvature
+from palpate.inference.explanation import Fit
 
 WALKERS_PER_DIMENSION = 6
 SETTLING, KEPT, THINNING = 150, 250, 5

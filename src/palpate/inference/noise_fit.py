@@ -23,7 +23,7 @@ from scipy.linalg import cho_factor, cho_solve, helmert
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from palpate.diagnosis.noise import NoiseModel, largest_memory, point_noise, slope_by_memory
+from palpate.inference.noise import NoiseModel, largest_memory, point_noise, slope_by_memory
 
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12

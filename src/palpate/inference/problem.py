@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude import Amplitude
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
 from palpate.inference.observation import Observation

@@ -13,11 +13,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.noise import NoiseModel
-from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.noise import NoiseModel
+from palpate.inference.noise_fit import Replicates, contrasts, fit_noise, without_trend
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
 from palpate.inference.recording_noise import model_covariance
 from palpate.mechanisms import MECHANISMS
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
 AXES = 3  # along which the curves may bend
 REACH = 2.0  # standard deviations, beyond which they go on straight
