@@ -69,6 +69,10 @@ class Drafted:
 
         Parameters
         ----------
+        file, test
+            Where it stands, and what was read there.
+        corrections
+            That its depth holds; None for the vendor's own.
         whole
             The test with its approach and what follows it, where that is known.
         """

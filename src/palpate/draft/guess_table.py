@@ -53,6 +53,8 @@ def guess_table(
     ----------
     law
         Its key, and why it was chosen.
+    solid, tip, drive, stated
+        What was told from the tests, and by the files.
     guessed
         Ranges of its parameters.
     """

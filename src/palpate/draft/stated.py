@@ -100,6 +100,10 @@ def quantity(
 
     Parameters
     ----------
+    metadata
+        What a file says, by the vendor's names.
+    named
+        Matches the names of the quantity.
     units
         What each unit is in that of the result.
     usual

@@ -179,8 +179,17 @@ def on_finite_elements(
 ) -> tuple[Descent, Forward, Mapping[str, Observation]]:
     """Return the estimate on the forward model, the model of record, and what was observed.
 
-    Where tests have loads of their own, they are brought to one load at the best of the `starts`, and once more at the
-    estimate, from which the search then goes on (`palpate.inference.own_loads`). Errors are those about `rough` curves.
+    Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
+    estimate, from which the search then goes on (`palpate.inference.own_loads`).
+
+    Parameters
+    ----------
+    forward, observations, settings, rng, report
+        As for `calibrate`.
+    starts
+        Parameters by name, the optimum on the surrogates first.
+    rough
+        Curve (n_points,) of each condition, about which errors are taken.
     """
     names = [name for name, item in observations.items() if item.role == "calibrate"]
 

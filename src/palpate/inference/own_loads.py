@@ -48,10 +48,14 @@ def brought_to_one_load(
 
     Parameters
     ----------
+    study
+        Says what is simulated.
     observed
         By the names of conditions.
     values
         Material parameters of the forward model.
+    report
+        Told of simulations that fail.
     """
     return {
         name: _brought(study, study.condition(name), item, values, report) if item.own else item
