@@ -139,7 +139,8 @@ def _drafted(
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
     stated, said = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
-    solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
+    ratio = stated.poisson_ratio or POISSON_RATIO
+    solid = Solid.of(recordings, tip, ratio)
     chosen = (law, "as given") if law else chosen_law(solid)
     used = tip.of_diamond if solid.stiff else tip
     groups = grouped(recordings, drive)
@@ -152,7 +153,7 @@ def _drafted(
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
     study = _written(output / "study.yaml", text, folder, groups, tests)
-    return FirstStudy(study, [*_doubts(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts)])
+    return FirstStudy(study, [*_doubts(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
 
 
 def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:

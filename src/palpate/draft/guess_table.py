@@ -73,11 +73,14 @@ def guess_table(
     return rows
 
 
-def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]]) -> list[Guess]:
-    """Return modulus and hardness by unloading, ours beside the vendor's own, medians of the tests."""
+def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) -> list[Guess]:
+    """Return modulus and hardness by unloading, ours beside the vendor's own, medians of the tests.
+
+    A Poisson's `ratio` turns a vendor's plane-strain modulus into Young's.
+    """
     rows = []
     for what, ours, place in (("modulus", solid.modulus, 0), ("hardness", solid.hardness, 1)):
-        theirs = [value for each in facts if (value := modulus_and_hardness(each)[place]) is not None]
+        theirs = [value for each in facts if (value := modulus_and_hardness(each, ratio)[place]) is not None]
         if math.isnan(ours) and not theirs:
             continue
         shown = "not told by any unloading" if math.isnan(ours) else f"{ours:.4g} GPa"

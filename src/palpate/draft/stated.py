@@ -38,6 +38,7 @@ MODULUS = re.compile(
     r"(E ?IT$|E$|E\[|E average|(avg |average )?(young\S* |elastic )?modulus\b)",
     re.IGNORECASE,
 )
+PLANE_STRAIN = re.compile(r"E ?IT ?/ ?\(1", re.IGNORECASE)  # E / (1 - nu^2), as Fischer writes it
 HARDNESS = re.compile(r"(?!.*(limit|vickers))(H ?IT\b|H$|H average|(avg |average )?hardness\b)", re.IGNORECASE)
 OF_INSTRUMENT = {
     "frame": re.compile(r"frame (stiffness|compliance)|machine comp", re.IGNORECASE),
@@ -120,9 +121,14 @@ def quantity(
     return None
 
 
-def modulus_and_hardness(metadata: Mapping[str, Any]) -> tuple[float | None, float | None]:
-    """Return the modulus and the hardness that the vendor's own evaluation gives [GPa]; None where it gives none."""
-    return quantity(metadata, MODULUS, PRESSURES), quantity(metadata, HARDNESS, PRESSURES)
+def modulus_and_hardness(metadata: Mapping[str, Any], ratio: float) -> tuple[float | None, float | None]:
+    """Return the modulus and the hardness that the vendor's own evaluation gives [GPa]; None where it gives none.
+
+    A plane-strain modulus is turned into Young's with a Poisson's `ratio`.
+    """
+    plane = quantity(metadata, PLANE_STRAIN, PRESSURES)
+    young = quantity(metadata, MODULUS, PRESSURES) or (plane * (1.0 - ratio**2) if plane else None)
+    return young, quantity(metadata, HARDNESS, PRESSURES)
 
 
 def of_instrument(metadata: Mapping[str, Any]) -> list[str]:
