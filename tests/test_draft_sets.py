@@ -122,6 +122,19 @@ def test_many_tests_whose_loads_spread_are_one_condition():
     assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads])] == [36]
 
 
+def test_many_tests_behind_a_cantilever_are_few_conditions():
+    """The piezo ends at one height, and touches at many: displacements from contact on spread by a factor of 2.2."""
+    drive, tests = Drive(DISPLACEMENT, 0.5e-6), []
+    for z in np.linspace(3000, 6600, 40):
+        protocol = trapezoid(z, z / 1000, 0, z / 1000, points=200, control=DISPLACEMENT)
+        depth = np.append(0.0, protocol.sample_drive) * 0.5
+        load = 0.5e-6 * (np.append(0.0, protocol.sample_drive) - depth)
+        tests.append(Recording(np.append(0.0, protocol.sample_time), load, depth, f"{z:.0f}"))
+    groups = grouped(tests, drive)
+    assert len(groups) <= 6 and sum(len(group.recordings) for group in groups) == 40
+    assert all(group.history["spring"] == 0.5e-6 for group in groups)
+
+
 def test_loads_that_form_levels_stay_conditions_of_their_own():
     loads = np.repeat([1.0, 1.2, 1.44], 12) * np.tile(np.linspace(0.995, 1.005, 12), 3)
     assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads])] == [12, 12, 12]
@@ -272,3 +285,13 @@ def test_pop_ins_are_found_and_told(capsys):
     jumped.write("jump.csv")
     assert drafted("jump.csv", "-o", "out") == 0
     assert "the depth jumps while the load grows, by 30" in capsys.readouterr().out
+
+
+def test_a_check_tells_folder_and_time(capsys, folder):
+    assert drafted("set", "-o", "out") == 0
+    capsys.readouterr()
+    assert main(["check", "out/study.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"relative paths count from {folder}"
+    assert any(line.startswith("expected, roughly: ") and "16 snapshots" in line for line in lines)
+    assert lines[-1] == "next: palpate run out/study.yaml"

@@ -70,8 +70,7 @@ def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Gro
             found.append(members := [])
         members.append(recording)
     exact = found
-    if drive.control == LOAD:
-        found = of_one_method(found)
+    found = of_one_method(found, drive)
     found.sort(key=lambda members: (drive.of(members[0]).max(), _loading_time(members[0], drive)))
     given: Counter[str] = Counter()
     groups: list[Group] = []
@@ -84,7 +83,7 @@ def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Gro
         if any(members is each for each in exact):
             history = _trapezoid(members, drive) or {"load_history": "recorded"}
         else:
-            members, history = with_the_middle_first(members), {"load_history": "recorded", "own_loads": True}
+            members, history = with_the_middle_first(members, drive), {"load_history": "recorded", "own_loads": True}
         groups.append(Group(name, tuple(members), {**drive.keys, **history}))
     return groups
 

@@ -1,8 +1,9 @@
 """How long a study will take, told roughly before it runs: numbers of curves times what one costs.
 
 A calibration asks the finite elements for curves and derivatives until it has settled, and a diagnosis does so for each
-explanation; neither number is known beforehand. The numbers here are those of drafted studies of public recordings
-(docs/measurements.md), on a free core of 2024; a study may well take half or twice as long.
+explanation; neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of
+a public recording (docs/measurements.md) on a free core; a study may well take half or twice as long, and a diagnosis
+that finds its explanation early much less.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from palpate.solver.store import conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.12, 0.35, 0.05  # s of processor time of one curve of 100 points
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
-CALIBRATION = 800  # curves for each condition
-EXPLANATION = 250  # curves for each condition and each mechanism that is considered, pairs included
+CALIBRATION = 400  # curves of one condition
+EXPLANATION = 200  # curves of one condition for each mechanism that is considered, pairs included
+FURTHER = 0.3  # of that, for each further condition: conditions are solved together
 COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 
@@ -27,13 +29,14 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
     snapshots = cost * curves / cores
-    fits = len(study.recordings) * cost * CALIBRATION * len(judged)
+    together = len(study.recordings) * cost * (1.0 + FURTHER * (len(judged) - 1))
+    fits = together * CALIBRATION * len(study.condition_sets)
     mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
-    explanations = len(study.recordings) * cost * EXPLANATION * mechanisms * len(judged)
+    explanations = together * EXPLANATION * mechanisms
     total = snapshots + fits + explanations
     parts = [f"{curves} snapshots {_in_words(snapshots)}"]
     parts += [f"calibration {_in_words(fits)}"] if study.recordings else []
-    parts += [f"diagnosis of {mechanisms} mechanisms {_in_words(explanations)}"] if mechanisms else []
+    parts += [f"diagnosis of {mechanisms} mechanisms up to {_in_words(explanations)}"] if mechanisms else []
     plural = "s" if cores > 1 else ""
     yield (
         f"expected, roughly: {_in_words(total)} on {cores} free core{plural} ({', '.join(parts)}), and "
