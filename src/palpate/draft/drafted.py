@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.draft.borne_load import NEAR_START, check_borne
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
@@ -22,13 +23,8 @@ from palpate.recordings.segments import segments
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which nobody minds what is assumed
-BORNE = 10.0  # standard deviations of its noise by which a load that is borne rises above them, smoothed
-FALLS = 0.3  # of the rise of a load, by which one that is borne falls at least while the tip comes back
-WANDERS = 30.0, 2.0  # of these, and of what the load reaches on the first way in, that a wandering load may rise
-FIRST_WAY = 0.3  # of the largest depth
-NEAR_START = 10  # points
-TELLING = 20  # points that tell the noise of a load
 PULLED = 0.02  # of the largest load, a pull on the tip that is told
+CLEAR = 10.0  # standard deviations of the load, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +74,7 @@ class Drafted:
         """
         name = printable(f"{file}, {test.name}")
         try:
-            _check_load(test.recording)
+            check_borne(test.recording)
             begun = replace(test.recording.from_contact(), name=name)
             segments(begun.time, begun.load)
             peak_of(begun)
@@ -122,43 +118,13 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
     ]
 
 
-def _check_load(recording: Recording) -> None:
-    """Refuse a test that never bears load: its load stays within its noise, or wanders.
-
-    It wanders where it rises no more than on the first way in, or does not fall when the tip has come back.
-
-    Raises
-    ------
-    InputError
-        With the size of the noise.
-    """
-    load, depth = recording.load, recording.depth
-    if len(load) < TELLING:
-        return
-    noise, smooth = noise_of(load), median_filter(load, 5, mode="nearest")
-    rise = float(smooth.max() - np.median(load[:NEAR_START]))
-    way = np.flatnonzero(depth >= depth[0] + FIRST_WAY * (depth.max() - depth[0]))
-    early = float(np.abs(smooth[: max(int(way[0]), 1)] - smooth[0]).max()) if len(way) else 0.0
-    wanders = rise < WANDERS[0] * noise and rise < WANDERS[1] * early
-    deepest = int(np.argmax(depth))
-    back = smooth[deepest:][depth[deepest:] < depth[0] + FIRST_WAY * (depth[deepest] - depth[0])]
-    stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
-    if rise < BORNE * noise or wanders or stays:
-        raise InputError(
-            f"never bears load: over {depth.max() - depth[0]:.4g} nm its load rises by {rise:.3g} mN, its noise is "
-            f"{noise:.3g} mN",
-            remedy="leave it out: the tip did not touch, or the load is in another column",
-            place="load_mN",
-        )
-
-
 def _pull(whole: Recording, begun: Recording) -> float:
     """Return by how much the load falls below what it reads without contact after the largest [mN]; 0 within noise."""
     peak = int(np.argmax(whole.load))
     free = float(np.median(whole.load[:NEAR_START])) if whole.time[0] < 0.0 else 0.0
     pull = free - float(median_filter(whole.load, 3, mode="nearest")[peak:].min())
     largest = begun.load.max()
-    return pull if pull > max(PULLED * largest, BORNE * noise_of(whole.load)) else 0.0
+    return pull if pull > max(PULLED * largest, CLEAR * noise_of(whole.load)) else 0.0
 
 
 def _assumed(recording: Recording, begun: Recording) -> float:

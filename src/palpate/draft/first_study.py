@@ -12,13 +12,13 @@ from palpate.configuration.study_file import Study, load_study
 from palpate.draft.drafted import Drafted, assumed, pulled
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
-from palpate.draft.guesses import ranges
+from palpate.draft.guesses import LINEAR, ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import POLYMER, chosen_law
 from palpate.draft.metadata import not_taken, of_the_instrument
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.rollback_on_error import taken_back_if_unsound
-from palpate.draft.solid import POISSON_RATIO, Solid, check_unit, unlike
+from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit, unlike
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
@@ -139,16 +139,17 @@ def _drafted(
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
     stated, said = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
-    ratio = stated.poisson_ratio or POISSON_RATIO
+    solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
+    ratio = stated.poisson_ratio or (OF_GELS if solid.secant < LINEAR else POISSON_RATIO)
     solid = Solid.of(recordings, tip, ratio)
     chosen = (law, "as given") if law else chosen_law(solid)
     used = tip.of_diamond if solid.stiff else tip
     groups = grouped(recordings, drive)
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     guessed = ranges(chosen[0], solid, shortest)
-    table = guess_table(chosen, solid, used, drive, stated, guessed)
+    table = guess_table(chosen, solid, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
     deepest = float(np.median([recording.depth.max() for recording in recordings]))
-    remarks = [*not_taken(said, stated, tip, deepest), *of_the_instrument(said), *unlike(recordings, tip)]
+    remarks = [*not_taken(said, stated, tip, deepest, ratio), *of_the_instrument(said), *unlike(recordings, tip)]
     remarks += [*assumed(tests), *pulled(tests)]
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)

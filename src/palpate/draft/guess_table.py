@@ -11,8 +11,8 @@ import numpy as np
 from palpate.draft.guesses import LINEAR, reason
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
-from palpate.draft.solid import POISSON_RATIO, Solid
-from palpate.draft.stated import Stated, modulus_and_hardness
+from palpate.draft.solid import OF_GELS, Solid
+from palpate.draft.stated import modulus_and_hardness
 from palpate.materials import law_of
 
 WIDEST = 40  # letters of a value
@@ -44,7 +44,7 @@ def guess_table(
     solid: Solid,
     tip: KnownTip,
     drive: Drive,
-    stated: Stated,
+    ratio: tuple[float, bool],
     guessed: Mapping[str, Sequence[float]],
 ) -> list[Guess]:
     """Return what a draft takes or guesses.
@@ -53,8 +53,10 @@ def guess_table(
     ----------
     law
         Its key, and why it was chosen.
-    solid, tip, drive, stated
+    solid, tip, drive
         What was told from the tests, and by the files.
+    ratio
+        Poisson's, and whether the files state it.
     guessed
         Ranges of its parameters.
     """
@@ -62,8 +64,7 @@ def guess_table(
     rows = [Guess("law", *law), Guess("drive", drive.control, drive.why), Guess("tip", _tip(tip), tip.why)]
     if "modulus" in tip.keys:
         rows.append(Guess("tip's modulus", f"{tip.keys['modulus']:g} GPa", "guess: diamond, as the solid is stiff"))
-    ratio, known = (stated.poisson_ratio, FILES) if stated.poisson_ratio else (POISSON_RATIO, "guess")
-    rows.append(Guess("Poisson's ratio", f"{ratio:g}", known))
+    rows.append(Guess("Poisson's ratio", f"{ratio[0]:g}", FILES if ratio[1] else _guessed_ratio(ratio[0])))
     for name, values in guessed.items():
         why = reason(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
         if name in CREEP and solid.secant < LINEAR:
@@ -71,6 +72,10 @@ def guess_table(
         shown = " to ".join(f"{value:.4g}" for value in values)
         rows.append(Guess(name, f"{shown} {units[name].replace('-', '')}".strip(), f"guess: {why}"))
     return rows
+
+
+def _guessed_ratio(ratio: float) -> str:
+    return "guess: gels and rubbers hardly change their volume" if ratio == OF_GELS else "guess"
 
 
 def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) -> list[Guess]:

@@ -14,7 +14,9 @@ BERKOVICH, NEAR = 24.5, 0.05
 Said = Sequence[tuple[str, Mapping[str, Any]]]
 
 
-def not_taken(tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0) -> list[str]:
+def not_taken(
+    tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0, ratio: float = POISSON_RATIO
+) -> list[str]:
     """Return one remark for each of tip and Poisson's ratio that is stated and not taken.
 
     Parameters
@@ -27,12 +29,14 @@ def not_taken(tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0) 
         That is used; nothing is said of the files' tips where one was given.
     deepest
         Largest depth of the tests [nm].
+    ratio
+        Poisson's, that is guessed where none is taken.
     """
     remarks = []
     if stated.poisson_ratio is None:
         ratios = {name: poisson_ratio(each) for name, each in tests}
         said = {name: "" if ratio is None else f"{ratio:g}" for name, ratio in ratios.items()}
-        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{POISSON_RATIO} is guessed")
+        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{ratio:g} is guessed")
     if tip.why.startswith("guess"):
         tips = {name: coefficients(each) for name, each in tests}
         if not all(_ideal(area) for area in tips.values()):

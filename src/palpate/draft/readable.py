@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from palpate.draft.borne_load import check_borne
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
 from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each
+from palpate.recordings.readers.vendor import attempt
 
 
 def readable(
@@ -35,13 +37,14 @@ def readable(
     """
     foreign: list[InputError] = []
     found: list[tuple[Path, list[Drafted | Unreadable]]] = []
-    for given in files:
-        for file in _files_in(given):
-            try:
-                whole = read_each(file, corrections=corrections, contact="none", columns=columns)
-                found.append((file, _begun(file, whole, zeroed_each(file, whole, contact), corrections)))
-            except InputError as error:
-                foreign.append(error.located(file=file))
+    for file in [file for given in files for file in _files_in(given)]:
+        try:
+            if file.is_dir():
+                raise InputError("is a folder without files", remedy="name the folder that holds the recordings")
+            whole = _borne(file, read_each(file, corrections=corrections, contact="none", columns=columns))
+            found.append((file, _begun(file, whole, zeroed_each(file, whole, contact), corrections)))
+        except InputError as error:
+            foreign.append(error.located(file=file))
     drafted = [test for _, tests in found for test in tests if isinstance(test, Drafted)]
     if not drafted:
         raise foreign[0]
@@ -54,10 +57,20 @@ def readable(
 
 
 def _files_in(given: Path) -> list[Path]:
-    """Return a file, or the visible files of a folder by name; a folder without any is told as a file is."""
+    """Return a file, or the visible files of a folder by name; a folder without any as it is."""
     if not given.is_dir():
         return [given]
     return sorted(file for file in given.iterdir() if file.is_file() and not file.name.startswith(".")) or [given]
+
+
+def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
+    """Return the tests of a file, those that never bear load as such that cannot be read."""
+    return [attempt(file, test.name, _pressed, test) if isinstance(test, VendorTest) else test for test in tests]
+
+
+def _pressed(test: VendorTest) -> VendorTest:
+    check_borne(test.recording)
+    return test
 
 
 def _begun(

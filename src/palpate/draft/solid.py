@@ -15,7 +15,7 @@ from palpate.errors import InputError
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 
-POISSON_RATIO = 0.35
+POISSON_RATIO, OF_GELS = 0.35, 0.49  # guesses: of plastics; of gels and rubbers, which hardly change their volume
 STIFFEST = 1200.0  # GPa, a little above diamond
 STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
 UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
