@@ -282,6 +282,8 @@ def test_pop_ins_are_found_and_told(capsys):
     (found,) = pop_ins(jumped)
     assert found.load == pytest.approx(1.0, rel=0.02) and found.jump == pytest.approx(30.0, rel=0.1)
     assert pop_ins(test) == []
+    ramp = Recording(TIME[::10], np.minimum(TIME, 8.0)[::10], 100 * np.minimum(TIME, 8.0)[::10])
+    assert pop_ins(ramp) == [], "a depth that is held is no jump before"
     jumped.write("jump.csv")
     assert drafted("jump.csv", "-o", "out") == 0
     assert "the depth jumps while the load grows, by 30" in capsys.readouterr().out
