@@ -45,7 +45,8 @@ def not_taken(
             remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
         if stated.shape and stated.shape not in ("berkovich", "vickers"):
             remarks.append(
-                f"the files state a tip of the shape {stated.shape} without its size; a Berkovich tip is guessed"
+                f"the files state a tip of the shape {stated.shape}, without what it takes to simulate it; a Berkovich "
+                "tip is guessed (give --sphere, or correct the indenter in the study)"
             )
     return remarks
 

@@ -34,7 +34,7 @@ SHAPES = {
     "sphere": r"spher|ball|bead|colloid",
 }
 MODULUS = re.compile(
-    r"(?!.*(reduced|limit|guess|indenter|tip|storage|loss))"
+    r"(?!.*(reduced|eff|limit|guess|indenter|tip|storage|loss))"
     r"(E ?IT$|E$|E\[|E average|(avg |average )?(young\S* |elastic )?modulus\b)",
     re.IGNORECASE,
 )

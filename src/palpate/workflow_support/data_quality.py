@@ -100,12 +100,14 @@ def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     """Say of which test's drive an average is followed."""
     if not condition.follows:
         return
-    for test in tests if condition.own_loads else tests[:1]:
-        drive = condition.protocol.drive_of(test.load, test.depth)
-        over = averaged_over(test.time, drive)
-        if over > 1:
-            share, span = averaged_noise(test.time, drive) / drive.max(), over * float(np.median(np.diff(test.time)))
-            yield (
-                f"{test.name}.csv: the {condition.protocol.control} oscillates or is noisy by {share:.1%} of its "
-                f"largest; its average over {span:.3g} s is followed"
-            )
+    followed = tests if condition.own_loads else tests[:1]
+    drives = [(test, condition.protocol.drive_of(test.load, test.depth)) for test in followed]
+    found = [(test, drive, over) for test, drive in drives if (over := averaged_over(test.time, drive)) > 1]
+    if found:
+        test, drive, over = found[0]
+        share, span = averaged_noise(test.time, drive) / drive.max(), over * float(np.median(np.diff(test.time)))
+        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        yield (
+            f"{test.name}.csv{others}: the {condition.protocol.control} oscillates or is noisy by {share:.1%} of its "
+            f"largest; its average over {span:.3g} s is followed"
+        )
