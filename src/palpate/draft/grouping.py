@@ -23,6 +23,7 @@ from palpate.study.protocol import LOAD
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
 REACHED = 0.98
+UNLIKE = 1.25  # ratio of sizes from which on two tests need not be compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +97,8 @@ def _suffix(earlier: int) -> str:
 
 
 def _alike(first: Recording, other: Recording, drive: Drive) -> bool:
+    if not 1.0 / UNLIKE < drive.of(first).max() / drive.of(other).max() < UNLIKE:
+        return False
     try:
         for one, two in ((first, other), (other, first)):
             protocol = drive.followed(one)

@@ -77,10 +77,9 @@ def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
 
 def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
     """Say in which tests the depth jumps."""
-    found = {test.name: jumps for test in tests if (jumps := pop_ins(test))}
+    found = {test.name: max(jumps, key=lambda each: each.jump) for test in tests if (jumps := pop_ins(test))}
     if found:
-        name, jumps = next(iter(found.items()))
-        largest = max(jumps, key=lambda each: each.jump)
+        name, largest = max(found.items(), key=lambda pair: pair[1].jump)
         others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         yield (
             f"{name}.csv{others}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
