@@ -140,12 +140,13 @@ def run_calibration(
     }
 
     result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
-    at_one_load = brought_to_one_load(study, judged, {key: found.estimate for key, found in result.parameters.items()})
-    return result, curves_beside(study, at_one_load, result)
+    return result, curves_beside(study, judged, result)
 
 
 def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
     """Return a table of the curves of all conditions, recorded, of the surrogates and simulated.
+
+    Tests with loads of their own are brought to one load at the estimate.
 
     Returns
     -------
@@ -153,6 +154,8 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
         Columns as `run_calibration` tells them.
     """
     tables = []
+    estimate = {name: found.estimate for name, found in result.parameters.items()}
+    observed = brought_to_one_load(study, observed, estimate)
     for condition in study.conditions:
         item = observed[condition.name]
         count, unit = len(item.response), item.quantity.unit
