@@ -26,6 +26,7 @@ from palpate.inference.study_recordings import check_given
 from palpate.recordings.recording import Recording, copies
 
 SOFTEST_PLASTIC = 0.01  # GPa, chosen: below it a remark asks, and nothing is refused
+LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
 Report = Callable[[str], None]
 
 
@@ -201,7 +202,8 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
             if own and len(tests) > 1:
                 raise Unsound(next(test for test in tests if test.recording is own), error) from None
             where = own.name if own else "the draft of these tests"
-            raise InputError(error.problem, remedy=error.remedy, file=where, place=error.place) from None
+            remedy = LOOK if own and error.place != "depth_nm" else error.remedy
+            raise InputError(error.problem, remedy=remedy, file=where, place=error.place) from None
 
 
 def _named(folder: Path, groups: Sequence[Group]) -> Iterator[tuple[Path, Recording]]:
