@@ -7,7 +7,8 @@ from palpate.recordings.alignment import aligned, time_shift
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import usable
 from palpate.recordings.recording import Recording
-from palpate.study.protocol import recorded, trapezoid
+from palpate.study.protocol import trapezoid
+from palpate.study.recorded_history import recorded
 
 
 def constant_strain_rate(late):

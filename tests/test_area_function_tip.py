@@ -140,8 +140,8 @@ def test_derivatives_by_the_material_are_those_of_differences_on_one_mesh():
         ({"area": []}, "expected coefficients"),
         ({"area": [24.5, True]}, "expected coefficients"),
         ({"area": [24.5, float("nan")]}, "expected coefficients"),
-        ({"area": [24.5, -1000.0]}, "not positive at a depth of 1 nm"),
-        ({"area": [-1.0, 5000.0]}, "does not grow at a depth of"),
+        ({"area": [-1.0]}, "is positive and grows over no stretch of depths"),
+        ({"area": [24.5, -1.0e6]}, "is positive and grows over no stretch of depths"),
         ({"area": [24.5], "half_angle": 70.3}, "no parameter 'half_angle'"),
     ],
 )

@@ -12,6 +12,7 @@ import yaml
 
 from palpate.cli.main import main
 from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
 from palpate.solver import simulation
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
@@ -289,7 +290,7 @@ def test_no_command_writes_over_what_it_reads(tmp_path, refused):
         assert source.read_text() == before
 
 
-def test_a_recording_of_the_same_name_is_not_quietly_replaced(tmp_path, capsys):
+def test_a_recording_of_the_same_name_is_never_replaced(tmp_path, capsys):
     """Laboratories keep a folder a day, with the same names in each."""
     told = []
     for day, scale in (("Monday", 1), ("Tuesday", 2), ("Tuesday", 2)):
@@ -297,7 +298,12 @@ def test_a_recording_of_the_same_name_is_not_quietly_replaced(tmp_path, capsys):
         (tmp_path / day / "1.txt").write_text(f"t,P,h\n0,0,0\n1,1,{scale}\n2,2,{2 * scale}\n")
         assert main(["read", str(tmp_path / day / "1.txt"), *BY_NAME, "-o", str(tmp_path / "out")]) == 0
         told.append(capsys.readouterr().err)
-    assert told == ["", f"palpate: {tmp_path / 'out/1.csv'}: replaced; its former content differed\n", ""]
+    beside = (
+        f"palpate: {tmp_path / 'out/1.csv'}: stands there with another content; written to {tmp_path / 'out/1_2.csv'}"
+    )
+    assert told == ["", f"{beside}\n", f"{beside}\n"]
+    assert read_recording(tmp_path / "out/1.csv").depth[-1] == 2.0
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["1.csv", "1_2.csv"]
 
 
 @pytest.mark.parametrize("buffer", ["PYTHONUNBUFFERED=", "PYTHONUNBUFFERED=1"])

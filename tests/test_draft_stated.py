@@ -7,8 +7,7 @@ from test_readers import XP, needs_recordings
 
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.draft import Solid
-from palpate.draft.stated import Stated
+from palpate.draft import KnownTip, Solid, Stated
 from palpate.recordings.readers import read_vendor_file
 
 ROUNDED = {"Area Coefficient 1": "24.6954", "Area Coefficient 2": "395.770081", "Area Coefficient 3": "-16.1315828"}
@@ -51,6 +50,6 @@ def test_the_stated_tip_brings_unloading_near_the_modulus_of_fused_silica():
     tests = read_vendor_file(XP)
     recordings = [test.recording.from_contact() for test in tests]
     stated = Stated.by_all([test.metadata for test in tests])
-    with_tip, ideal = Solid.of(recordings, None, stated), Solid.of(recordings, None, Stated((), 0.18))
+    with_tip, ideal = (Solid.of(recordings, tip, 0.18) for tip in (KnownTip.of(stated, None, 1000.0), KnownTip()))
     assert with_tip.modulus == pytest.approx(72.0, rel=0.05)
     assert ideal.modulus > with_tip.modulus

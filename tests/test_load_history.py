@@ -6,7 +6,8 @@ import pytest
 from palpate.errors import InputError
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.load_history import constant_strain_rate, cycles, protocol_from
-from palpate.study.protocol import recorded, trapezoid
+from palpate.study.protocol import trapezoid
+from palpate.study.recorded_history import recorded
 from palpate.verification.reference_materials import BURGERS as EPOXY
 
 CREEP = {"model": "nonlinear_burgers", **EPOXY}

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from palpate.errors import InputError
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording, recording_files
-from palpate.study.protocol import MOST_KNOTS, recorded
+from palpate.study.recorded_history import MOST_KNOTS, recorded
 
 
 def ramp(start=0.0, clock=0.0, n=401, rate=0.5):

@@ -1,7 +1,8 @@
-"""What a command may write: never over the file that it reads."""
+"""What a command may write: never over the file that it reads, nor over other results."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from palpate.errors import InputError
@@ -18,3 +19,21 @@ def spared(source: Path, output: Path) -> Path:
     if output.exists() and output.samefile(source):
         raise InputError("the output would replace the file that is read", remedy="name another output", file=source)
     return output
+
+
+def written_beside(path: Path, write: Callable[[Path], object]) -> Path:
+    """Write a file, and return where: at `path`, or beside what stands there with another content, as ``NAME_2``.
+
+    Parameters
+    ----------
+    write
+        Writes it to a place.
+    """
+    made = path.with_name(f".{path.name}.new{path.suffix}")
+    write(made)
+    content, number, place = made.read_bytes(), 1, path
+    while place.exists() and not (place.is_file() and place.read_bytes() == content):
+        number += 1
+        place = path.with_name(f"{path.stem}_{number}{path.suffix}")
+    made.replace(place)
+    return place

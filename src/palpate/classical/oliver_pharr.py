@@ -182,8 +182,8 @@ def oliver_pharr(
     Raises
     ------
     InputError
-        When unloading cannot be fitted (`fit_unloading`), the contact depth is not positive, or the contact is as stiff
-        as the tip allows even on a rigid sample, 1/E_r <= (1 - nu_i^2)/E_i: there is no such modulus.
+        When unloading cannot be fitted (`fit_unloading`), the contact depth or area is not positive, or the contact is
+        as stiff as the tip allows even on a rigid sample, 1/E_r <= (1 - nu_i^2)/E_i: there is no such modulus.
     """
     unloading, tip = fit_unloading(load, depth, *window), tip or TipConstants()
     stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
@@ -196,6 +196,12 @@ def oliver_pharr(
             place="depth_nm",
         )
     contact_area = float(tip.area.area(np.array(contact_depth)))
+    if not contact_area > 0.0:
+        raise InputError(
+            f"the tip's area is {contact_area:.4g} nm^2 at the contact depth of {contact_depth:.4g} nm",
+            remedy="use an area function that was calibrated at the depths of the test",
+            place="area",
+        )
     reduced = 1e6 * np.sqrt(np.pi) * stiffness / (2 * tip.beta * np.sqrt(contact_area))
     if not 1 / reduced > tip.compliance:
         raise InputError(

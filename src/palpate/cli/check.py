@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,11 +25,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
     from palpate.base.yaml_file import read_yaml
     from palpate.configuration.study_file import load_study
+    from palpate.workflow_support.expected_time import expected
     from palpate.workflow_support.job import plain
     from palpate.workflow_support.manifest import changed
 
     study = load_study(arguments.study, arguments.data)
-    print(*examined(study), sep="\n")
+    print(f"relative paths count from {Path.cwd()}")
+    print(*examined(study), *expected(study, os.cpu_count() or 1), sep="\n")
+    print(f"next: palpate run {arguments.study}")
     for line in changed(study, plain(read_yaml(arguments.study)), Path("results") / study.name):
         print(f"{line}: run the study again")
     return 0

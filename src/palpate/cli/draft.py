@@ -10,14 +10,15 @@ from palpate.cli import check, read
 
 NAME = "draft"
 HELP = "write a first study from recordings or vendors' files"
-POLYMER = "nonlinear_burgers"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    parser.add_argument(
+        "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, vendors' files, or folders of them"
+    )
     read.reading_arguments(parser)
-    parser.add_argument("--law", type=_law, default=POLYMER, help=f"material model (default: {POLYMER}, a polymer's)")
+    parser.add_argument("--law", type=_law, help="material model (default: chosen from the tests)")
     parser.add_argument(
         "--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: as files state, or Berkovich)"
     )
@@ -46,7 +47,7 @@ def _length(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; say what it does."""
-    from palpate.draft import readable, study_name, write_study
+    from palpate.draft import lines, readable, study_name, write_study
     from palpate.errors import InputError
 
     try:
@@ -54,13 +55,13 @@ def run(arguments: argparse.Namespace) -> int:
     except InputError as error:
         raise error.located(file=arguments.files[0]) from None
     tests = readable(arguments.files, _reported, arguments.contact, arguments.corrections, columns)
-    study, remarks = write_study(
+    found = write_study(
         tests, arguments.output, study_name(arguments.output), _reported, arguments.law, arguments.sphere
     )
-    for remark in remarks:
+    for remark in found.remarks:
         _reported(remark)
-    print(*check.examined(study), sep="\n")
-    print(f"next: look through the guesses in {study.file}, then palpate run {study.file}")
+    print("taken from the tests or guessed:", *lines(found.table), *check.examined(found.study), sep="\n")
+    print(f"next: look through the guesses in {found.study.file}, then palpate check {found.study.file}")
     return 0
 
 

@@ -108,7 +108,7 @@ def _pairs(text: str) -> dict[str, str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
-    from palpate.base.overwrite import spared
+    from palpate.base.overwrite import spared, written_beside
     from palpate.errors import InputError
     from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.vendor import in_words
@@ -135,20 +135,19 @@ def run(arguments: argparse.Namespace) -> int:
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*test.recording.notes, applied, *test.warnings, *facts)
         stiffness = test.recording.stiffness if arguments.stiffness else None
-        before = path.read_bytes() if path.exists() else None
-        replace(test.recording, notes=notes, stiffness=stiffness).write(path)
-        if before not in (None, path.read_bytes()):
-            print(f"palpate: {path}: replaced; its former content differed", file=sys.stderr)
-        print(path)
+        place = written_beside(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
+        if place != path:
+            print(f"palpate: {path}: stands there with another content; written to {place}", file=sys.stderr)
+        print(place)
         if surveys:
-            _draw(surveys[number], path.with_suffix(".png"))
-            print(path.with_suffix(".png"))
+            _draw(surveys[number], place.with_suffix(".png"))
+            print(place.with_suffix(".png"))
     if surveys:
         from palpate.recordings.survey import table
 
+        text = table(surveys).to_csv(index=False, sep="\t", float_format="%.5g")
         path = arguments.output / f"{arguments.file.stem}_survey.txt"
-        path.write_text(table(surveys).to_csv(index=False, sep="\t", float_format="%.5g"), encoding="utf-8")
-        print(path)
+        print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
     return 0
 
 

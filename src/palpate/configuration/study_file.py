@@ -23,7 +23,8 @@ from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
-from palpate.study.protocol import LOAD, Protocol, recorded
+from palpate.study.protocol import LOAD, Protocol
+from palpate.study.recorded_history import recorded
 from palpate.study.specification import Specification
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
@@ -44,12 +45,15 @@ class Condition:
         What is prescribed, and sampling times.
     follows
         Whether the history was taken from a recording.
+    own_loads
+        Whether recordings of it reach loads of their own, as under depth or strain-rate control.
     """
 
     name: str
     role: str
     protocol: Protocol
     follows: bool = False
+    own_loads: bool = False
 
 
 @dataclass(frozen=True)
@@ -347,7 +351,8 @@ def _condition(
         raise InputError(
             error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
         ) from None
-    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, history is not None)
+    role, own_loads = entry.get("role", "calibrate"), entry.get("own_loads", False)
+    return Condition(entry["name"], role, protocol, history is not None, own_loads)
 
 
 def _load_history(

@@ -62,6 +62,8 @@ def diagnosed(
     """
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded))
+    if calibrated:
+        problem = problem.at_one_load(calibrated, report)
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)

@@ -1,4 +1,4 @@
-"""One test of a draft: from contact on, checked, with where it comes from and what was assumed of its beginning."""
+"""One test of a draft: from contact on, checked, with where it comes from and what was assumed or cut off."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import median_filter
 
+from palpate.draft.borne_load import NEAR_START, check_borne
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
+from palpate.recordings.contact_point import noise_of
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.recording import BARELY_LOADED, Recording
@@ -20,6 +23,8 @@ from palpate.recordings.segments import segments
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which nobody minds what is assumed
+PULLED = 0.02  # of the largest load, a pull on the tip that is told
+CLEAR = 10.0  # standard deviations of the load, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +41,15 @@ class Drafted:
         How long the loading is that no point tells [s]: the test begins under load, or 0.
     preload
         Under which load it begins [mN].
+    pull
+        Largest pull on the tip after the test that was cut off [mN], or 0.
     """
 
     recording: Recording
     source: VendorTest
     assumed: float = 0.0
     preload: float = 0.0
+    pull: float = 0.0
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -50,22 +58,37 @@ class Drafted:
         return {key: value for key, _, value in said if value} | dict(self.source.metadata)
 
     @classmethod
-    def of(cls, file: Path, test: VendorTest, corrections: frozenset[str] | None) -> Drafted:
-        """Begin a test of a file at contact; raises `InputError` where it is too short, never pressed or sunk in."""
+    def of(
+        cls, file: Path, test: VendorTest, corrections: frozenset[str] | None, whole: VendorTest | None = None
+    ) -> Drafted:
+        """Begin a test of a file at contact; raises `InputError` where it is too short, never pressed or sunk in.
+
+        Parameters
+        ----------
+        file, test
+            Where it stands, and what was read there.
+        corrections
+            That its depth holds; None for the vendor's own.
+        whole
+            The test with its approach and what follows it, where that is known.
+        """
         name = printable(f"{file}, {test.name}")
         try:
+            check_borne(test.recording)
             begun = replace(test.recording.from_contact(), name=name)
             segments(begun.time, begun.load)
             peak_of(begun)
         except InputError as error:
             raise error.located(file=name) from None
         assumed = _assumed(test.recording, begun)
-        notes = _provenance(file, test, corrections)
+        notes, pull = _provenance(file, test, corrections), _pull(whole.recording, begun) if whole else 0.0
+        if pull:
+            notes = (*notes, f"a pull of {pull:.3g} mN on the tip after the test is cut off")
         if not assumed:
-            return cls(replace(begun, notes=notes), test)
+            return cls(replace(begun, notes=notes), test, pull=pull)
         preload = float(test.recording.load[0])
         told = f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed"
-        return cls(replace(begun, notes=(*notes, told)), test, assumed, preload)
+        return cls(replace(begun, notes=(*notes, told)), test, assumed, preload, pull)
 
 
 def assumed(tests: Sequence[Drafted]) -> list[str]:
@@ -80,6 +103,28 @@ def assumed(tests: Sequence[Drafted]) -> list[str]:
         f"up to there{', up to' if others else ','} {longest:.3g} s, was not recorded and is assumed to be as fast as "
         "what follows; export from contact on if you can"
     ]
+
+
+def pulled(tests: Sequence[Drafted]) -> list[str]:
+    """Return a remark on pulls that were cut off, none where there is none."""
+    found = [test for test in tests if test.pull]
+    if not found:
+        return []
+    others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+    most = max(test.pull for test in found)
+    return [
+        f"{found[0].recording.name}{others}: the surface holds the tip by up to {most:.3g} mN while it leaves; "
+        "that part is cut off, as a test ends where its load is zero"
+    ]
+
+
+def _pull(whole: Recording, begun: Recording) -> float:
+    """Return by how much the load falls below what it reads without contact after the largest [mN]; 0 within noise."""
+    peak = int(np.argmax(whole.load))
+    free = float(np.median(whole.load[:NEAR_START])) if whole.time[0] < 0.0 else 0.0
+    pull = free - float(median_filter(whole.load, 3, mode="nearest")[peak:].min())
+    largest = begun.load.max()
+    return pull if pull > max(PULLED * largest, CLEAR * noise_of(whole.load)) else 0.0
 
 
 def _assumed(recording: Recording, begun: Recording) -> float:

@@ -1,94 +1,65 @@
-"""From files to a first study on disk: tests are read, sorted by their load histories, and written beside a study."""
+"""From files to a first study on disk: tests are read, sorted by what was prescribed, and written beside a study."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from palpate.configuration.study_file import Study, load_study
-from palpate.draft.drafted import Drafted, assumed
+from palpate.draft.drafted import Drafted, assumed, pulled
 from palpate.draft.grouping import Group, grouped
-from palpate.draft.metadata import not_taken
+from palpate.draft.guess_table import Guess, evaluated, guess_table
+from palpate.draft.guesses import LINEAR, ranges
+from palpate.draft.known_tip import KnownTip
+from palpate.draft.law_choice import POLYMER, chosen_law
+from palpate.draft.metadata import not_taken, of_the_instrument
+from palpate.draft.prescribed_drive import Drive
 from palpate.draft.rollback_on_error import taken_back_if_unsound
-from palpate.draft.solid import Solid, check_units, unlike
+from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit, unlike
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
-from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each
-from palpate.recordings.recording import copies
+from palpate.recordings.recording import Recording, copies
 
-STIFFEST_POLYMER, SOFTEST_PLASTIC = 8.0, 0.01  # GPa, chosen: beyond them a remark asks, and nothing is refused
-POLYMER = "nonlinear_burgers"
+SOFTEST_PLASTIC = 0.01  # GPa, chosen: below it a remark asks, and nothing is refused
+LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
+Report = Callable[[str], None]
 
 
-def readable(
-    files: Sequence[Path],
-    report: Callable[[str], None],
-    contact: str | float = "file",
-    corrections: frozenset[str] | None = None,
-    columns: ColumnMap | None = None,
-) -> list[Drafted]:
-    """Return all tests of files that can be read, and say of other files and tests why they are left out.
+@dataclass(frozen=True)
+class FirstStudy:
+    """A study that was drafted.
 
     Parameters
     ----------
-    files
-        Recordings, or vendors' files.
-    report
-        Told of what is left out, and of what the readers warn of.
-    contact, corrections, columns
-        As for `palpate.recordings.readers.read_vendor_file`.
-
-    Raises
-    ------
-    InputError
-        What is wrong with the first file or test, when none can be read.
+    study
+        Checked.
+    remarks
+        What people should look at in it.
+    table
+        What was taken or guessed, and why; modulus and hardness by unloading at its end.
     """
-    foreign: list[InputError] = []
-    found: list[tuple[Path, list[Drafted | Unreadable]]] = []
-    for file in files:
-        try:
-            whole = read_each(file, corrections=corrections, contact="none", columns=columns)
-            found.append((file, _begun(file, zeroed_each(file, whole, contact), corrections)))
-        except InputError as error:
-            foreign.append(error.located(file=file))
-    drafted = [test for _, tests in found for test in tests if isinstance(test, Drafted)]
-    if not drafted:
-        raise foreign[0]
-    for reason in foreign:
-        report(f"{reason}; the file is left out")
-    for file, tests in found:
-        for line in messages(file, [test.source if isinstance(test, Drafted) else test for test in tests]):
-            report(line)
-    return drafted
 
-
-def _begun(
-    file: Path, tests: Sequence[VendorTest | Unreadable], corrections: frozenset[str] | None
-) -> list[Drafted | Unreadable]:
-    """Return the tests of one file as a draft takes them; raises `InputError` when it can take none."""
-    found: list[Drafted | Unreadable] = []
-    for test in tests:
-        try:
-            found.append(Drafted.of(file, test, corrections) if isinstance(test, VendorTest) else test)
-        except InputError as error:
-            found.append(Unreadable(test.name, error))
-    unreadable = [test for test in found if isinstance(test, Unreadable)]
-    if len(unreadable) == len(found):
-        raise next((test for test in unreadable if test.sought), unreadable[0]).error
-    return found
+    study: Study
+    remarks: list[str]
+    table: list[Guess]
 
 
 def write_study(
     tests: Sequence[Drafted],
     output: Path,
     name: str,
-    report: Callable[[str], None],
-    law: str = POLYMER,
+    report: Report,
+    law: str | None = None,
     sphere: float | None = None,
-) -> tuple[Study, list[str]]:
-    """Write tests as replicates of the conditions that they are, and a study of them, and return the study.
+) -> FirstStudy:
+    """Write tests as replicates of the conditions that they are, and a study of them, and return it.
+
+    A test that would make it unsound is left out; the others are drafted.
 
     Parameters
     ----------
@@ -98,38 +69,96 @@ def write_study(
     name
         Of the study.
     report
-        Told of tests that are left out, as they repeat another.
+        Told of tests that are left out, and why.
     law
-        Key of the constitutive law, or keys of several joined by ``+``.
+        Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
     sphere
         Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
-
-    Returns
-    -------
-    study, remarks
-        The study, checked, and what people should look at in it.
 
     Raises
     ------
     InputError
-        When the study would not be sound; nothing is left behind.
+        When no test is left, or the study would not be sound; nothing is left behind.
     """
-    file, folder = output / "study.yaml", output / "recordings"
-    for standing in (file, folder):
+    for standing in (output / "study.yaml", output / "recordings"):
         if standing.exists():
             raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
     tests = _without_copies(tests, report)
-    recordings = [test.recording for test in tests]
     stated = Stated.by_all([test.facts for test in tests])
-    check_units(recordings, sphere, stated)
-    groups, solid = grouped(recordings), Solid.of(recordings, sphere, stated)
-    remarks = not_taken([(test.recording.name, test.facts) for test in tests], stated, sphere)
-    remarks += [*unlike(recordings, sphere, stated), *assumed(tests)]
-    text = study_text(name, groups, folder, law, solid, sphere, stated, remarks)
-    return _written(file, text, folder, groups), [*_doubts(law, solid), *remarks]
+    tip = KnownTip.of(stated, sphere, float(np.median([test.recording.depth.max() for test in tests])))
+    tests = _sound(tests, lambda test: check_unit(test.recording, tip), report)
+    drive = Drive.by_all([test.recording for test in tests], stated)
+    tests = _sound(tests, lambda test: drive.followed(test.recording), report)
+    while True:
+        try:
+            return _drafted(tests, output, name, law, tip, drive)
+        except Unsound as unsound:
+            report(f"{unsound.test.recording.name}{unsound.place}: {unsound.error.problem}; the test is left out")
+            tests = [test for test in tests if test is not unsound.test]
 
 
-def _without_copies(tests: Sequence[Drafted], report: Callable[[str], None]) -> list[Drafted]:
+class Unsound(Exception):
+    """One test, among others, that a study cannot be drafted with.
+
+    Parameters
+    ----------
+    test
+    error
+        What is wrong with it.
+    """
+
+    def __init__(self, test: Drafted, error: InputError):
+        self.test, self.error = test, error
+        super().__init__(str(error))
+
+    @property
+    def place(self) -> str:
+        """Where in the test it is wrong."""
+        return f", {self.error.place}" if self.error.place else ""
+
+
+def _sound(tests: Sequence[Drafted], check: Callable[[Drafted], object], report: Report) -> list[Drafted]:
+    """Return the tests that pass a check, and say which do not; raises the first error where none does."""
+    kept, errors = [], []
+    for test in tests:
+        try:
+            check(test)
+            kept.append(test)
+        except InputError as error:
+            errors.append(error.located(file=test.recording.name))
+    if not kept:
+        raise errors[0]
+    for wrong in errors:
+        place = f", {wrong.place}" if wrong.place else ""
+        report(f"{wrong.file}{place}: {wrong.problem}; the test is left out")
+    return kept
+
+
+def _drafted(
+    tests: Sequence[Drafted], output: Path, name: str, law: str | None, tip: KnownTip, drive: Drive
+) -> FirstStudy:
+    """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
+    recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
+    stated, said = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
+    solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
+    ratio = stated.poisson_ratio or (OF_GELS if solid.secant < LINEAR else POISSON_RATIO)
+    solid = Solid.of(recordings, tip, ratio)
+    chosen = (law, "as given") if law else chosen_law(solid)
+    used = tip.of_diamond if solid.stiff else tip
+    groups = grouped(recordings, drive)
+    shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
+    guessed = ranges(chosen[0], solid, shortest)
+    table = guess_table(chosen, solid, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
+    deepest = float(np.median([recording.depth.max() for recording in recordings]))
+    remarks = [*not_taken(said, stated, tip, deepest, ratio), *of_the_instrument(said), *unlike(recordings, tip)]
+    remarks += [*assumed(tests), *pulled(tests)]
+    folder = output / "recordings"
+    text = study_text(name, groups, folder, used, guessed, table, remarks)
+    study = _written(output / "study.yaml", text, folder, groups, tests)
+    return FirstStudy(study, [*_doubts(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
+
+
+def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
     """Return the tests without those that repeat an earlier one, and say which are left out."""
     left_out = set()
     for copy, first in copies(test.recording for test in tests):
@@ -141,26 +170,24 @@ def _without_copies(tests: Sequence[Drafted], report: Callable[[str], None]) -> 
 def _doubts(law: str, solid: Solid) -> list[str]:
     """Return a remark on a solid that is as stiff as no polymer is, or as soft as no plastic."""
     told = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is"
-    if law == POLYMER and solid.secant > STIFFEST_POLYMER:
+    if law == POLYMER and solid.stiff:
         return [f"{told} no polymer's; --law bilinear_plasticity is for metals and ceramics; or are loads in uN?"]
     if solid.secant < SOFTEST_PLASTIC:
         return [f"{told} a gel's or a rubber's; where it is neither: are depths in pm, or loads in N?"]
     return []
 
 
-def _written(file: Path, text: str, folder: Path, groups: Sequence[Group]) -> Study:
+def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests: Sequence[Drafted]) -> Study:
     """Write a study and its recordings, and return it.
 
     Raises
     ------
+    Unsound
+        When it is not sound for one of several tests; nothing is left behind.
     InputError
-        When it is not sound, with the recording as people know it; nothing is left behind.
+        When it is not for another reason.
     """
-    recordings = {
-        folder / f"{group.name}_{number}.csv": recording
-        for group in groups
-        for number, recording in enumerate(group.recordings, 1)
-    }
+    recordings = dict(_named(folder, groups))
     with taken_back_if_unsound(file, folder):
         folder.mkdir(parents=True)
         for path, recording in recordings.items():
@@ -172,5 +199,15 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group]) -> St
             return study
         except InputError as error:
             own = recordings.get(Path(error.file or ""))
-            where = own.name if own else error.file
-            raise InputError(error.problem, remedy=error.remedy, file=where, place=error.place) from None
+            if own and len(tests) > 1:
+                raise Unsound(next(test for test in tests if test.recording is own), error) from None
+            where = own.name if own else "the draft of these tests"
+            remedy = LOOK if own and error.place != "depth_nm" else error.remedy
+            raise InputError(error.problem, remedy=remedy, file=where, place=error.place) from None
+
+
+def _named(folder: Path, groups: Sequence[Group]) -> Iterator[tuple[Path, Recording]]:
+    """Yield the file of each recording of some groups."""
+    for group in groups:
+        for number, recording in enumerate(group.recordings, 1):
+            yield folder / f"{group.name}_{number}.csv", recording

@@ -1,4 +1,4 @@
-"""Which tests were made alike: recordings of one load history are replicates of one condition."""
+"""Which tests were made alike: recordings of one history of the drive, or of one method, are replicates."""
 
 from __future__ import annotations
 
@@ -10,47 +10,54 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
+from palpate.draft.methods import of_one_method, with_the_middle_first
+from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
-from palpate.inference.study_recordings import check_drive
+from palpate.inference.recording_checks import check_drive
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.recordings.segments import segments
-from palpate.study.protocol import recorded
+from palpate.study.protocol import LOAD
 
-TRAPEZOIDAL = 0.005  # of the largest load, root mean square, within which a load is called a trapezoid
+TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
 REACHED = 0.98
+UNLIKE = 1.25  # ratio of sizes from which on two tests need not be compared
 
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Tests of one load history.
+    """Tests of one history of the drive, or of one method.
 
     Parameters
     ----------
     name
-        After the largest load [mN] and the time of loading [s], such as ``P2_T20``.
+        After the largest load [mN], or displacement [nm], and the time of loading [s], such as ``P2_T20``, ``D500_T5``.
     recordings
-        From contact on, in the order in which they were given.
+        From contact on, in the order in which they were given; of one method that in the middle comes first.
     history
-        Keys of a study's condition: those of a trapezoid where the loads are one, else ``load_history: recorded``.
+        Keys of a study's condition: those of a trapezoid where the drive is one, else ``load_history: recorded``, with
+        ``own_loads`` where tests of one method reach different loads.
     """
 
     name: str
     recordings: tuple[Recording, ...]
-    history: Mapping[str, float | str]
+    history: Mapping[str, object]
 
 
-def grouped(recordings: Sequence[Recording]) -> list[Group]:
-    """Return the tests by load history, the smallest load first.
+def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Group]:  # noqa: B008
+    """Return the tests by history of their drive, the smallest first.
 
-    Two tests are alike where a study would take each for a recording of a condition that follows the other.
+    Two tests are alike where a study would take each for a recording of a condition that follows the other. Groups of
+    one method whose tests reach different loads become one, see `palpate.draft.methods`.
 
     Parameters
     ----------
     recordings
         From contact on, named after their files.
+    drive
+        What was prescribed.
 
     Raises
     ------
@@ -59,19 +66,26 @@ def grouped(recordings: Sequence[Recording]) -> list[Group]:
     """
     found: list[list[Recording]] = []
     for recording in recordings:
-        members = next((group for group in found if _alike(group[0], recording)), None)
+        members = next((group for group in found if _alike(group[0], recording, drive)), None)
         if members is None:
             found.append(members := [])
         members.append(recording)
-    found.sort(key=lambda members: (members[0].load.max(), _loading_time(members[0])))
+    exact = found
+    found = of_one_method(found, drive)
+    found.sort(key=lambda members: (drive.of(members[0]).max(), _loading_time(members[0], drive)))
     given: Counter[str] = Counter()
     groups: list[Group] = []
     for members in found:
-        load = np.median([member.load.max() for member in members])
-        stem = f"P{_short(load, 2)}_T{_short(_loading_time(members[0]), 2)}"
+        largest = np.median([drive.of(member).max() for member in members])
+        letter, rise = "P" if drive.control == LOAD else "D", _loading_time(members[0], drive)
+        stem = f"{letter}{_short(largest, 2)}_T{_short(rise, 2)}"
         name = stem + _suffix(given[stem])
         given[stem] += 1
-        groups.append(Group(name, tuple(members), _trapezoid(members) or {"load_history": "recorded"}))
+        if any(members is each for each in exact):
+            history = _trapezoid(members, drive) or {"load_history": "recorded"}
+        else:
+            members, history = with_the_middle_first(members, drive), {"load_history": "recorded", "own_loads": True}
+        groups.append(Group(name, tuple(members), {**drive.keys, **history}))
     return groups
 
 
@@ -82,57 +96,61 @@ def _suffix(earlier: int) -> str:
     return f"z{earlier}"
 
 
-def _alike(first: Recording, other: Recording) -> bool:
+def _alike(first: Recording, other: Recording, drive: Drive) -> bool:
+    if not 1.0 / UNLIKE < drive.of(first).max() / drive.of(other).max() < UNLIKE:
+        return False
     try:
         for one, two in ((first, other), (other, first)):
-            protocol = recorded(one.time, one.load)
+            protocol = drive.followed(one)
             check_drive(protocol, aligned(two, protocol))
     except InputError:
         return False
     return True
 
 
-def _trapezoid(recordings: Sequence[Recording]) -> dict[str, float | str] | None:
-    """Return the keys of the trapezoid that the loads are, rounded to three digits; None if they are none.
+def _trapezoid(recordings: Sequence[Recording], drive: Drive) -> dict[str, object] | None:
+    """Return the keys of the trapezoid that the drives are, rounded to three digits; None if they are none.
 
     A test that ends under load, long before the trapezoid that it follows would, is none either.
     """
     found = []
     for recording in recordings:
+        prescribed = drive.of(recording)
         try:
-            parts = segments(recording.time, recording.load)
+            parts = segments(recording.time, prescribed)
         except InputError as error:
             raise error.located(file=recording.name) from None
         if [part.kind for part in parts] not in (["loading", "unloading"], ["loading", "hold", "unloading"]):
             return None
         durations = parts[0].end, parts[-1].start - parts[0].end, parts[-1].duration
-        found.append(_fitted(recording, [recording.load.max(), *durations]))
-    load, loading, hold, unloading = (float(_short(value)) for value in np.median(found, axis=0))
+        found.append(_fitted(recording.time, prescribed, [prescribed.max(), *durations]))
+    largest, loading, hold, unloading = (float(_short(value)) for value in np.median(found, axis=0))
     hold = hold if hold > BRIEF * (loading + unloading) else 0.0
-    corners = [load, loading, hold, unloading]
-    if max(np.sqrt(np.mean(_departure(corners, r) ** 2)) for r in recordings) > TRAPEZOIDAL * load:
+    corners = [largest, loading, hold, unloading]
+    if max(np.sqrt(np.mean(_departure(corners, r.time, drive.of(r)) ** 2)) for r in recordings) > TRAPEZOIDAL * largest:
         return None
     if min(recording.time[-1] for recording in recordings) < WHOLE * (loading + hold + unloading):
         return None
-    return dict(zip(("max_load", "loading_time", "hold_time", "unloading_time"), corners, strict=True))
+    return dict(zip((f"max_{drive.control}", "loading_time", "hold_time", "unloading_time"), corners, strict=True))
 
 
-def _fitted(recording: Recording, start: Sequence[float]) -> np.ndarray:
-    """Return load [mN] and times [s] of loading, hold and unloading of the trapezoid next to a recorded load."""
-    scale = np.array([start[0], *[recording.time[-1]] * 3])
+def _fitted(time: np.ndarray, drive: np.ndarray, start: Sequence[float]) -> np.ndarray:
+    """Return size and times [s] of loading, hold and unloading of the trapezoid next to a recorded drive."""
+    scale = np.array([start[0], *[time[-1]] * 3])
     least = np.array([1e-3, 1e-3, 0.0, 1e-3])
     begin = np.maximum(start / scale, least)
-    return scale * least_squares(lambda x: _departure(scale * x, recording), begin, bounds=(least, 2.0)).x
+    return scale * least_squares(lambda x: _departure(scale * x, time, drive), begin, bounds=(least, 2.0)).x
 
 
-def _departure(corners: Sequence[float] | np.ndarray, recording: Recording) -> np.ndarray:
-    """Return the recorded load less that of a trapezoid [mN] at the recorded times."""
-    load, *durations = corners
-    return recording.load - np.interp(recording.time, np.cumsum([0.0, *durations]), [0.0, load, load, 0.0])
+def _departure(corners: Sequence[float] | np.ndarray, time: np.ndarray, drive: np.ndarray) -> np.ndarray:
+    """Return the recorded drive less that of a trapezoid at the recorded times."""
+    largest, *durations = corners
+    return drive - np.interp(time, np.cumsum([0.0, *durations]), [0.0, largest, largest, 0.0])
 
 
-def _loading_time(recording: Recording) -> float:
-    return float(recording.time[np.argmax(recording.load >= REACHED * recording.load.max())]) / REACHED
+def _loading_time(recording: Recording, drive: Drive) -> float:
+    prescribed = drive.of(recording)
+    return float(recording.time[np.argmax(prescribed >= REACHED * prescribed.max())]) / REACHED
 
 
 def _short(value: float, digits: int = 3) -> str:

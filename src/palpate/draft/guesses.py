@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
 from palpate.draft.solid import Solid
 from palpate.errors import InputError
 from palpate.materials import law_of
 
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
+LINEAR = 0.1  # GPa, chosen: softer solids are taken to creep linearly
+POINTS = {1: 16, 2: 32, 3: 64}  # snapshots for so many free parameters; more would lie too near to each other
+MOST_POINTS = 128
 
 
 def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ...]]:
     """Return guessed ranges of a law's parameters; one value holds a parameter constant.
 
     A solid that creeps is stiffer than an elastic one as deep, and its unloadings tell no modulus, as creep goes on in
-    them. One that yields unloads elastically, but a frame left in the depth flattens that. The yield stress lies
-    between a fifth and nine tenths of the hardness (Johnson, Contact Mechanics, 1985, section 6.3). Creep is that of an
-    epoxy whose stresses grow with the modulus, from none to about three times as much; what recovers does so in a time
-    between a five-hundredth and four tenths of the shortest loading. No range leaves that of its parameter.
+    them, unless it is stiffer than a polymer. One that yields unloads elastically, but a frame left in the depth
+    flattens that. Without unloading its modulus is thought of as three times that of the elastic body as deep, which
+    has the hardness of a metal. The yield stress lies between a fifth and nine tenths of the hardness (Johnson, Contact
+    Mechanics, 1985, section 6.3). Creep is that of an epoxy whose stresses grow with the modulus, from none to about
+    three times as much; what recovers does so in a time between a five-hundredth and four tenths of the shortest
+    loading. Gels and rubbers, far below the stresses of plastics, creep in proportion to the stress. No range leaves
+    that of its parameter.
 
     Parameters
     ----------
@@ -28,22 +35,16 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     Raises
     ------
     InputError
-        When the law yields and no unloading tells a modulus, or has parameters of which recordings tell nothing.
+        When the law has parameters of which recordings tell nothing.
     """
     declared = law_of(law).declared({})
     names = [parameter.name for parameter in declared]
-    middle, low, high = 1.5 * solid.secant, 0.8 * solid.secant, 3.0 * solid.secant
-    if "yield_stress" in names:
-        if math.isnan(solid.modulus):
-            raise InputError(
-                f"no unloading tells a modulus, which the ranges of {law} are guessed from",
-                remedy="use --law nonlinear_burgers, or write the study by hand",
-            )
-        middle, low, high = solid.modulus, 0.4 * solid.modulus, 1.8 * solid.modulus
+    middle, low, high = _moduli(names, solid)
+    hardness = 0.1 * solid.secant if math.isnan(solid.hardness) else solid.hardness
     stress = middle / EPOXY_MODULUS
     known: dict[str, tuple[float, ...]] = {
         "youngs_modulus": (low, high),
-        "yield_stress": (0.2 * solid.hardness, 0.9 * solid.hardness),
+        "yield_stress": (0.2 * hardness, 0.9 * hardness),
         "hardening": (0.0, 0.1 * middle),
         "steady_coefficient": (0.0, 0.2 * stress**-1.5),
         "steady_exponent": (0.1, 0.8),
@@ -52,17 +53,20 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         "retardation_time": (0.002 * shortest, 0.4 * shortest),
         "strength": (0.05 * middle, 0.3 * middle),
         "hardening_exponent": (0.1, 0.8),
-        "saturation_stress": (0.9 * solid.hardness, 1.5 * solid.hardness),
+        "saturation_stress": (0.9 * hardness, 1.5 * hardness),
         "saturation_strain": (0.02, 0.3),
         "pressure_coefficient": (0.0, 0.3),
         "reference_rate": (1e-8, 1e-4),
-        "eyring_stress": (0.02 * solid.hardness, 0.1 * solid.hardness),
+        "eyring_stress": (0.02 * hardness, 0.1 * hardness),
         "spectrum_coefficient": (0.0, 0.1 / middle),
         "spectrum_exponent": (-0.2, 0.2),
     }
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"transient_coefficient": (0.0, 0.3 / middle), "retardation_time": (0.5 * shortest,)}
+    elif solid.secant < LINEAR:
+        known |= {"steady_exponent": (0.0,), "transient_exponent": (0.0,)}
+        known |= {"steady_coefficient": (0.0, 0.5 / (middle * shortest)), "transient_coefficient": (0.0, 1.0 / middle)}
     unknown = [p.name for p in declared if p.default is None and p.name not in {*known, "poisson_ratio"}]
     if unknown:
         raise InputError(
@@ -74,3 +78,32 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         for parameter in declared
         if parameter.name in known
     }
+
+
+def _moduli(names: list[str], solid: Solid) -> tuple[float, float, float]:
+    """Return what the modulus may be for a law with parameters of these `names`: middle, least and largest [GPa]."""
+    if "yield_stress" in names:
+        if math.isnan(solid.modulus):
+            return 3.0 * solid.secant, 0.8 * solid.secant, 10.0 * solid.secant
+        return solid.modulus, 0.4 * solid.modulus, 1.8 * solid.modulus
+    if names == ["youngs_modulus", "poisson_ratio"]:
+        return solid.secant, 0.4 * solid.secant, 2.5 * solid.secant
+    middle, low, high = 1.5 * solid.secant, 0.8 * solid.secant, 3.0 * solid.secant
+    return (
+        (middle, low, max(high, 1.5 * solid.modulus)) if solid.stiff and solid.modulus > middle else (middle, low, high)
+    )
+
+
+def points_for(guessed: Mapping[str, Sequence[float]]) -> int:
+    """Return how many snapshots serve for ranges as `ranges` gives them."""
+    return POINTS.get(sum(len(values) > 1 for values in guessed.values()), MOST_POINTS)
+
+
+def reason(law: str, solid: Solid) -> str:
+    """Return in words where the range of the modulus comes from."""
+    if "yield_stress" in [parameter.name for parameter in law_of(law).declared({})]:
+        if math.isnan(solid.modulus):
+            return f"no unloading tells a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
+        return f"about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
+    more = "" if law == "elastic" else "; creep asks for more"
+    return f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa{more}"

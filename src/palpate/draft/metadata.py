@@ -6,16 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.solid import POISSON_RATIO
-from palpate.draft.stated import Stated, coefficients, poisson_ratio
-from palpate.errors import InputError
-from palpate.study.indenter import Indenter
+from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio
 
 BERKOVICH, NEAR = 24.5, 0.05
 Said = Sequence[tuple[str, Mapping[str, Any]]]
 
 
-def not_taken(tests: Said, stated: Stated, radius: float | None) -> list[str]:
+def not_taken(
+    tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0, ratio: float = POISSON_RATIO
+) -> list[str]:
     """Return one remark for each of tip and Poisson's ratio that is stated and not taken.
 
     Parameters
@@ -24,21 +25,40 @@ def not_taken(tests: Said, stated: Stated, radius: float | None) -> list[str]:
         Name and metadata of each.
     stated
         What was taken.
-    radius
-        Of a sphere that was given [nm]; nothing is said of the files' tips then.
+    tip
+        That is used; nothing is said of the files' tips where one was given.
+    deepest
+        Largest depth of the tests [nm].
+    ratio
+        Poisson's, that is guessed where none is taken.
     """
     remarks = []
     if stated.poisson_ratio is None:
         ratios = {name: poisson_ratio(each) for name, each in tests}
         said = {name: "" if ratio is None else f"{ratio:g}" for name, ratio in ratios.items()}
-        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{POISSON_RATIO} is guessed")
-    if not stated.area and radius is None:
+        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{ratio:g} is guessed")
+    if tip.why.startswith("guess"):
         tips = {name: coefficients(each) for name, each in tests}
-        if not all(_ideal(tip) for tip in tips.values()):
-            shown = {name: ", ".join(f"{value:g}" for value in tip) for name, tip in tips.items()}
-            reason = _no_tip(next(iter(tips.values())))
+        if not all(_ideal(area) for area in tips.values()):
+            shown = {name: ", ".join(f"{value:g}" for value in area) for name, area in tips.items()}
+            reason = _no_tip(next(iter(tips.values())), deepest)
             remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
+        if stated.shape and stated.shape not in ("berkovich", "vickers"):
+            remarks.append(
+                f"the files state a tip of the shape {stated.shape}, without what it takes to simulate it; a Berkovich "
+                "tip is guessed (give --sphere, or correct the indenter in the study)"
+            )
     return remarks
+
+
+def of_the_instrument(tests: Said) -> list[str]:
+    """Return one remark with what files say of frame, drift and temperature."""
+    said = of_instrument(tests[0][1])
+    if not said:
+        return []
+    differ = any(of_instrument(each) != said for _, each in tests)
+    which = f"{tests[0][0]} states" if differ and len(tests) > 1 else "the files state"
+    return [f"{which}: {', '.join(said)}; each recording says which corrections its depth holds"]
 
 
 def _remark(what: str, said: Mapping[str, str], reason: str, instead: str) -> list[str]:
@@ -62,10 +82,7 @@ def _ideal(area: tuple[float, ...]) -> bool:
     return not area or (len(area) == 1 and math.isclose(area[0], BERKOVICH, rel_tol=NEAR))
 
 
-def _no_tip(area: tuple[float, ...]) -> str:
+def _no_tip(area: tuple[float, ...], deepest: float) -> str:
     """Return why an area function cannot be taken."""
-    try:
-        Indenter.from_mapping({"shape": "area_function", "area": list(area)})
-    except InputError as error:
-        return error.problem
-    return f"a single coefficient other than {BERKOVICH} is an ideal tip that is no Berkovich's"
+    ideal = f"a single coefficient other than {BERKOVICH} is an ideal tip that is no Berkovich's"
+    return ideal if len(area) == 1 else unusable(area, deepest)

@@ -1,4 +1,4 @@
-"""What recordings tell of a solid without simulations: its modulus, and whether their units can be right."""
+"""What recordings tell of a solid without simulations: its modulus, how it flows, and whether units can be right."""
 
 from __future__ import annotations
 
@@ -9,57 +9,97 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.analytic import hertz, sneddon
-from palpate.classical import AreaFunction, TipConstants, oliver_pharr
-from palpate.draft.stated import Stated
+from palpate.classical import TipConstants, oliver_pharr
+from palpate.draft.known_tip import KnownTip
 from palpate.errors import InputError
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 
-POISSON_RATIO = 0.35
-BERKOVICH_CONE = 70.3
+POISSON_RATIO, OF_GELS = 0.35, 0.49  # guesses: of plastics; of gels and rubbers, which hardly change their volume
 STIFFEST = 1200.0  # GPa, a little above diamond
+STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
 UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
-NOTHING = Stated()
+HELD = 0.98  # of the largest load, at which a test counts as held
+BERKOVICH = KnownTip()
 
 
 @dataclass(frozen=True)
 class Solid:
-    """What recordings tell of a solid without simulations, medians of the tests [GPa].
+    """What recordings tell of a solid without simulations, medians of the tests.
 
     Parameters
     ----------
     secant
-        Modulus of an elastic half-space that is as deep at the largest load (Sneddon 1965, Hertz 1882).
+        Modulus of an elastic half-space that is as deep at the largest load (Sneddon 1965, Hertz 1882) [GPa].
     modulus, hardness
-        By unloading (W.C. Oliver and G.M. Pharr, J. Mater. Res. 7 (1992) 1564-1583); NaN where no test has one that
-        tells them.
+        By unloading (W.C. Oliver and G.M. Pharr, J. Mater. Res. 7 (1992) 1564-1583) under a diamond tip [GPa]; NaN
+        where no test has one that tells them.
+    creep
+        How much the depth grows while the load is held, as a part of it; NaN where no load is held.
+    returned
+        Part of the work of loading that unloading gives back; NaN where a test is not unloaded.
     """
 
     secant: float
     modulus: float
     hardness: float
+    creep: float = math.nan
+    returned: float = math.nan
 
     @classmethod
-    def of(cls, recordings: Sequence[Recording], radius: float | None, stated: Stated = NOTHING) -> Solid:
-        """Analyse recordings under a sphere of a `radius` [nm], or a Berkovich tip, whose area function may be stated.
+    def of(
+        cls, recordings: Sequence[Recording], tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO
+    ) -> Solid:
+        """Analyse recordings under a tip; raises `InputError` when the tip has not sunk in at the largest load."""
+        told = [by_unloading(recording, tip, poisson_ratio) for recording in recordings]
+        secant = np.median([secant_modulus(recording, tip, poisson_ratio) for recording in recordings])
+        return cls(
+            float(secant),
+            *_medians([pair for pair in told if not math.isnan(pair[0])], 2),
+            *_medians([(_creep(recording),) for recording in recordings], 1),
+            *_medians([(_returned(recording),) for recording in recordings], 1),
+        )
 
-        Raises
-        ------
-        InputError
-            When the tip has not sunk in at the largest load.
-        """
-        area = AreaFunction(stated.area) if stated.area else None
-        if radius is not None:
-            area = AreaFunction((-np.pi, 2.0 * np.pi * radius))
-        poisson_ratio = stated.poisson_ratio or POISSON_RATIO
-        tip, unloadings = TipConstants(area) if area else None, []
-        for recording in recordings:
-            with suppress(InputError):
-                unloadings.append(oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=tip))
-        told = [(found.modulus, found.hardness) for found in unloadings] or [(math.nan, math.nan)]
-        secant = np.median([secant_modulus(recording, radius, stated) for recording in recordings])
-        return cls(float(secant), *(float(value) for value in np.median(told, axis=0)))
+    @property
+    def stiff(self) -> bool:
+        """Whether it is stiffer than any polymer, by its unloading or, where that tells nothing, by its depth."""
+        return max(self.secant, 0.0 if math.isnan(self.modulus) else self.modulus) > STIFFEST_POLYMER
+
+
+def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
+    told = [each for each in values if not any(map(math.isnan, each))]
+    return [float(value) for value in np.median(told, axis=0)] if told else [math.nan] * count
+
+
+def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> tuple[float, float]:
+    """Return modulus and hardness [GPa] by unloading, NaN where it does not tell them."""
+    with suppress(InputError):
+        area = tip.area_at(float(recording.depth.max()))
+        found = oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=TipConstants(area) if area else None)
+        return found.modulus, found.hardness
+    return math.nan, math.nan
+
+
+def _creep(recording: Recording) -> float:
+    """Return by how much of itself the depth grows from the first to the last point at the largest load."""
+    held = np.flatnonzero(recording.load >= HELD * recording.load.max())
+    first, last = held[0], held[-1]
+    loading = recording.time[first]
+    if recording.time[last] - loading < 0.05 * loading or last - first < 8:
+        return math.nan
+    return float(recording.depth[last] / recording.depth[first] - 1.0)
+
+
+def _returned(recording: Recording) -> float:
+    """Return the part of the work of loading that is given back before the load has fallen to a tenth."""
+    peak = int(np.argmax(recording.load))
+    if recording.load[-1] > 0.1 * recording.load[peak]:
+        return math.nan
+    done, given = (
+        float(np.trapezoid(recording.load[part], recording.depth[part]))
+        for part in (slice(peak + 1), slice(peak, None))
+    )
+    return -given / done if done > 0.0 else math.nan
 
 
 def peak_of(recording: Recording) -> tuple[float, float]:
@@ -72,16 +112,13 @@ def peak_of(recording: Recording) -> tuple[float, float]:
     return float(recording.load[peak]), depth
 
 
-def secant_modulus(recording: Recording, radius: float | None, stated: Stated = NOTHING) -> float:
-    """Return the modulus [GPa] of an elastic body that is as deep at the largest load, under a sphere or a cone."""
+def secant_modulus(recording: Recording, tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO) -> float:
+    """Return the modulus [GPa] of an elastic body that is as deep at the largest load."""
     load, depth = peak_of(recording)
-    poisson_ratio = stated.poisson_ratio or POISSON_RATIO
-    if radius is not None:
-        return load / float(hertz.load(depth, 1.0, poisson_ratio, radius))
-    return load / float(sneddon.load(depth, 1.0, poisson_ratio, BERKOVICH_CONE))
+    return load / tip.elastic_load(depth, poisson_ratio)
 
 
-def check_units(recordings: Sequence[Recording], radius: float | None, stated: Stated = NOTHING) -> None:
+def check_unit(recording: Recording, tip: KnownTip) -> None:
     """Refuse a recording of a solid stiffer than any: its unit is mistaken, or its columns are swapped.
 
     A depth mistaken by 1000 changes the modulus by a million under a cone, a load by 1000. The other way round nothing
@@ -92,28 +129,27 @@ def check_units(recordings: Sequence[Recording], radius: float | None, stated: S
     InputError
         With the recording's name as the file.
     """
-    for recording in recordings:
-        modulus = secant_modulus(recording, radius, stated)
-        if modulus > STIFFEST:
-            load, depth = peak_of(recording)
-            raise InputError(
-                f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {modulus:.3g} GPa, stiffer than "
-                "diamond; are depths in micrometres, or loads in uN, or the two swapped?",
-                remedy="write depths in nm and loads in mN, or name the columns and their units "
-                "(--columns time=...,load=...,depth=... --units depth=um)",
-                file=recording.name,
-                place="depth_nm",
-            )
+    modulus = secant_modulus(recording, tip)
+    if modulus > STIFFEST:
+        load, depth = peak_of(recording)
+        raise InputError(
+            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {modulus:.3g} GPa, stiffer than "
+            "diamond; are depths in micrometres, or loads in uN, or the two swapped?",
+            remedy="write depths in nm and loads in mN, or name the columns and their units "
+            "(--columns time=...,load=...,depth=... --units depth=um)",
+            file=recording.name,
+            place="depth_nm",
+        )
 
 
-def unlike(recordings: Sequence[Recording], radius: float | None, stated: Stated = NOTHING) -> list[str]:
+def unlike(recordings: Sequence[Recording], tip: KnownTip) -> list[str]:
     """Return a remark when tests of one draft seem to be of different materials, else none.
 
     Where one begins off contact, its depth is not the body's, and says nothing.
     """
     if any(map(begins_off_contact, recordings)):
         return []
-    moduli = [secant_modulus(recording, radius, stated) for recording in recordings]
+    moduli = [secant_modulus(recording, tip) for recording in recordings]
     soft, stiff = int(np.argmin(moduli)), int(np.argmax(moduli))
     if moduli[stiff] <= UNLIKE * moduli[soft]:
         return []

@@ -1,4 +1,4 @@
-"""What vendors' files say of the tip and the sample beside their curves, by the names that the vendors give it."""
+"""What vendors' files say of tip, instrument and sample beside their curves, by the names that the vendors give it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,40 @@ from typing import Any, TypeVar
 
 from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import number
+from palpate.recordings.readers.units import SCALES, plain
 from palpate.study.indenter import Indenter
 
 COEFFICIENTS = {"Area Coefficient {}": 1, "Tip C{}": 0}  # MTS/Agilent XP, Hysitron; number of the first
+LENGTH = SCALES["depth"]
+SPRINGS = {f"{a}/{b}": SCALES["load"][a] / LENGTH[b] for a in SCALES["load"] for b in LENGTH}  # to mN/nm
+PRESSURES = {"Pa": 1e-9, "kPa": 1e-6, "MPa": 1e-3, "GPa": 1.0, "N/mm2": 1e-3, "N/mm^2": 1e-3}
 OF_SAMPLE = re.compile(r"(?!.*(indenter|tip|probe|diamond)).*poisson['’]?s? ratio", re.IGNORECASE)
+OF_TIP = "(tip|probe|indenter|bead|sphere|ball|colloid|particle)"
+RADIUS = re.compile(rf"(?!.*contact).*({OF_TIP}.*radius|radius.*{OF_TIP})", re.IGNORECASE)
+DIAMETER = re.compile(rf"(?!.*contact).*({OF_TIP}.*diameter|diameter.*{OF_TIP})", re.IGNORECASE)
+SPRING = re.compile(r"k\s*[(\[]N/m[)\]]|k cantilever|(cantilever\w* )?spring constant|cantilever (k|stiffness)\b", re.I)
+CONTROL = re.compile(r"control mode|fb mode|feedback mode", re.IGNORECASE)
+SHAPE = re.compile(r"(tip|indenter|probe|punch)( (shape|type|geometry|name|id))?\b", re.IGNORECASE)
+SHAPES = {
+    "flat punch": r"flat|cylind",
+    "cube corner": r"cube|corner",
+    "vickers": r"vick",
+    "berkovich": r"berk",
+    "sphero_cone": r"cono|sphero",
+    "sphere": r"spher|ball|bead|colloid",
+}
+MODULUS = re.compile(
+    r"(?!.*(reduced|eff|limit|guess|indenter|tip|storage|loss))"
+    r"(E ?IT$|E$|E\[|E average|(avg |average )?(young\S* |elastic )?modulus\b)",
+    re.IGNORECASE,
+)
+PLANE_STRAIN = re.compile(r"E ?IT ?/ ?\(1", re.IGNORECASE)  # E / (1 - nu^2), as Fischer writes it
+HARDNESS = re.compile(r"(?!.*(limit|vickers))(H ?IT\b|H$|H average|(avg |average )?hardness\b)", re.IGNORECASE)
+OF_INSTRUMENT = {
+    "frame": re.compile(r"frame (stiffness|compliance)|machine comp", re.IGNORECASE),
+    "drift": re.compile(r"(?!.*(allowable|\?)).*(drift (rate|correction)|drift \[)", re.IGNORECASE),
+    "temperature": re.compile(r"(test )?temp(erature)?\b", re.IGNORECASE),
+}
 Value = TypeVar("Value")
 
 
@@ -29,20 +59,101 @@ class Stated:
         or an ideal one, or a tip that cannot be simulated.
     poisson_ratio
         Of the sample; None where it is not stated.
+    radius
+        Of a spherical tip, or of the end of a cone or a pyramid [nm].
+    shape
+        One of `SHAPES`; empty where none is stated.
+    spring
+        Stiffness of the cantilever by which the load was applied [mN/nm].
+    control
+        What the instrument held to its course, in the file's word, such as ``Displacement``.
     """
 
     area: tuple[float, ...] = ()
     poisson_ratio: float | None = None
+    radius: float | None = None
+    shape: str = ""
+    spring: float | None = None
+    control: str = ""
 
     @classmethod
     def by_all(cls, metadata: Sequence[Mapping[str, Any]]) -> Stated:
         """Return what the metadata of tests, one mapping each, agree on."""
         ratios = [ratio if ratio is not None and 0.0 < ratio < 0.5 else None for ratio in map(poisson_ratio, metadata)]
-        return cls(_shared([_area(each) for each in metadata], ()), _shared(ratios, None))
+        return cls(
+            _shared([_area(each) for each in metadata], ()),
+            _shared(ratios, None),
+            _shared([_radius(each) for each in metadata], None),
+            _shared([_shape(each) for each in metadata], ""),
+            _shared([quantity(each, SPRING, SPRINGS, "N/m") for each in metadata], None),
+            _shared([_entry(each, CONTROL) for each in metadata], ""),
+        )
 
 
 def _shared(values: Sequence[Value], otherwise: Value) -> Value:
     return values[0] if len(set(values)) == 1 else otherwise
+
+
+def quantity(
+    metadata: Mapping[str, Any], named: re.Pattern[str], units: Mapping[str, float], usual: str = ""
+) -> float | None:
+    """Return the first positive quantity of that name, whose unit stands behind it or in brackets in its name.
+
+    Parameters
+    ----------
+    metadata
+        What a file says, by the vendor's names.
+    named
+        Matches the names of the quantity.
+    units
+        What each unit is in that of the result.
+    usual
+        The unit where none is stated; such an entry does not count where this is empty.
+    """
+    for name, said in metadata.items():
+        value = _number(said) if named.match(name.strip()) else None
+        if value is None or value <= 0.0:
+            continue
+        in_name = re.search(r"[\[(]([^\])=]+)[\])]\s*$", name)
+        unit = plain(str(said).partition(" ")[2]) or (plain(in_name[1]) if in_name else usual)
+        if unit in units:
+            return value * units[unit]
+    return None
+
+
+def modulus_and_hardness(metadata: Mapping[str, Any], ratio: float) -> tuple[float | None, float | None]:
+    """Return the modulus and the hardness that the vendor's own evaluation gives [GPa]; None where it gives none.
+
+    A plane-strain modulus is turned into Young's with a Poisson's `ratio`.
+    """
+    plane = quantity(metadata, PLANE_STRAIN, PRESSURES)
+    young = quantity(metadata, MODULUS, PRESSURES) or (plane * (1.0 - ratio**2) if plane else None)
+    return young, quantity(metadata, HARDNESS, PRESSURES)
+
+
+def of_instrument(metadata: Mapping[str, Any]) -> list[str]:
+    """Return what a file says of frame, drift and temperature, in its own words."""
+    found = (_said(metadata, named) for named in OF_INSTRUMENT.values())
+    return [entry for entry in found if entry]
+
+
+def _said(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
+    return next((f"{name.strip()} {said}" for name, said in metadata.items() if named.match(name.strip()) and said), "")
+
+
+def _entry(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
+    return next((str(said).strip() for name, said in metadata.items() if named.match(name.strip())), "")
+
+
+def _radius(metadata: Mapping[str, Any]) -> float | None:
+    diameter = quantity(metadata, DIAMETER, LENGTH)
+    return quantity(metadata, RADIUS, LENGTH) or (diameter / 2.0 if diameter else None)
+
+
+def _shape(metadata: Mapping[str, Any]) -> str:
+    """Return the shape of the tip that an entry names."""
+    said = " ".join(str(value) for name, value in metadata.items() if SHAPE.fullmatch(name.strip())).lower()
+    return next((shape for shape, words in SHAPES.items() if re.search(words, said)), "")
 
 
 def _area(metadata: Mapping[str, Any]) -> tuple[float, ...]:

@@ -9,17 +9,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import Template
 
-import numpy as np
 import yaml
 
 from palpate.configuration.study_file import SHARED
 from palpate.draft.grouping import Group
-from palpate.draft.guesses import ranges
-from palpate.draft.solid import BERKOVICH_CONE, NOTHING, POISSON_RATIO, Solid
-from palpate.draft.stated import Stated
+from palpate.draft.guess_table import Guess
+from palpate.draft.guesses import points_for
+from palpate.draft.known_tip import KnownTip
 from palpate.materials import law_of
 
-POINTS = 128
 WIDTH = 116  # of a comment, without its sign
 STUDY = Template("""\
 # A first study, drafted from recordings. Load histories and replicates are theirs; what says `guess` is not.
@@ -28,13 +26,14 @@ ${remarks}study: $name
 seed: 1
 cells_per_job: 64
 
+# law: $why
 $material
-# guess: $reason;
 # a range is what is plausible and no wall: estimates may lie outside, and the report says which do
 parameters:
 $parameters
 design: {kind: sobol, points: $points}
 
+# drive: $drive
 $indenter
 
 conditions:
@@ -50,10 +49,9 @@ def study_text(
     name: str,
     groups: Sequence[Group],
     folder: Path,
-    law: str,
-    solid: Solid,
-    radius: float | None = None,
-    stated: Stated = NOTHING,
+    tip: KnownTip,
+    guessed: Mapping[str, Sequence[float]],
+    table: Sequence[Guess],
     remarks: Sequence[str] = (),
 ) -> str:
     """Return the YAML of a study.
@@ -70,42 +68,45 @@ def study_text(
         Of `palpate.draft.grouping.grouped`. Of three or more that in the middle judges, the others calibrate.
     folder
         Where the recordings lie.
-    radius
-        Of a spherical tip [nm]; when not given, the tip of the files' area function, or a Berkovich tip's equivalent
-        cone where they state none.
-    stated
-        What the files say of tip and sample.
+    tip
+        Its keys, and where they are known from.
+    guessed
+        Ranges of the law's parameters.
+    table
+        What was taken or guessed, and why, see `palpate.draft.guess_table`.
     remarks
         What people should know of the draft, a comment each.
     """
+    said = {row.what: row for row in table}
+    law = said["law"].value
     units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
-    shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     parameters = []
-    for key, values in ranges(law, solid, shortest).items():
-        shown = ", ".join(f"{value:.3g}" for value in values)
-        parameters.append(_row(f"  {key}: [{shown}]", units[key] if len(values) > 1 else f"{units[key]}, constant"))
+    for key, values in guessed.items():
+        shown = ", ".join(f"{value:.4g}" for value in values)
+        unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
+        parameters.append(_row(f"  {key}: [{shown}]", f"{unit}; {said[key].why}"))
     judge = groups[len(groups) // 2] if len(groups) > 2 else None
     conditions = []
     for group in groups:
         role, count = "validate" if group is judge else "calibrate", len(group.recordings)
         entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
-        conditions.append(_row(entry, f"{count} test{'s' if count > 1 else ''}"))
+        own = ", each under a load of its own" if "own_loads" in group.history else ""
+        conditions.append(_row(entry, f"{count} test{'s' if count > 1 else ''}{own}"))
+    ratio = said["Poisson's ratio"]
     return STUDY.substitute(
         remarks="".join(_comment(remark) for remark in remarks),
         name=scalar(name),
-        material=_row(
-            f"material: {{model: {law}, poisson_ratio: {stated.poisson_ratio or POISSON_RATIO:g}}}",
-            "as the files state" if stated.poisson_ratio else "guess",
-        ),
-        reason=f"ranges about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
-        if "yield_stress" in units
-        else f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa; creep asks for more",
+        why=said["law"].why,
+        material=_row(f"material: {{model: {law}, poisson_ratio: {ratio.value}}}", ratio.why),
         parameters="\n".join(parameters),
-        points=POINTS,
-        indenter=_indenter(radius, stated.area),
+        points=points_for(guessed),
+        drive=said["drive"].why,
+        indenter=_row(f"indenter: {{{_keys(tip.keys)}}}", tip.why),
         conditions="\n".join(conditions),
         recordings=scalar(folder.as_posix()),
-        diagnosis=_row("diagnosis: {enabled: false}", "take this line out to ask what is missing from the model"),
+        diagnosis=_row(
+            "diagnosis: {enabled: true}", "asks what is missing; mechanisms: [...] restricts it, false skips it"
+        ),
     )
 
 
@@ -136,19 +137,17 @@ def _comment(text: str) -> str:
     return "# " + "\n#   ".join(lines) + "\n"
 
 
-def _indenter(radius: float | None, area: Sequence[float]) -> str:
-    if radius is not None:
-        return _row(f"indenter: {{shape: sphere, radius: {radius:g}}}", "nm")
-    if area:
-        coefficients = ", ".join(f"{value:.9g}" for value in area)
-        return _row(f"indenter: {{shape: area_function, area: [{coefficients}]}}", "nm, as the files state")
-    cone = f"indenter: {{shape: cone, half_angle: {BERKOVICH_CONE}}}"
-    return _row(cone, "guess: a Berkovich tip, by its equivalent cone")
-
-
 def _row(text: str, comment: str) -> str:
     return f"{text:<60}  # {comment}"
 
 
-def _keys(history: Mapping[str, float | str]) -> str:
-    return ", ".join(f"{key}: {value if isinstance(value, str) else f'{value:g}'}" for key, value in history.items())
+def _keys(keys: Mapping[str, object]) -> str:
+    return ", ".join(f"{key}: {_value(value)}" for key, value in keys.items())
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return f"[{', '.join(f'{each:.9g}' for each in value)}]"
+    return value if isinstance(value, str) else f"{value:g}"

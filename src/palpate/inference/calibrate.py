@@ -100,7 +100,7 @@ def calibrate(
     fitted = {name: problem.recorded[name] for name in problem.names}
     first = genetic_search(surrogates, fitted, bounds, rng, settings.genetic, settings.objective, settings.aggregated)
     report(f"genetic search: {first.evaluations} evaluations")
-    fit = base_fit(problem, settings, first.starts, rng)
+    problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
     found, solved = intervals(fit, rng), {}
     for name, curve in fit.everywhere.items():
@@ -130,17 +130,28 @@ def calibrate(
 
 
 def base_fit(
-    problem: Problem, settings: CalibrationSettings, starts: Sequence[Mapping[str, float]], rng: np.random.Generator
-) -> Fit:
+    problem: Problem,
+    settings: CalibrationSettings,
+    starts: Sequence[Mapping[str, float]],
+    rng: np.random.Generator,
+    report: Callable[[str], None],
+) -> tuple[Problem, Fit]:
     """Fit the base model from parameters by name, and from places scattered over the ranges.
 
-    Without replicates the noise is what a first fit leaves beside slow trends, see
+    Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
+    estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
+    replicates the noise is what a first fit leaves beside slow trends, see
     `palpate.inference.covariance.noise_of`.
     """
-    fitter, coordinates = Fitter(problem, settings.site_scatter, settings.solver_error), problem.forward.coordinates
+    brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
+    fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
     begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
     fit = fitter.base([*begin, *fitter.scattered(rng)])
-    if problem.replicated:
-        return fit
-    fitter.use_residual_as_noise(fit.residual)
-    return fitter.fitted((), [fit.z], fit.curve)
+    if brought is not problem:
+        brought = problem.at_one_load(coordinates.named(fit.z), report)
+        fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
+        fit = fitter.base([fit.z])
+    if not problem.replicated:
+        fitter.use_residual_as_noise(fit.residual)
+        fit = fitter.fitted((), [fit.z], fit.curve)
+    return brought, fit

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.observation import Observation
+from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.space_mapping import SpaceMapped
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import differentiated, simulate_batch, together
@@ -35,6 +37,11 @@ class Forward(typing.Protocol):
 
     def under(self, names: Sequence[str]) -> Forward:
         """Return the model under other conditions."""
+
+    def at_one_load(
+        self, observed: Mapping[str, Observation], values: Mapping[str, float], report: Callable[[str], None]
+    ) -> dict[str, Observation]:
+        """Return what was observed with each replicate under the load of its condition, by the material's `values`."""
 
     def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Forward:
         """Return the model with mechanisms, whose amplitudes are further coordinates."""
@@ -87,6 +94,12 @@ class FiniteElements:
     def of(cls, study: Study, names: Sequence[str]) -> FiniteElements:
         """Return the finite elements under the conditions of these names."""
         return cls(study, [study.condition(name) for name in names], Coordinates.of(study.levels, study.declared))
+
+    def at_one_load(
+        self, observed: Mapping[str, Observation], values: Mapping[str, float], report: Callable[[str], None]
+    ) -> dict[str, Observation]:
+        """See `Forward`."""
+        return brought_to_one_load(self.study, observed, values, report)
 
     def under(self, names: Sequence[str]) -> FiniteElements:
         """Return the same under other conditions of the study."""

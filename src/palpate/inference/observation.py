@@ -10,6 +10,7 @@ import numpy as np
 from palpate.base.interpolation import depth_at, load_at
 from palpate.errors import InputError
 from palpate.recordings.recording import Recording
+from palpate.study.protocol import Protocol
 from palpate.study.quantity import DEPTH, Quantity
 
 ROLES = ("calibrate", "validate")
@@ -30,12 +31,16 @@ class Observation:
         ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
         What the curves are of.
+    own
+        History of each replicate's own drive where they differ, see `palpate.inference.own_loads`; none where all
+        follow that of the condition.
     """
 
     time: np.ndarray
     response: np.ndarray
     role: str = "calibrate"
     quantity: Quantity = DEPTH
+    own: tuple[Protocol, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", np.asarray(self.time, dtype=float))

@@ -12,7 +12,7 @@ of equal cross-sections is the fast one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.solver.variation import added_by_instrument
@@ -117,6 +118,12 @@ class SpaceMapped:
     def under(self, names: Sequence[str]) -> SpaceMapped:
         """See `Forward`."""
         return replace(self, full=self.full.under(names))
+
+    def at_one_load(
+        self, observed: Mapping[str, Observation], values: Mapping[str, float], report: Callable[[str], None]
+    ) -> dict[str, Observation]:
+        """See `Forward`."""
+        return self.full.at_one_load(observed, values, report)
 
     def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> SpaceMapped:
         """See `Forward`."""

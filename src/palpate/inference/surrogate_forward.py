@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves
 from palpate.inference.genetic_stage import Predictor
+from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.study.specification import Specification
 
@@ -40,6 +41,12 @@ class Surrogates:
     def under(self, names: Sequence[str]) -> Surrogates:
         """See `Forward`."""
         return replace(self, predictors={name: self.predictors[name] for name in names})
+
+    def at_one_load(
+        self, observed: Mapping[str, Observation], values: Mapping[str, float], report: Callable[[str], None]
+    ) -> dict[str, Observation]:
+        """Raise `InputError`: surrogates know one load alone."""
+        raise InputError("surrogates know one load for each condition", remedy="fit on the finite elements")
 
     def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Surrogates:
         """Raise `InputError`: surrogates know the base model alone."""

@@ -7,7 +7,7 @@ from palpate.materials.flow.arithmetic import constant, entry
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
 
-YIELD_STRESS = Parameter("yield_stress", r"\sigma_Y", "GPa", 1e-9, 1e3, "yield stress in uniaxial tension")
+YIELD_STRESS = Parameter("yield_stress", r"\sigma_Y", "GPa", 1e-12, 1e3, "yield stress in uniaxial tension")
 HARDENING = Parameter("hardening", "H", "GPa", 0.0, 1e3, "plastic modulus d sigma / d eps_p")
 PLASTIC = (YIELD_STRESS, HARDENING)
 

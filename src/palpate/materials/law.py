@@ -11,7 +11,7 @@ from palpate.base.parameters import Parameter, check_values
 from palpate.materials.flow.registry import number_of
 from palpate.materials.flow.row import CREEP, LINEAR, PLASTIC, VOIGT, block, packed
 
-YOUNGS_MODULUS = Parameter("youngs_modulus", "E", "GPa", 1e-6, 2000.0, "Young's modulus")
+YOUNGS_MODULUS = Parameter("youngs_modulus", "E", "GPa", 1e-12, 2000.0, "Young's modulus")
 POISSON_RATIO = Parameter("poisson_ratio", r"\nu", "-", 0.0, 0.4999, "Poisson's ratio")
 ELASTIC = (YOUNGS_MODULUS, POISSON_RATIO)
 

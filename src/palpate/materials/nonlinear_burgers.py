@@ -16,11 +16,11 @@ from palpate.materials.flow.registry import fluidity
 from palpate.materials.law import Creep, Law, Term, Voigt
 
 STEADY = (
-    Parameter("steady_coefficient", "C_s", "GPa^-(2m_s+1)/s", 0.0, 1e6, "coefficient of steady creep"),
+    Parameter("steady_coefficient", "C_s", "GPa^-(2m_s+1)/s", 0.0, 1e9, "coefficient of steady creep"),
     Parameter("steady_exponent", "m_s", "-", 0.0, 10.0, "exponent of J2 in steady creep"),
 )
 VOIGT = (
-    Parameter("transient_coefficient", "C_t", "GPa^-(2m_t+1)", 0.0, 1e6, "coefficient of transient creep"),
+    Parameter("transient_coefficient", "C_t", "GPa^-(2m_t+1)", 0.0, 1e9, "coefficient of transient creep"),
     Parameter("transient_exponent", "m_t", "-", 0.0, 10.0, "exponent of J2 in transient creep"),
     Parameter("retardation_time", r"t_\epsilon", "s", 1e-6, 1e9, "retardation time of the Voigt element"),
 )

@@ -18,7 +18,7 @@ from palpate.materials.law import Law, Yield
 
 FLOW = (
     YIELD_STRESS,
-    Parameter("saturation_stress", r"\sigma_s", "GPa", 1e-9, 1e3, "yield stress after large plastic strains"),
+    Parameter("saturation_stress", r"\sigma_s", "GPa", 1e-12, 1e3, "yield stress after large plastic strains"),
     Parameter("saturation_strain", r"\epsilon_c", "-", 1e-6, 1e2, "plastic strain at which 63 % of the rise is over"),
 )
 

@@ -76,7 +76,7 @@ class NotebookStudy(Shown, Study):
         cls,
         recordings: OneTest | Iterable[OneTest],
         *,
-        law: str = "nonlinear_burgers",
+        law: str | None = None,
         sphere: float | None = None,
         folder: str | Path | None = None,
         report: Callable[[str], None] | None = None,
@@ -91,7 +91,7 @@ class NotebookStudy(Shown, Study):
         recordings
             A file, a test or a recording, or several of them; of a file all tests are taken.
         law
-            Key of the constitutive law, or keys of several joined by ``+``.
+            Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
         sphere
             Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
         folder
@@ -118,8 +118,8 @@ class NotebookStudy(Shown, Study):
         drafted = [test for each in given for test in _drafted(each, say)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
-        study, remarks = write_study(drafted, output, name, say, law, sphere)
-        return cls.of(study, [*messages, *remarks])
+        found = write_study(drafted, output, name, say, law, sphere)
+        return cls.of(found.study, [*messages, *found.remarks])
 
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"

@@ -13,6 +13,7 @@ import numpy as np
 from palpate.errors import InputError
 
 BERKOVICH = 24.5
+DEPTHS = 400
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,21 @@ class AreaFunction:
     def area(self, contact_depth: np.ndarray) -> np.ndarray:
         """Return the projected area [nm^2] at contact depths [nm]."""
         return _terms(np.asarray(contact_depth, dtype=float), len(self.coefficients)) @ np.array(self.coefficients)
+
+    def holds_between(self, shallowest: float, deepest: float) -> tuple[float, float]:
+        """Return the ends of the longest stretch of depths [nm], by their ratio, where the area is positive and grows.
+
+        A series that was fitted to a calibration says nothing outside the depths of that. Both ends are equal where
+        there is no such stretch between `shallowest` and `deepest`.
+        """
+        depth = np.geomspace(shallowest, deepest, DEPTHS)
+        area = self.area(depth)
+        sound = (area[:-1] > 0.0) & (np.diff(area) > 0.0)
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
+        if not len(ends):
+            return shallowest, shallowest
+        first, last = max(zip(ends[::2], ends[1::2], strict=True), key=lambda pair: pair[1] - pair[0])
+        return float(depth[first]), float(depth[last])
 
     @classmethod
     def calibrated(

@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from palpate.base.parameters import Parameter, check_values
 from palpate.errors import InputError
 from palpate.study.area_function import AreaFunction
@@ -29,7 +27,8 @@ SHAPES = {
     "area_function": SURFACE,
 }
 AREA = "area"  # the coefficients of an area function, a list
-GROWS_FROM, GROWS_TO = 1.0, 1e4  # nm; depths between which an area function must grow
+GROWS_FROM, GROWS_TO = 1.0, 1e4  # nm; depths between which an area function is looked at
+LEAST_STRETCH = 10.0  # ratio of depths over which it must be positive and grow; a test needs about as much
 
 
 @dataclass(frozen=True)
@@ -87,6 +86,11 @@ class Indenter:
         return self.radius == 0.0 and not self.area
 
     @property
+    def holds_between(self) -> tuple[float, float]:
+        """Depths [nm] between which an area function is used; the tip runs straight to its apex and beyond them."""
+        return AreaFunction(self.area).holds_between(GROWS_FROM, GROWS_TO) if self.area else (0.0, math.inf)
+
+    @property
     def slope(self) -> float:
         """Slope dz/dr of the conical flank, cot(half_angle); infinite for a sphere.
 
@@ -139,12 +143,13 @@ def _checked_area(given: object) -> tuple[float, ...]:
     if not isinstance(given, list) or not given or not all(_is_number(value) for value in given):
         raise InputError(f"{AREA} is {given!r}, expected coefficients", remedy=remedy, place=AREA)
     area = tuple(map(float, given))
-    depth = np.geomspace(GROWS_FROM, GROWS_TO, 400)
-    sections = AreaFunction(area).area(depth)
-    if sections[0] <= 0.0 or (shrinks := np.diff(sections) <= 0.0).any():
-        where = depth[0] if sections[0] <= 0.0 else depth[int(np.argmax(shrinks))]
-        what = "is not positive" if sections[0] <= 0.0 else "does not grow"
-        raise InputError(f"{AREA} {what} at a depth of {where:.3g} nm", remedy=remedy, place=AREA)
+    low, high = AreaFunction(area).holds_between(GROWS_FROM, GROWS_TO)
+    if high < LEAST_STRETCH * low:
+        raise InputError(
+            f"{AREA} is positive and grows over no stretch of depths between {GROWS_FROM:g} and {GROWS_TO:g} nm",
+            remedy=remedy,
+            place=AREA,
+        )
     return area
 
 

@@ -10,9 +10,6 @@ import numpy as np
 from palpate.errors import InputError
 
 LOAD, DISPLACEMENT = "load", "displacement"
-MOST_KNOTS = 500
-MOST_NOISE = 0.02
-ONSET = {LOAD: 0.01, DISPLACEMENT: 0.1}  # of the largest drive: a sharp tip carries a hundredth of the load there
 LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from one sample to the next, may last
 
 
@@ -188,77 +185,6 @@ def sampled(ends: Sequence[float] | np.ndarray, points: int) -> np.ndarray:
         raise InputError(f"points = {points} is too few", remedy="use at least two a segment", place="points")
     starts = np.concatenate([[0.0], ends[:-1]])
     return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
-
-
-def recorded(
-    time: np.ndarray,
-    drive: np.ndarray,
-    points: int = 100,
-    tolerance: float = 1e-3,
-    control: str = LOAD,
-    compliance: float = 0.0,
-) -> Protocol:
-    """History taken from a recording, sampled at `points` times.
-
-    They are spread evenly in t/T + s/S, with s(t) the total variation of the drive up to t, so that neither a hold of
-    many minutes nor a load that grows exponentially is left without points. The first sample is where the load reaches
-    a hundredth of its maximum, or the displacement a tenth: below, the contact covers too few elements.
-
-    The history is thinned to the corners that keep it within `tolerance` of the largest drive everywhere (Douglas and
-    Peucker's rule, with the distance measured along the drive), so that a long recording costs no more steps than its
-    shape deserves. Where the drive's own noise is larger, six of its standard deviations are allowed instead, up to 2 %
-    of the largest drive; they are estimated from second differences, which a smooth history leaves near zero.
-
-    Parameters
-    ----------
-    time, drive : ndarray, shape (n,)
-        Recorded times [s] and loads [mN] or displacements [nm] from contact on; loads below zero (noise) count as zero.
-    tolerance
-        Largest departure, as a fraction of the largest drive.
-    control, compliance
-        See `Protocol`.
-
-    Raises
-    ------
-    InputError
-        When the drive is never above zero, the history does not begin at zero (within `tolerance`), or needs more than
-        500 corners.
-    """
-    time, drive = np.asarray(time, dtype=float) - time[0], np.array(drive, dtype=float)
-    unit, place = ("mN", "load_mN") if control == LOAD else ("nm", "displacement_nm")
-    if control == LOAD:
-        drive = np.clip(drive, 0.0, None)
-    largest = drive.max()
-    if largest <= 0.0:
-        raise InputError(
-            f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
-            remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
-            place=place,
-        )
-    if abs(drive[0]) > tolerance * largest:
-        raise InputError(
-            f"the {control} history begins at {drive[0]:.4g} {unit}",
-            remedy=f"begin it at contact, at zero {control}",
-            place=place,
-        )
-    drive[0] = 0.0
-    noise = np.median(np.abs(np.diff(drive, 2))) / (0.6745 * np.sqrt(6)) if len(drive) > 2 else 0.0
-    allowed = max(tolerance * largest, min(6 * noise, MOST_NOISE * largest))
-    keep = corners(time, drive, allowed)
-    if keep.sum() > MOST_KNOTS:
-        raise InputError(
-            f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
-            remedy=f"smooth the recorded {control}",
-            place=place,
-        )
-    time, drive = time[keep], drive[keep]
-    way = np.append(0.0, np.cumsum(np.abs(np.diff(drive))))
-    progress = 0.5 * (time / time[-1] + way / way[-1])
-    first = ONSET[control] * drive.max()
-    rising = int(np.argmax(drive >= first))
-    onset = np.interp(first, drive[: rising + 1], progress[: rising + 1])
-    sample = np.interp(np.linspace(onset, 1.0, points), progress, time)
-    return Protocol(time, drive, sample, control, compliance)
 
 
 def corners(time: np.ndarray, drive: np.ndarray, allowed: float) -> np.ndarray:

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.configuration.study_file import Study
+from palpate.configuration.study_file import Condition, Study
+from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import recording_files
+from palpate.study.recorded_history import averaged_noise, averaged_over
 
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
+PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
@@ -20,15 +23,18 @@ def doubts(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator
     """Say what is odd about the tests of a condition.
 
     Those much deeper or shallower than the others, that begin elsewhere than at contact, or last longer than the load
-    that is followed.
+    that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or oscillate.
     """
     yield from _apart(tests)
     for test in filter(begins_off_contact, tests):
         yield (
             f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
-            "(`palpate read --contact auto` finds the touch)"
+            "(`palpate read --contact auto` finds the contact point)"
         )
-    if study.condition(condition).follows:
+    yield from _jumps(tests)
+    yield from _pulled(tests)
+    yield from _averaged(study.condition(condition), tests)
+    if study.condition(condition).follows and not study.condition(condition).own_loads:
         yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
 
 
@@ -60,3 +66,40 @@ def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
                 f"{test.name}.csv lasts {lasts:.4g} s, the recorded load that its condition follows ends after "
                 f"{duration:.4g} s: what comes later does not count (the first file by name is followed)"
             )
+
+
+def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
+    """Say in which tests the depth jumps."""
+    found = {test.name: max(jumps, key=lambda each: each.jump) for test in tests if (jumps := pop_ins(test))}
+    if found:
+        name, largest = max(found.items(), key=lambda pair: pair[1].jump)
+        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        yield (
+            f"{name}.csv{others}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
+            f"{largest.load:.3g} mN (a pop-in, a crack, or the tip slipped); no law follows that"
+        )
+
+
+def _pulled(tests: Sequence[Recording]) -> Iterator[str]:
+    """Say in which test the load falls below zero, where a condition under load control has none."""
+    pull, name = max((-float(test.load.min()), test.name) for test in tests)
+    largest = max(float(test.load.max()) for test in tests)
+    if pull > PULLED * largest:
+        yield f"{name}.csv: loads down to {-pull:.3g} mN count as zero, the surface's pull on the tip is cut off"
+
+
+def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
+    """Say of which test's drive an average is followed."""
+    if not condition.follows:
+        return
+    followed = tests if condition.own_loads else tests[:1]
+    drives = [(test, condition.protocol.drive_of(test.load, test.depth)) for test in followed]
+    found = [(test, drive, over) for test, drive in drives if (over := averaged_over(test.time, drive)) > 1]
+    if found:
+        test, drive, over = found[0]
+        share, span = averaged_noise(test.time, drive) / drive.max(), over * float(np.median(np.diff(test.time)))
+        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        yield (
+            f"{test.name}.csv{others}: the {condition.protocol.control} oscillates or is noisy by {share:.1%} of its "
+            f"largest; its average over {span:.3g} s is followed"
+        )

@@ -19,6 +19,7 @@ from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.observation import Observation
+from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.output import html_report
@@ -165,12 +166,16 @@ def run_calibration(
 def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
     """Return a table of the curves of all conditions, recorded, of the surrogates and simulated.
 
+    Tests with loads of their own are brought to one load at the estimate.
+
     Returns
     -------
     DataFrame
         Columns as in `run_calibration`.
     """
     tables = []
+    estimate = {name: found.estimate for name, found in result.parameters.items()}
+    observed = brought_to_one_load(study, observed, estimate)
     for condition in study.conditions:
         item = observed[condition.name]
         count, unit = len(item.response), item.quantity.unit

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from palpate.study.area_function import AreaFunction
-from palpate.study.indenter import Indenter
+from palpate.study.indenter import GROWS_FROM, Indenter
 
 SHALLOWEST, DEEPEST, KNOTS = 0.01, 1e4, 241  # nm; depths at which an area function is taken
 
@@ -131,12 +131,15 @@ class Measured(Profile):
 def _meridian(coefficients: tuple[float, ...]) -> np.ndarray:
     """Return knots (m, 3) of the tip of revolution whose sections have the areas of an area function.
 
-    Where they would make it hollow it is bridged straight, as a body that is pressed would see it from afar.
+    Where they would make it hollow it is bridged straight, as a body that is pressed would see it from afar. So it is
+    below the depths from which the areas are positive and grow.
     """
     function = AreaFunction(coefficients)
+    low, high = function.holds_between(GROWS_FROM, DEEPEST)
     depth = np.geomspace(SHALLOWEST, DEEPEST, KNOTS)
     area = function.area(depth)
-    depth, area = depth[area > 0.0], area[area > 0.0]
+    sound = (area > 0.0) & ((depth >= low) | (low <= GROWS_FROM)) & (depth <= high)
+    depth, area = depth[sound], area[sound]
     points = 1e-3 * np.column_stack([np.sqrt(area / np.pi), depth])
     hull = [np.zeros(2)]
     for point in points[np.argsort(points[:, 0], kind="stable")]:

@@ -1,0 +1,58 @@
+"""Whether a test bears load at all, or was made in air."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from palpate.errors import InputError
+from palpate.recordings.contact_point import noise_of
+from palpate.recordings.recording import Recording
+
+AVERAGES = 50  # of which a test is made where it has enough points
+FEW = 4  # points in an average, below which single points are looked at
+BORNE = 10.0  # standard deviations of its average's noise by which a load that is borne rises
+FALLS = 0.3  # of its rise, by which a load that is borne falls at least while the tip comes back
+WANDERS = 2.0  # times what the load reaches on the first way in, that one which wanders in its noise may rise
+FIRST_WAY = 0.3  # of the largest depth
+NEAR_START = 10  # points that tell the load without contact
+TELLING = 20  # points that tell the noise of a load
+
+
+def check_borne(recording: Recording) -> None:
+    """Refuse a test that never bears load: its load stays within its noise, or wanders.
+
+    It wanders where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
+    while the tip comes back, which no body's does.
+
+    Raises
+    ------
+    InputError
+        With the rise and the noise.
+    """
+    load, depth = recording.load, recording.depth
+    if len(load) < TELLING:
+        return
+    smooth, of_average, noise = _averaged(load)
+    rise = float(smooth.max() - np.median(load[:NEAR_START]))
+    deepest, part = int(np.argmax(depth)), depth[0] + FIRST_WAY * (depth.max() - depth[0])
+    early = float(np.abs(smooth[: max(int(np.argmax(depth >= part)), 1)] - smooth[0]).max())
+    wanders = rise < BORNE * noise and rise < WANDERS * early
+    back = smooth[deepest:][depth[deepest:] < part]
+    stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
+    if rise < BORNE * of_average or wanders or stays:
+        raise InputError(
+            f"never bears load: over {np.ptp(depth):.4g} nm its load rises by {rise:.3g} mN, its noise is "
+            f"{noise:.3g} mN",
+            remedy="leave it out: the tip did not touch, or the load is in another column",
+        )
+
+
+def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:
+    """Return averages of a load (n,), the standard deviation of their noise, and that of single points."""
+    over = len(load) // AVERAGES
+    if over < FEW:
+        return median_filter(load, 5, mode="nearest"), noise_of(load), noise_of(load)
+    smooth = uniform_filter1d(load, over, mode="nearest")
+    noise = float(np.std(load - smooth))
+    return smooth, noise / np.sqrt(over), noise

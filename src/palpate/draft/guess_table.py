@@ -1,0 +1,113 @@
+"""Everything that a draft takes or guesses, one row each with its reason: in the study and on the screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from palpate.draft.guesses import LINEAR, reason
+from palpate.draft.known_tip import FILES, KnownTip
+from palpate.draft.prescribed_drive import Drive
+from palpate.draft.solid import OF_GELS, Solid
+from palpate.draft.stated import modulus_and_hardness
+from palpate.materials import law_of
+
+WIDEST = 40  # letters of a value
+REASONS = {
+    "yield_stress": "a fifth to nine tenths of the hardness",
+    "hardening": "up to a tenth of the modulus",
+    "steady_coefficient": "from none to about three times the creep of an epoxy at like stress",
+    "transient_coefficient": "from none to about three times the creep of an epoxy at like stress",
+    "retardation_time": "a five-hundredth to four tenths of the shortest loading",
+    "strength": "5 to 30 % of the modulus",
+    "saturation_stress": "0.9 to 1.5 times the hardness",
+    "eyring_stress": "2 to 10 % of the hardness",
+    "spectrum_coefficient": "up to a tenth of the elastic compliance",
+}
+USUAL = "usual values"
+CREEP = ("steady_coefficient", "steady_exponent", "transient_coefficient", "transient_exponent")
+
+
+class Guess(NamedTuple):
+    """One thing that a draft takes or guesses."""
+
+    what: str
+    value: str
+    why: str
+
+
+def guess_table(
+    law: tuple[str, str],
+    solid: Solid,
+    tip: KnownTip,
+    drive: Drive,
+    ratio: tuple[float, bool],
+    guessed: Mapping[str, Sequence[float]],
+) -> list[Guess]:
+    """Return what a draft takes or guesses.
+
+    Parameters
+    ----------
+    law
+        Its key, and why it was chosen.
+    solid, tip, drive
+        What was told from the tests, and by the files.
+    ratio
+        Poisson's, and whether the files state it.
+    guessed
+        Ranges of its parameters.
+    """
+    units = {parameter.name: parameter.unit for parameter in law_of(law[0]).declared({})}
+    rows = [Guess("law", *law), Guess("drive", drive.control, drive.why), Guess("tip", _tip(tip), tip.why)]
+    if "modulus" in tip.keys:
+        rows.append(Guess("tip's modulus", f"{tip.keys['modulus']:g} GPa", "guess: diamond, as the solid is stiff"))
+    rows.append(Guess("Poisson's ratio", f"{ratio[0]:g}", FILES if ratio[1] else _guessed_ratio(ratio[0])))
+    for name, values in guessed.items():
+        why = reason(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
+        if name in CREEP and solid.secant < LINEAR:
+            why = "linear creep, as of gels and rubbers"
+        shown = " to ".join(f"{value:.4g}" for value in values)
+        rows.append(Guess(name, f"{shown} {units[name].replace('-', '')}".strip(), f"guess: {why}"))
+    return rows
+
+
+def _guessed_ratio(ratio: float) -> str:
+    return "guess: gels and rubbers hardly change their volume" if ratio == OF_GELS else "guess"
+
+
+def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) -> list[Guess]:
+    """Return modulus and hardness by unloading, ours beside the vendor's own, medians of the tests.
+
+    A Poisson's `ratio` turns a vendor's plane-strain modulus into Young's.
+    """
+    rows = []
+    for what, ours, place in (("modulus", solid.modulus, 0), ("hardness", solid.hardness, 1)):
+        theirs = [value for each in facts if (value := modulus_and_hardness(each, ratio)[place]) is not None]
+        if math.isnan(ours) and not theirs:
+            continue
+        shown = "not told by any unloading" if math.isnan(ours) else f"{ours:.4g} GPa"
+        count = f" (median of {len(theirs)} tests)" if len(theirs) > 1 else ""
+        vendor = f"the files say {float(np.median(theirs)):.4g} GPa{count}" if theirs else "the files say nothing"
+        rows.append(Guess(f"{what} by unloading", shown, vendor))
+    return rows
+
+
+def lines(rows: Sequence[Guess]) -> list[str]:
+    """Return the rows as a table of text."""
+    widths = [max(len(row[k][:WIDEST]) for row in rows) for k in (0, 1)]
+    return [f"  {row.what:<{widths[0]}}  {_brief(row.value):<{widths[1]}}  {row.why}" for row in rows]
+
+
+def _brief(text: str) -> str:
+    return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
+
+
+def _tip(tip: KnownTip) -> str:
+    keys = {key: value for key, value in tip.keys.items() if key not in ("shape", "modulus", "poisson_ratio")}
+    shown = (
+        ", ".join(f"{v:.4g}" for v in value) if isinstance(value, list) else f"{value:g}" for value in keys.values()
+    )
+    return f"{tip.keys['shape']} {', '.join(shown)}"

@@ -1,0 +1,28 @@
+"""Which law a draft asks for, told from how the tests load, creep in their holds and recover."""
+
+from __future__ import annotations
+
+import math
+
+from palpate.draft.solid import STIFFEST_POLYMER, Solid
+
+POLYMER, METAL, ELASTIC = "nonlinear_burgers", "bilinear_plasticity", "elastic"
+ALL_RETURNED = 0.97  # of the work of loading; chosen: what a clean elastic test gives back but for noise and friction
+NO_CREEP = 0.01  # of the depth, in a hold
+
+
+def chosen_law(solid: Solid) -> tuple[str, str]:
+    """Return the key of the law for a solid, and why.
+
+    What is stiffer than any polymer yields (metals, glasses, ceramics); what gives all work back and does not creep is
+    elastic; all else is taken for a polymer or a gel, which creeps.
+    """
+    if solid.stiff:
+        by = "an elastic body as deep" if math.isnan(solid.modulus) else "unloading"
+        value = solid.secant if math.isnan(solid.modulus) else solid.modulus
+        return METAL, f"{by} tells {value:.3g} GPa; no polymer is stiffer than {STIFFEST_POLYMER:g}"
+    if solid.returned > ALL_RETURNED and not solid.creep > NO_CREEP:
+        return ELASTIC, f"unloading gives {solid.returned:.0%} of the work back"
+    creep = "" if math.isnan(solid.creep) else f"; the depth grows by {solid.creep:.1%} in the hold"
+    lost = "" if math.isnan(solid.returned) else f"; unloading gives {solid.returned:.0%} of the work back"
+    return POLYMER, f"no stiffer than a polymer{creep}{lost}"

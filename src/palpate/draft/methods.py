@@ -1,0 +1,108 @@
+"""Groups of tests that one method has made, though they reach different loads or displacements.
+
+Under depth or strain-rate control the specimen decides the load; behind a cantilever the height at which it is touched
+decides how far the piezo goes on. Two signs tell such tests from those of several sizes: they end their loading at one
+depth, while the depths of unlike loads differ by the root of these; or they are many, and their sizes form no levels,
+but spread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from palpate.draft.prescribed_drive import Drive
+from palpate.inference.recording_checks import LOAD_TOLERANCE
+from palpate.recordings.recording import Recording
+from palpate.study.protocol import LOAD
+
+SHAPE = 0.05  # of the largest, root mean square, by which normalised histories of one method differ
+LONGER = 1.5  # ratio of durations of one method
+SAME_DEPTH = 0.25  # of what the loads would make the depths differ by, that they differ at most
+SPREAD = 1.5  # ratio of the sizes of one condition, the largest to the least
+MANY = 6  # tests that tell a spread from levels
+GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
+GRID = np.linspace(0.0, 1.0, 201)
+LOADED = 0.98
+Groups = list[list[Recording]]
+
+
+def of_one_method(groups: Groups, drive: Drive) -> Groups:
+    """Return groups of tests, each of one history of the drive, with those of one method joined."""
+    joined: list[Groups] = []
+    for group in groups:
+        same = next((members for members in joined if _same_shape(members[0][0], group[0], drive)), None)
+        if same is None:
+            joined.append(same := [])
+        same.append(group)
+    return [group for members in joined for group in _by_method(members, drive)]
+
+
+def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list[Recording]:
+    """Return recordings with that first whose size and duration lie nearest to the medians."""
+    sizes = np.log([[drive.of(recording).max(), recording.time[-1]] for recording in recordings])
+    middle = int(np.argmin(np.abs(sizes - np.median(sizes, axis=0)).sum(axis=1)))
+    return [recordings[middle], *recordings[:middle], *recordings[middle + 1 :]]
+
+
+def _by_method(groups: Groups, drive: Drive) -> Groups:
+    """Return groups of one shape, joined where they differ as tests of one method do."""
+    found: Groups = []
+    for group in [joined for level in _levels(groups, drive) for joined in _spread(level, drive)]:
+        same = next((members for members in found if drive.control == LOAD and _same_depth(members[0], group[0])), None)
+        if same is None:
+            found.append(group)
+        else:
+            found[found.index(same)] = [*same, *group]
+    return found
+
+
+def _levels(groups: Groups, drive: Drive) -> list[Groups]:
+    """Return the groups by size, cut where these leave a gap."""
+    ordered = sorted(groups, key=lambda group: _size(group, drive))
+    levels = [ordered[:1]]
+    for before, after in pairwise(ordered):
+        if _size(after, drive) > GAP * _size(before, drive):
+            levels.append([])
+        levels[-1].append(after)
+    return levels
+
+
+def _spread(level: Groups, drive: Drive) -> Groups:
+    """Return the groups of one level as one, or a few, where they are many tests whose sizes spread."""
+    least, largest = (_size(level[k], drive) for k in (0, -1))
+    if largest <= (1.0 + LOAD_TOLERANCE) * least or sum(map(len, level)) < MANY:
+        return level
+    parts = int(np.ceil(np.log(largest / least) / np.log(SPREAD)))
+    ends = np.geomspace(least, largest, parts + 1)[1:-1]
+    found: Groups = [[] for _ in range(parts)]
+    for group in level:
+        found[int(np.searchsorted(ends, _size(group, drive)))].extend(group)
+    return [group for group in found if group]
+
+
+def _size(group: Sequence[Recording], drive: Drive) -> float:
+    return float(np.median([drive.of(recording).max() for recording in group]))
+
+
+def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:
+    """Return whether two drives agree when each counts in its largest and its duration."""
+    if not 1.0 / LONGER < one.time[-1] / other.time[-1] < LONGER:
+        return False
+    first, second = (
+        np.interp(GRID, test.time / test.time[-1], drive.of(test) / drive.of(test).max()) for test in (one, other)
+    )
+    return bool(np.sqrt(np.mean((first - second) ** 2)) < SHAPE)
+
+
+def _same_depth(one: Recording, other: Recording) -> bool:
+    """Return whether two tests are as deep at the end of loading, other than their loads would make them."""
+    loads, depths = (abs(np.log(_at_end_of_loading(one)[k] / _at_end_of_loading(other)[k])) for k in (0, 1))
+    return bool(loads < np.log(SPREAD) and depths < SAME_DEPTH * 0.5 * loads)
+
+
+def _at_end_of_loading(recording: Recording) -> tuple[float, float]:
+    end = int(np.argmax(recording.load >= LOADED * recording.load.max()))
+    return float(recording.load[end]), float(recording.depth[end])

@@ -1,0 +1,88 @@
+"""What the instrument of a draft prescribes: a load, or a displacement, that of a piezo behind a cantilever too."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.draft.stated import Stated
+from palpate.recordings.recording import Recording
+from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
+from palpate.study.recorded_history import recorded
+
+STRAIGHT = 0.005  # of the largest, within which a channel that is prescribed follows a few straight lines
+CLEARER = 3.0  # times as many corners as the depth needs, that a load needs which answers
+FEW = 8  # corners of a history that somebody prescribes
+DEPTH = re.compile(r"indentation|displacement|depth|position", re.IGNORECASE)
+OWN_DEPTH = re.compile(r"indentation|depth", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What is prescribed.
+
+    Parameters
+    ----------
+    control
+        ``load`` or ``displacement``.
+    spring
+        Stiffness of what lies between the displacement that is prescribed and the tip [mN/nm]; None for nothing.
+    why
+        Where it is known from.
+    """
+
+    control: str = LOAD
+    spring: float | None = None
+    why: str = "guess: the load, as its history is the simpler one"
+
+    @classmethod
+    def by_all(cls, recordings: Sequence[Recording], stated: Stated) -> Drive:
+        """Return what the files state, or what most recordings look like.
+
+        A cantilever is moved by a piezo, whose displacement is prescribed, unless the file says that the load or the
+        indentation is held to its course.
+        """
+        word = stated.control
+        if stated.spring and not re.search("load|force", word, re.IGNORECASE) and not OWN_DEPTH.search(word):
+            return cls(DISPLACEMENT, stated.spring, "the piezo's displacement behind the spring that the files state")
+        if DEPTH.search(word):
+            return cls(DISPLACEMENT, None, f"the depth, by the files' control mode {word!r}")
+        if word:
+            return cls(LOAD, None, f"the load, by the files' control mode {word!r}")
+        if 2 * sum(map(_follows_depth, recordings)) > len(recordings):
+            return cls(DISPLACEMENT, None, "guess: the depth, which runs along straight lines, while the load does not")
+        return cls()
+
+    @property
+    def compliance(self) -> float:
+        """Of the spring [nm/mN]."""
+        return 1.0 / self.spring if self.spring else 0.0
+
+    @property
+    def keys(self) -> dict[str, object]:
+        """Keys of a study's condition."""
+        if self.control == LOAD:
+            return {}
+        return {"drive": DISPLACEMENT} | ({"spring": self.spring} if self.spring else {})
+
+    def of(self, recording: Recording) -> np.ndarray:
+        """Return what is prescribed (n,) in a recording [mN] or [nm]."""
+        if self.control == LOAD:
+            return recording.load
+        return recording.depth + self.compliance * recording.load
+
+    def followed(self, recording: Recording) -> Protocol:
+        """Return the history of the drive that a recording, from contact on, tells."""
+        return recorded(recording.time, self.of(recording), control=self.control, compliance=self.compliance)
+
+
+def _follows_depth(recording: Recording) -> bool:
+    """Return whether the depth follows few straight lines, and the load needs many more for the same accuracy."""
+    needed = [
+        int(corners(recording.time, channel, STRAIGHT * float(channel.max())).sum())
+        for channel in (recording.depth, recording.load)
+    ]
+    return needed[0] <= FEW and needed[1] >= CLEARER * needed[0]

@@ -1,0 +1,95 @@
+"""The tests of files and folders that a draft can take, and why it leaves out the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from palpate.draft.borne_load import check_borne
+from palpate.draft.drafted import Drafted
+from palpate.errors import InputError
+from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each
+from palpate.recordings.readers.vendor import attempt
+
+
+def readable(
+    files: Sequence[Path],
+    report: Callable[[str], None],
+    contact: str | float = "file",
+    corrections: frozenset[str] | None = None,
+    columns: ColumnMap | None = None,
+) -> list[Drafted]:
+    """Return all tests of files that can be read, and say of other files and tests why they are left out.
+
+    Parameters
+    ----------
+    files
+        Recordings, vendors' files, or folders of them.
+    report
+        Told of what is left out, and of what the readers warn of.
+    contact, corrections, columns
+        As for `palpate.recordings.readers.read_vendor_file`.
+
+    Raises
+    ------
+    InputError
+        What is wrong with the first file or test, when none can be read.
+    """
+    foreign: list[InputError] = []
+    found: list[tuple[Path, list[Drafted | Unreadable]]] = []
+    for file in [file for given in files for file in _files_in(given)]:
+        try:
+            if file.is_dir():
+                raise InputError("is a folder without files", remedy="name the folder that holds the recordings")
+            whole = _borne(file, read_each(file, corrections=corrections, contact="none", columns=columns))
+            found.append((file, _begun(file, whole, zeroed_each(file, whole, contact), corrections)))
+        except InputError as error:
+            foreign.append(error.located(file=file))
+    drafted = [test for _, tests in found for test in tests if isinstance(test, Drafted)]
+    if not drafted:
+        raise foreign[0]
+    for reason in foreign:
+        report(f"{reason}; the file is left out")
+    for file, tests in found:
+        for line in messages(file, [test.source if isinstance(test, Drafted) else test for test in tests]):
+            report(line)
+    return drafted
+
+
+def _files_in(given: Path) -> list[Path]:
+    """Return a file, or the visible files of a folder by name; a folder without any as it is."""
+    if not given.is_dir():
+        return [given]
+    return sorted(file for file in given.iterdir() if file.is_file() and not file.name.startswith(".")) or [given]
+
+
+def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
+    """Return the tests of a file, those that never bear load as such that cannot be read."""
+    return [attempt(file, test.name, _pressed, test) if isinstance(test, VendorTest) else test for test in tests]
+
+
+def _pressed(test: VendorTest) -> VendorTest:
+    check_borne(test.recording)
+    return test
+
+
+def _begun(
+    file: Path,
+    whole: Sequence[VendorTest | Unreadable],
+    tests: Sequence[VendorTest | Unreadable],
+    corrections: frozenset[str] | None,
+) -> list[Drafted | Unreadable]:
+    """Return the tests of one file as a draft takes them; raises `InputError` when it can take none."""
+    found: list[Drafted | Unreadable] = []
+    for test, all_of_it in zip(tests, whole, strict=True):
+        if isinstance(test, Unreadable) or isinstance(all_of_it, Unreadable):
+            found.append(test if isinstance(test, Unreadable) else all_of_it)  # type: ignore[arg-type]
+            continue
+        try:
+            found.append(Drafted.of(file, test, corrections, all_of_it))
+        except InputError as error:
+            found.append(Unreadable(test.name, error))
+    unreadable = [test for test in found if isinstance(test, Unreadable)]
+    if len(unreadable) == len(found):
+        raise next((test for test in unreadable if test.sought), unreadable[0]).error
+    return found

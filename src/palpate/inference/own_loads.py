@@ -1,0 +1,80 @@
+"""Tests of one method under unlike loads: each is simulated under its own, and brought to that of its condition.
+
+Under depth or strain-rate control the specimen decides the load, and replicates of one condition reach different ones.
+Snapshots and surrogates have one history, that of the condition. Of what a test i answers, what its own load explains
+is taken off with the forward model h,
+
+    r_i' (t) = r_i (t T_i / T) - h(t T_i / T; P_i) + h(t; P),
+
+where T and T_i are the durations. Both simulations share their errors, so that what is left is what the model lacks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from palpate.configuration.study_file import Condition, Study
+from palpate.inference.observation import Observation
+from palpate.recordings.recording import Recording
+from palpate.solver.simulation import simulate_batch
+from palpate.study.protocol import Protocol
+from palpate.study.recorded_history import recorded
+from palpate.study.specification import of_equivalent_cone
+
+
+def own_protocol(protocol: Protocol, recording: Recording) -> Protocol:
+    """Return the history of one recording's own drive, sampled at the same parts of its duration as a condition's."""
+    drive = protocol.drive_of(recording.load, recording.depth)
+    own = recorded(recording.time, drive, control=protocol.control, compliance=protocol.compliance)
+    times = protocol.sample_time * (own.knot_time[-1] / protocol.knot_time[-1])
+    return replace(own, sample_time=np.minimum(times, own.knot_time[-1]))
+
+
+def stretched(protocol: Protocol, recording: Recording) -> Recording:
+    """Return a recording on a clock on which it lasts as long as the history of its condition."""
+    return replace(recording, time=recording.time * (protocol.knot_time[-1] / recording.time[-1]))
+
+
+def brought_to_one_load(
+    study: Study,
+    observed: Mapping[str, Observation],
+    values: Mapping[str, float],
+    report: Callable[[str], None] = print,
+) -> dict[str, Observation]:
+    """Return what was observed, each replicate under the load of its condition; conditions of one load as they are.
+
+    Parameters
+    ----------
+    study
+        Says what is simulated.
+    observed
+        By the names of conditions.
+    values
+        Material parameters of the forward model.
+    report
+        Told of simulations that fail.
+    """
+    return {
+        name: _brought(study, study.condition(name), item, values, report) if item.own else item
+        for name, item in observed.items()
+    }
+
+
+def _brought(
+    study: Study,
+    condition: Condition,
+    item: Observation,
+    values: Mapping[str, float],
+    report: Callable[[str], None],
+) -> Observation:
+    first = of_equivalent_cone(study.specification({name: values[name] for name in study.levels}, condition))
+    outcomes = simulate_batch([first, *(replace(first, protocol=own) for own in item.own)])
+    failed = [outcome.reason for outcome in outcomes if outcome.status != "ok"]
+    if failed:
+        report(f"{condition.name}: its tests are not brought to one load, as a simulation failed ({failed[0]})")
+        return item
+    common, *own = (outcome.response for outcome in outcomes)
+    return replace(item, response=item.response + common - np.array(own))

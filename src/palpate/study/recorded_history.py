@@ -1,0 +1,153 @@
+r"""A history of load or displacement taken from a recording: thinned to its corners, with its sampling times.
+
+Douglas and Peucker's rule keeps the corners that hold the history within a tolerance everywhere. Noise or an
+oscillation would be kept as corners, too. Where those become more than can be simulated, the drive is averaged over
+more and more points until they are few, and the drives at the corners are then those of the piecewise linear history
+of least squares, which runs through the middle of the oscillation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import lsqr
+
+from palpate.errors import InputError
+from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
+
+MOST_KNOTS = 500
+TOLERANCE = 1e-3  # of the largest drive
+MOST_NOISE = 0.02
+SHORTEST = 50  # averages at least, that a history is made of
+WILDEST = 0.1  # of the largest drive, the standard deviation of what is averaged away: more is no noise
+MARGIN = 4  # times as many points are averaged as just suffice
+STEPS = 6.0  # standard deviations of an average's noise that the corners leave out
+ONSET = {LOAD: 0.01, DISPLACEMENT: 0.1}  # of the largest drive: a sharp tip carries a hundredth of the load there
+
+
+def recorded(
+    time: np.ndarray,
+    drive: np.ndarray,
+    points: int = 100,
+    tolerance: float = TOLERANCE,
+    control: str = LOAD,
+    compliance: float = 0.0,
+) -> Protocol:
+    """History taken from a recording, sampled at `points` times.
+
+    They are spread evenly in t/T + s/S, with s(t) the way that the drive has gone up and down by then; so that neither
+    a hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the
+    load reaches a hundredth of its maximum, or the displacement a tenth: below, contact lies on too few elements to
+    count.
+
+    The history is thinned to the corners that keep it within `tolerance` of the largest drive everywhere, so that a
+    long recording costs no more steps than its shape deserves. Where the drive's own noise is larger, six of its
+    standard deviations are allowed instead, up to 2 % of the largest drive; they are estimated from second differences,
+    which a smooth history leaves near zero. Where 500 corners do not suffice for that, the drive is averaged first, see
+    `averaged_over`.
+
+    Parameters
+    ----------
+    time, drive : ndarray, shape (n,)
+        Recorded times [s] and loads [mN] or displacements [nm] from contact on; loads below zero (noise) count as zero.
+    tolerance
+        Largest departure, as a fraction of the largest drive.
+    control, compliance
+        See `Protocol`.
+
+    Raises
+    ------
+    InputError
+        When the drive is never above zero, the history does not begin at zero (within `tolerance`), or needs more than
+        500 corners however far it is thinned.
+    """
+    time, drive = np.asarray(time, dtype=float) - time[0], np.array(drive, dtype=float)
+    unit, place = ("mN", "load_mN") if control == LOAD else ("nm", "displacement_nm")
+    if control == LOAD:
+        drive = np.maximum(drive, 0.0)
+    if drive.max() <= 0.0:
+        raise InputError(
+            f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
+            remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
+            place=place,
+        )
+    allowed = _allowed(drive, tolerance)
+    if abs(drive[0]) > allowed:
+        raise InputError(
+            f"the {control} history begins at {drive[0]:.4g} {unit}",
+            remedy=f"begin it at contact, at zero {control} (--contact auto finds it)",
+            place=place,
+        )
+    drive[0] = 0.0
+    over = averaged_over(time, drive, tolerance)
+    if over > 1:
+        keep = _corners_of_average(time, drive, over, tolerance)
+        time, drive = time[keep], _through(time, drive, keep)
+    else:
+        keep = corners(time, drive, allowed)
+        time, drive = time[keep], drive[keep]
+    if keep.sum() > MOST_KNOTS:
+        raise InputError(
+            f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
+            remedy=f"smooth the recorded {control} before it is read",
+            place=place,
+        )
+    if control == LOAD:
+        drive = np.maximum(drive, 0.0)
+    way = np.append(0.0, np.cumsum(np.abs(np.diff(drive))))
+    progress = 0.5 * (time / time[-1] + way / way[-1])
+    first = ONSET[control] * drive.max()
+    rising = int(np.argmax(drive >= first))
+    onset = np.interp(first, drive[: rising + 1], progress[: rising + 1])
+    sample = np.interp(np.linspace(onset, 1.0, points), progress, time)
+    return Protocol(time, drive, sample, control, compliance)
+
+
+def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERANCE) -> int:
+    """Return over how many points a recorded drive (n,) is averaged before its corners are sought; 1 where it is not.
+
+    The number is doubled until 500 corners suffice, with a margin, and is at most a fiftieth of all points.
+    """
+    if corners(time, drive, _allowed(drive, tolerance)).sum() <= MOST_KNOTS:
+        return 1
+    over, most = 2, max(len(drive) // SHORTEST, 2)
+    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
+        over *= 2
+    over = min(MARGIN * over, most)
+    return over if swing(drive, over) < WILDEST * drive.max() else 1
+
+
+def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:
+    """Return the standard deviation of what is averaged away of a recorded drive (n,); zero where nothing is."""
+    over = averaged_over(time, drive)
+    return swing(drive, over) if over > 1 else 0.0
+
+
+def swing(drive: np.ndarray, over: int) -> float:
+    """Return the standard deviation of a drive (n,) about its average over so many points."""
+    return float(np.std(drive - uniform_filter1d(drive, over, mode="nearest")))
+
+
+def _allowed(drive: np.ndarray, tolerance: float) -> float:
+    """Return how far a drive may lie from its history, in its unit, see `recorded`."""
+    noise = np.median(np.abs(np.diff(drive, 2))) / (0.6745 * np.sqrt(6)) if len(drive) > 2 else 0.0
+    return float(max(tolerance * drive.max(), min(6 * noise, MOST_NOISE * drive.max())))
+
+
+def _corners_of_average(time: np.ndarray, drive: np.ndarray, over: int, tolerance: float) -> np.ndarray:
+    """Return which points (n,) an average must keep to stay within its own noise, at least `tolerance`, everywhere."""
+    average = uniform_filter1d(drive, over, mode="nearest")
+    average[[0, -1]] = drive[[0, -1]]
+    noise = swing(drive, over) / np.sqrt(over)
+    return corners(time, average, max(tolerance * average.max(), STEPS * noise))
+
+
+def _through(time: np.ndarray, drive: np.ndarray, keep: np.ndarray) -> np.ndarray:
+    """Return the drive at the corners (k,) of the piecewise linear history of least squares, zero at its beginning."""
+    knots, count = time[keep], int(keep.sum())
+    right = np.clip(np.searchsorted(knots, time, side="right"), 1, count - 1)
+    share = (time - knots[right - 1]) / (knots[right] - knots[right - 1])
+    rows, columns = np.tile(np.arange(len(time)), 2), np.concatenate([right - 1, right])
+    hats = csr_array((np.concatenate([1.0 - share, share]), (rows, columns)), shape=(len(time), count))
+    return np.append(0.0, lsqr(hats[:, 1:], drive, atol=1e-10, btol=1e-10)[0])

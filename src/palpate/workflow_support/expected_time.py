@@ -1,0 +1,61 @@
+"""How long a study will take, told roughly before it runs: numbers of curves times what one costs.
+
+A calibration asks the finite elements for curves and derivatives until it has settled, and a diagnosis does so for each
+explanation; neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of
+a public recording (docs/measurements.md) on a free core; a study may well take half or twice as long, and a diagnosis
+that finds its explanation early much less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from palpate.configuration.study_file import Study
+from palpate.diagnosis.candidates import candidates
+from palpate.materials import law_of
+from palpate.solver.store import conditions_by_shape
+
+CREEP, PLASTIC, ELASTIC = 0.12, 0.35, 0.05  # s of processor time of one curve of 100 points
+CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
+CALIBRATION = 400  # curves of one condition
+EXPLANATION = 200  # curves of one condition for each mechanism that is considered, pairs included
+FURTHER = 0.3  # of that, for each further condition: conditions are solved together
+COMPILING = 90.0  # s, the first time that palpate runs on a machine
+
+
+def expected(study: Study, cores: int) -> Iterator[str]:
+    """Say how long a study will take on so many cores, and how the time is shared."""
+    judged = [condition for condition in study.conditions if condition.role == "calibrate"]
+    curves = len(study.cells) * len(conditions_by_shape(study))
+    cost = _cost_of_curve(study)
+    snapshots = cost * curves / cores
+    together = len(study.recordings) * cost * (1.0 + FURTHER * (len(judged) - 1))
+    fits = together * CALIBRATION * len(study.condition_sets)
+    mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
+    explanations = together * EXPLANATION * mechanisms
+    total = snapshots + fits + explanations
+    parts = [f"{curves} snapshots {_in_words(snapshots)}"]
+    parts += [f"calibration {_in_words(fits)}"] if study.recordings else []
+    parts += [f"diagnosis of {mechanisms} mechanisms up to {_in_words(explanations)}"] if mechanisms else []
+    plural = "s" if cores > 1 else ""
+    yield (
+        f"expected, roughly: {_in_words(total)} on {cores} free core{plural} ({', '.join(parts)}), and "
+        f"{_in_words(COMPILING)} more the first time"
+    )
+
+
+def _cost_of_curve(study: Study) -> float:
+    """Return the processor time of one curve of a study [s]."""
+    names = [parameter.name for parameter in law_of(study.model).declared({**study.fixed, **study.levels})]
+    cost = PLASTIC if "yield_stress" in names else CREEP if len(names) > len(("modulus", "ratio")) else ELASTIC
+    corners = max(len(condition.protocol.knot_time) for condition in study.conditions) - 4
+    return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
+
+
+def _in_words(seconds: float) -> str:
+    """Return a time with one digit, in seconds, minutes or hours."""
+    if seconds < 60.0:
+        return f"{max(float(f'{seconds:.1g}'), 1.0):.0f} s"
+    if seconds < 3600.0:
+        return f"{float(f'{seconds / 60.0:.1g}') if seconds < 600.0 else round(seconds / 60.0, -1):.0f} min"
+    return f"{seconds / 3600.0:.1f} h"
