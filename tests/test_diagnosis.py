@@ -21,7 +21,7 @@ from palpate.inference.noise_fit import Replicates, contrasts, fit_noise
 from palpate.inference.observation import Observation
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.study.protocol import trapezoid
 
@@ -62,10 +62,10 @@ def problem(observed, conditions=CONDITIONS, **bodily):
 class Known(Search):
     """A search whose base model nobody has fitted yet."""
 
-    def __init__(self, task, residual=None):
-        super().__init__(STUDY, task, [], np.random.default_rng(0), [TRUTH])
-        if residual is not None:
-            self._use_residual_as_noise(residual)
+    def __init__(self, task, heard=None):
+        super().__init__(STUDY, task, [], np.random.default_rng(0), TRUTH)
+        if heard is not None:
+            self._fitter.use_residual_as_noise(heard)
 
 
 def fitted(task, explanation=(), start=None, residual=None):
@@ -76,7 +76,7 @@ def fitted(task, explanation=(), start=None, residual=None):
 
 
 def search_of(task, keys=RECORD_ONLY):
-    return Search(STUDY, task, keys, np.random.default_rng(0), [TRUTH])
+    return Search(STUDY, task, keys, np.random.default_rng(0), TRUTH)
 
 
 def test_evidence_is_the_likelihood_averaged_over_the_ranges():

@@ -32,7 +32,7 @@ def yielding():
 
 
 def fitted(task, explanation=FRAME, laws=()):
-    search = Search(STUDY, task, [], np.random.default_rng(0), [TRUTH], lambda base: laws)
+    search = Search(STUDY, task, [], np.random.default_rng(0), TRUTH, lambda base: laws)
     start = np.full(len(task.coordinates(explanation).free), 0.5)
     return search.fitted(explanation, [start], task.mean)
 

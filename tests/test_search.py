@@ -355,7 +355,7 @@ def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_rea
 
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
     eager = SearchPolicy(behind_best=np.inf, behind_adequate=np.inf)
-    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH], policy=eager)
+    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=eager)
     found = diagnose(search, lambda said: None)
     assert found.failed == {"zero_offset": "lost contact"}
     assert (found.verdict, named(found.accepted)) == ("identified", ["thermal_drift"])
@@ -378,8 +378,8 @@ def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
     asked, task = [], problem(recordings(np.random.default_rng(11)))
     start = {"modulus": 0.8, "fluidity": 0.02}
     failing = replace(task, forward=FailingRecord(CONDITIONS))
-    found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), [start]).base
-    whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [start]).base
+    found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), start).base
+    whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), start).base
     assert found.fit.log_evidence == pytest.approx(whole.fit.log_evidence, abs=0.1)
 
 

@@ -13,7 +13,7 @@ from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstrain
 from palpate.inference.covariance import components_under
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.solver_error import model_covariance
 
 ROUNDS = 20  # of the reweighting for Student's distribution, which converges by then
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.candidates import candidates, scale_of
+from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
@@ -17,59 +17,38 @@ from palpate.diagnosis.exact_constraints import ExactLaws
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
-from palpate.inference.surrogate_fit import WeightedFit
-from palpate.inference.surrogate_space import Space
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
-from palpate.surrogate import PODRBF
-
-
-def optimum_on_surrogates(
-    study: Study, observed: Mapping[str, Observation], models: Mapping[str, PODRBF]
-) -> dict[str, float]:
-    """Return the material by name at which surrogates, by condition, come nearest to the mean curves."""
-    bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
-    space, measured = Space(bounds), {name: observed[name].mean for name in models}
-    fit = WeightedFit(space, models, measured, np.eye(sum(map(len, measured.values()))))
-    return space.named(fit.solve([np.full(space.dimensions, 0.5)]))
 
 
 def run_diagnosis(
     study: Study,
     recordings: str,
-    starts: Sequence[Mapping[str, float]],
+    calibrated: Mapping[str, float] | None = None,
     report: Callable[[str], None] = print,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose one set of recordings.
 
     Parameters
     ----------
-    study
-        The study.
-    recordings
-        Name of the set of recordings.
-    report
-        Called with one line on the progress.
-    starts
-        Materials, by the names of their parameters, from which the fit of the base model starts, such as its
-        calibration.
+    calibrated
+        Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
 
     Returns
     -------
     content, curves
         What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
     """
-    content, curves = diagnosed(study, check(study, recordings), starts, report)
+    content, curves = diagnosed(study, check(study, recordings), calibrated, report)
     return content | {"recordings": recordings}, curves
 
 
 def diagnosed(
     study: Study,
     recorded: Mapping[str, list[Recording]],
-    starts: Sequence[Mapping[str, float]],
+    calibrated: Mapping[str, float] | None = None,
     report: Callable[[str], None] = print,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`.
@@ -82,10 +61,10 @@ def diagnosed(
         See `run_diagnosis`.
     """
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, resampled(study, recorded), scale_of(study))
+    problem = Problem.of(study, resampled(study, recorded))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
-    search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)
+    search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)

@@ -19,7 +19,7 @@ from palpate.inference.noise import NoiseModel
 from palpate.inference.noise_fit import Replicates, contrasts, fit_noise, without_trend
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS
 
 ASSUMED_RANDOM_WALK = 0.02

@@ -57,13 +57,20 @@ class Curvature:
             bends.append(np.mean(changes, axis=0) if changes else np.zeros_like(here))
         return cls(fit, here, axes, np.array(bends))
 
-    def curves(self, z: np.ndarray) -> np.ndarray:
-        """Return the curves (p, n_all) at coordinates z (p, k) [nm]."""
+    @property
+    def columns(self) -> np.ndarray:
+        """What the curves are made of (n_all, c), in the proportions of `features` [nm]."""
+        return np.column_stack([self.fit.curve, self.slopes, *self.bends])
+
+    def features(self, z: np.ndarray) -> np.ndarray:
+        """Return the proportions (p, c) of `columns` at coordinates z (p, k)."""
         off = z - self.fit.z
         along = np.linalg.lstsq(self.axes, off.T, rcond=None)[0].T
         within = np.clip(along, -REACH, REACH)
-        curves = self.fit.curve + off @ self.slopes.T
         beside = off - 0.5 * within @ self.axes.T
-        for number, bend in enumerate(self.bends):
-            curves += within[:, number, None] * (beside @ bend.T)
-        return curves
+        bent = [within[:, number, None] * beside for number in range(len(self.bends))]
+        return np.column_stack([np.ones(len(z)), off, *bent])
+
+    def curves(self, z: np.ndarray) -> np.ndarray:
+        """Return the curves (p, n_all) at coordinates z (p, k) [nm]."""
+        return self.features(z) @ self.columns.T

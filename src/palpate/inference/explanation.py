@@ -39,7 +39,9 @@ class Fit:
     tangent : ndarray, shape (n_all, k)
         Their slopes [nm].
     laws
-        Amplitudes given by exact laws; they are data as well.
+        What exact laws say about amplitudes: data, too.
+    converged
+        Whether the search that led here converged.
     """
 
     problem: Problem
@@ -50,6 +52,7 @@ class Fit:
     curve: np.ndarray
     tangent: np.ndarray
     laws: tuple[AmplitudeConstraint, ...] = ()
+    converged: bool = True
 
     @cached_property
     def own(self) -> tuple[Amplitude, ...]:
@@ -113,6 +116,11 @@ class Fit:
         off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
         return float(self.white @ self.white + off @ off + beyond @ beyond)
 
+    @property
+    def misfit_ratio(self) -> float:
+        """Chi-square of the mean curves per degree of freedom."""
+        return float(self.white @ self.white) / max(len(self.white) - len(self.z), 1)
+
     @cached_property
     def log_likelihood(self) -> float:
         """Log-likelihood of the means, of the laws and, where there are replicates, of their differences."""
@@ -121,8 +129,13 @@ class Fit:
 
     @cached_property
     def posterior(self) -> np.ndarray:
-        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand."""
-        return np.linalg.inv(self.information + np.eye(len(self.z)) / PRIOR_VARIANCE)
+        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand.
+
+        Where the fit leaves more than the errors, what curves and laws tell counts less by the misfit ratio
+        (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
+        """
+        told = self.information / max(self.misfit_ratio, 1.0)
+        return np.linalg.inv(told + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
     def information(self) -> np.ndarray:

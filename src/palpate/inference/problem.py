@@ -9,7 +9,7 @@ unit.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -21,6 +21,7 @@ from palpate.inference.amplitude import Amplitude
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
 from palpate.inference.observation import Observation
+from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver.variation import added_by_instrument
 from palpate.study.protocol import LOAD
@@ -36,29 +37,34 @@ class Problem:
     ----------
     conditions
         The conditions that take part.
-    observed
-        The recordings of every condition [nm].
+    recorded
+        The recordings of every condition, depths [nm] or loads [mN].
     forward
         The base model under the conditions that take part.
     scale
         Size of the study.
-    nm
-        Where the load is the response: the depth [nm] to which one mN amounts.
     """
 
     conditions: tuple[Condition, ...]
-    observed: Mapping[str, Observation]
+    recorded: Mapping[str, Observation]
     forward: Forward
     scale: Scale
-    nm: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, study: Study, observed: Mapping[str, Observation], scale: Scale) -> Problem:
-        """Return the problem of a study's calibrate conditions."""
-        conditions = tuple(condition for condition in study.conditions if condition.role == "calibrate")
-        nm = {name: item.quantity.nm for name, item in observed.items() if item.quantity.unit != "nm"}
-        seen = {name: _as_depth(item) for name, item in observed.items()}
-        return cls(conditions, seen, FiniteElements.of(study, [c.name for c in conditions]), scale, nm)
+    def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
+        """Put those conditions of a study together whose recordings have the role ``calibrate``."""
+        conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
+        return cls(conditions, recorded, FiniteElements.of(study, [c.name for c in conditions]), scale_of(study))
+
+    @cached_property
+    def observed(self) -> dict[str, Observation]:
+        """The recordings of every condition [nm]."""
+        return {name: _as_depth(item) for name, item in self.recorded.items()}
+
+    @cached_property
+    def nm(self) -> dict[str, float]:
+        """Where the load answers: so many nm count as one mN."""
+        return {name: item.quantity.nm for name, item in self.recorded.items() if item.quantity.unit != "nm"}
 
     @property
     def names(self) -> list[str]:

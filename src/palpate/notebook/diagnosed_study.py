@@ -155,5 +155,5 @@ def diagnose(
             remedy="give the calibration of this study, or leave it out",
             place="calibration",
         )
-    content, curves = diagnosed(chosen, tests.by_condition, [calibration.values], report or (lambda line: None))
+    content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or (lambda line: None))
     return DiagnosedStudy(chosen, tests, content, curves)

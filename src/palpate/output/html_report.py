@@ -126,13 +126,10 @@ def bound_sentence(calibration: Mapping) -> str:
 
 
 def search_sentences(calibration: Mapping) -> str:
-    """Say how the estimate was found, and whether the search for it converged."""
-    lines = calibration["iterations"]
-    if not lines:
-        return ""
+    """Say how the estimate was found, and whether the search for it arrived."""
     found = (
-        "The estimate is that of the finite elements themselves, by least squares from the optimum of the surrogates "
-        f"in {len(lines)} iterations; the surrogates' own optimum is in calibration.json."
+        "The estimate is that of the finite elements themselves, by least squares from the optimum of the genetic "
+        "search on surrogates, which is in calibration.json, and from points scattered over the ranges."
     )
     if calibration["converged"]:
         return found

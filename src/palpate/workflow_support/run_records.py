@@ -115,9 +115,7 @@ def of_surrogate(
 
 def of_calibration(result: Mapping[str, Any], settings: Mapping[str, Any], files: Sequence[str | Path]) -> Run:
     """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence."""
-    metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
-    if result["converged"] is not None:
-        metrics["converged"] = float(result["converged"])
+    metrics = {"misfit_ratio": result["misfit_ratio"], "converged": float(result["converged"])}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():

@@ -17,9 +17,9 @@ from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
-from palpate.inference.forward import FiniteElements
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.observation import Observation
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.output import html_report
 from palpate.solver import store
@@ -117,13 +117,11 @@ def calibrate_study(
         Called with one line on the progress.
     """
     return calibrate(
+        Problem.of(study, observed),
         models,
-        observed,
         {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
-        surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        forward=FiniteElements.of(study, list(observed)),
         report=report,
     )
 
@@ -187,7 +185,7 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
                     f"recorded_{unit}": item.mean,
                     f"spread_{unit}": item.response.std(axis=0, ddof=1) if count > 1 else blank,
                     f"surrogate_{unit}": result.surrogate_curves.get(condition.name, blank),
-                    f"simulated_{unit}": result.fe_curves.get(condition.name, blank),
+                    f"simulated_{unit}": result.simulated_curves.get(condition.name, blank),
                 }
             )
         )
