@@ -74,6 +74,8 @@ def calibrate(
 
     Parameters
     ----------
+    settings
+        How to calibrate; the defaults when not given.
     problem
         The recordings and the forward model. Conditions that take no part are only judged.
     surrogates
@@ -136,6 +138,17 @@ def base_fit(
 
     Without replicates the noise is what a first fit leaves beside slow trends, see
     `palpate.inference.covariance.noise_of`.
+
+    Parameters
+    ----------
+    problem
+        The recordings and the forward model.
+    settings
+        For the scatter between sites and the error of the solver.
+    starts
+        Parameters by name.
+    rng
+        Source of the scattered points.
     """
     fitter, coordinates = Fitter(problem, settings.site_scatter, settings.solver_error), problem.forward.coordinates
     begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
