@@ -11,6 +11,7 @@ from scipy.stats import norm
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march, march_cases, newton
 from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import contact_forces, fit, penetration, width_of
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
@@ -291,9 +292,9 @@ def test_contact_forces_have_a_potential(tip, work, large):
     """
     lanes = march_cases.padded([case(specimen=replace(case().specimen, adhesion=work), indenter=tip, large=large)])
     units = np.array([each.radii[0] for each in lanes])
-    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
     body = Body.of(mesh)
-    march, states = march_cases.begun(lanes, lanes, mesh, body, units, newton.System.of(body, True), 1e-9)
+    march, states = march_cases.begun(lanes, lanes, mesh, body, units, System.of(body, True), 1e-9)
     contact, state, count = march.contact, states.contact, len(body.distance)
     none, rng = np.zeros(LANES, dtype=bool), np.random.default_rng(4)
     fit(contact, state, np.full(LANES, 0.1), none)

@@ -33,6 +33,12 @@ def run_diagnosis(
 
     Parameters
     ----------
+    study
+        The study.
+    recordings
+        Name of the set of recordings.
+    report
+        Called with one line on the progress.
     calibrated
         Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
 

@@ -74,6 +74,8 @@ def calibrate(
 
     Parameters
     ----------
+    settings
+        How to calibrate; the defaults when not given.
     problem
         The recordings and the forward model. Conditions that take no part are only judged.
     surrogates
@@ -142,6 +144,17 @@ def base_fit(
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
     replicates the noise is what a first fit leaves beside slow trends, see
     `palpate.inference.covariance.noise_of`.
+
+    Parameters
+    ----------
+    problem
+        The recordings and the forward model.
+    settings
+        For the scatter between sites and the error of the solver.
+    starts
+        Parameters by name.
+    rng
+        Source of the scattered points.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
     fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
