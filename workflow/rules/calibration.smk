@@ -13,6 +13,8 @@ rule calibration:
         record=f"{FOLDER}/tracking/{{recordings}}/calibrations/{{condition_set}}.json",
     log:
         f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
+    wildcard_constraints:
+        condition_set=r"(?!all\.)[^/]+",
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -25,6 +27,13 @@ rule calibration:
         "calibration of {wildcards.recordings} on the condition set {wildcards.condition_set}"
     script:
         "../../scripts/calibration.py"
+
+
+# The diagnosis waits for this one alone.
+use rule calibration as calibration_on_all with:
+    wildcard_constraints:
+        condition_set="all",
+    priority: 1
 
 
 rule main_calibration:
