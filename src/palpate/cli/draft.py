@@ -54,15 +54,17 @@ def run(arguments: argparse.Namespace) -> int:
         columns = read.column_map(arguments)
     except InputError as error:
         raise error.located(file=arguments.files[0]) from None
-    tests = readable(arguments.files, _said, arguments.contact, arguments.corrections, columns)
-    found = write_study(tests, arguments.output, study_name(arguments.output), _said, arguments.law, arguments.sphere)
+    tests = readable(arguments.files, _reported, arguments.contact, arguments.corrections, columns)
+    found = write_study(
+        tests, arguments.output, study_name(arguments.output), _reported, arguments.law, arguments.sphere
+    )
     for remark in found.remarks:
-        _said(remark)
+        _reported(remark)
     print("taken from the tests or guessed:", *lines(found.table), sep="\n")
     print(*check.described(found.study), sep="\n")
     print(f"next: look through the guesses in {found.study.file}, then palpate check {found.study.file}")
     return 0
 
 
-def _said(line: str) -> None:
+def _reported(line: str) -> None:
     print(f"palpate: {line}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Which quantities of a fit lie outside what a study thinks plausible."""
+"""Which quantities of a fit lie outside the plausible ranges of a study."""
 
 from __future__ import annotations
 

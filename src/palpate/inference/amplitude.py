@@ -27,7 +27,7 @@ class Amplitude:
     key, name
         The mechanism, and its parameter.
     beside
-        Values of the mechanism's parameters that are no amplitudes.
+        Values of the mechanism's parameters that are not amplitudes.
     """
 
     key: str
@@ -38,8 +38,8 @@ class Amplitude:
     def of(cls, key: str, values: Values) -> tuple[Amplitude, ...]:
         """Return all amplitudes of a mechanism that has parameters `values`.
 
-        Two that add the same are equal, so that a noise with them is fitted once: further parameters count to two
-        digits, and where they make no difference as where the mechanism does nothing.
+        Two amplitudes with the same effect compare equal, so that a noise model with them is fitted once: further
+        parameters are rounded to two digits, and where they make no difference their neutral values are taken.
         """
         mechanism, found = MECHANISMS[key], []
         others = [p.name for p in mechanism.parameters if p.name not in mechanism.amplitudes]

@@ -1,4 +1,4 @@
-"""What the instrument imposes, a load or a displacement, and the times at which the answer is recorded."""
+"""What the instrument imposes, a load or a displacement, and the times at which the response is recorded."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from o
 class Protocol:
     """A piecewise linear history of what is prescribed, the drive, with its sampling times.
 
-    Under load control the drive is the load, and the depth answers to it. Under displacement control it is the
-    displacement z of a transducer of finite stiffness, whose compliance C shares it with the body, and load F and depth
-    h answer to it together:
+    Under load control the drive is the load, and the depth is the response. Under displacement control it is the
+    displacement z of a transducer of compliance C in series with the body, and load F and depth h are the response
+    together:
 
         z(t) = h + C F.
 
@@ -87,7 +87,7 @@ class Protocol:
 
     @property
     def response(self) -> str:
-        """What answers to the drive: ``depth`` or ``load``."""
+        """Name of the response to the drive: ``depth`` or ``load``."""
         return "depth" if self.control == LOAD else LOAD
 
     @property
