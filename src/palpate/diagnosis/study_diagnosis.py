@@ -19,6 +19,7 @@ from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
+from palpate.inference.study_scale import middle
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 
@@ -67,9 +68,7 @@ def diagnosed(
         See `run_diagnosis`.
     """
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, resampled(study, recorded))
-    if calibrated:
-        problem = problem.at_one_load(calibrated, report)
+    problem = Problem.of(study, resampled(study, recorded)).at_one_load(calibrated or middle(study), report)
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)

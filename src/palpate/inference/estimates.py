@@ -29,7 +29,9 @@ def condition_errors(
 
 
 def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate]:
-    """Return estimates and intervals in their units, by name; none is identified in a failing fit.
+    """Return estimates and intervals in their units, by name.
+
+    None is identified in a failing fit, nor one whose interval ends at a limit of the law.
 
     Parameters
     ----------
