@@ -14,7 +14,7 @@ from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
 from palpate.recordings.baseline import FOR_OFFSET
-from palpate.recordings.contact_search import begins_in_air, searched
+from palpate.recordings.contact_search import begins_in_air, coarse, searched
 
 LOADED = 0.1
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
@@ -113,6 +113,16 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     level = float(np.interp(moment, *baseline))
     lower, upper = min(lower, contact - error), max(upper, contact + error)
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
+
+
+def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return the depth [nm] where a law on a straight baseline begins that fits the loading best, in milliseconds."""
+    first, last = loading(load, depth)
+    instants, force, path = (channel[first : last + 1] for channel in (time, load, depth))
+    if last + 1 - first < FEWEST or np.ptp(path) == 0.0 or np.ptp(force) == 0.0:
+        return float(depth[0])
+    duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
+    return float(path[0] + way * coarse((instants - instants[0]) / duration, force / span, (path - path[0]) / way))
 
 
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:

@@ -106,6 +106,11 @@ def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool
     return alone > MUCH_WORSE * _coarse(time, load, depth, approach=True)[2]
 
 
+def coarse(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return the contact of the coarse fit on a straight baseline."""
+    return _coarse(time, load, depth, approach=True)[1]
+
+
 def _coarse(
     time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:

@@ -77,7 +77,7 @@ def _test(source: Source, number: int, curve) -> VendorTest:
     notes = (f"from {source.path.name}",)
     recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts, warnings)
+    return VendorTest(str(number), recording, facts, warnings, marked=False)
 
 
 READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5; by afmformats)", matches, read)

@@ -141,7 +141,7 @@ def _test(name: str, table: Table, columns: ColumnMap) -> VendorTest | None:
     time, load, depth = (values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
-    return VendorTest(name, recording, facts, warnings)
+    return VendorTest(name, recording, facts, warnings, marked=False)
 
 
 def _names(above: Sequence[Sequence[str]]) -> int | None:
