@@ -2,18 +2,25 @@
 
 Nothing of the contact finder is used here: a curve is a tip's law (Hertz, Sneddon, flat punch, a sphere that passes
 into a cone), seen through a cantilever or under load control, on a baseline with offset, tilt, wave, drift and start
-transient, with noise that is white or correlated.
+transient, with noise that is white or correlated. `python tests/contact_curves.py evaluation 480` reports how many of
+as many 95 % intervals hold the contact; the evaluation's seed is for that report alone and was fixed before its first
+run, what was developed used the other one.
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import binomtest
+
+from palpate.recordings.contact_point import ContactPoint, first_touch
 
 TIPS = ("sphere", "cone", "flat", "sphero_cone")
 DRIVES = ("piezo", "load", "depth")
-DEVELOPMENT, EVALUATION = 20260101, 771903
+SEEDS = {"development": 20260101, "evaluation": 771903}
 
 
 @dataclass(frozen=True)
@@ -101,3 +108,40 @@ def draw(rng: np.random.Generator) -> Curve:
     words = [name for name, on in zip(("tilt", "wave", "drift", "transient", "creep"), present, strict=True) if on]
     kind = f"{tip} {drive} noise {100 * noise:.2g} % memory {memory:.2g} approach {approach:.2g} n {size} {' '.join(words)}"
     return Curve(duration * time, force * load, contact + reach * depth, contact, kind, reach)
+
+
+def found_in(seed: int, count: int) -> Iterator[tuple[Curve, ContactPoint]]:
+    """Yield curves of a seed with the contact that is found in each."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        curve = draw(rng)
+        yield curve, first_touch(curve.time, curve.load, curve.depth)
+
+
+def holds(curve: Curve, point: ContactPoint) -> bool:
+    """Return whether the interval holds the true contact."""
+    return point.lower <= curve.contact <= point.upper
+
+
+def report(name: str, count: int) -> None:
+    """Print the share of intervals that hold the truth, with Wilson's interval, and their width and error."""
+    rows = []
+    for curve, point in found_in(SEEDS[name], count):
+        width, error = (point.upper - point.lower) / curve.reach, (point.depth - curve.contact) / curve.reach
+        rows.append((curve.kind.split(), holds(curve, point), width, abs(error)))
+        if not rows[-1][1]:
+            print(f"missed by {error:+.3f} of the depth, width {width:.3f}: {curve.kind}", flush=True)
+    words = ["", *TIPS, *DRIVES, "tilt", "wave", "drift", "transient", "creep"]
+    for word in words:
+        chosen = [row for row in rows if not word or word in row[0]]
+        held = sum(row[1] for row in chosen)
+        low, high = binomtest(held, len(chosen)).proportion_ci(method="wilson")
+        width, error = np.median([row[2] for row in chosen]), np.median([row[3] for row in chosen])
+        print(
+            f"{word or 'all':12} {held} of {len(chosen)}: {held / len(chosen):.3f} ({low:.3f} to {high:.3f}), "
+            f"median width {width:.3f}, median error {error:.4f} of the depth"
+        )
+
+
+if __name__ == "__main__":
+    report(sys.argv[1], int(sys.argv[2]))

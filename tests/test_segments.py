@@ -159,7 +159,9 @@ def test_the_figure_of_a_recording_keeps_its_title_clear_of_its_legend(monkeypat
     depth = 500.0 * np.sqrt(load) + 2.0 * time
     drawn = []
     monkeypatch.setattr(figure_of_a_recording, "save", lambda figure, path: drawn.append(figure))
-    figure_of_a_recording.draw(survey(Recording(time, load, depth, "PMMA white, 2 mN in 20 s, site 1")), "", chosen=0.0)
+    figure_of_a_recording.draw(
+        survey(Recording(time, load, depth, "PMMA white, 2 mN in 20 s, site 1")), "", ("the file's own", 0.0)
+    )
     (figure,) = drawn
     figure.canvas.draw()
     (legend,) = figure.legends

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,8 @@ from palpate.design.sampling import factorial
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
+from palpate.recordings.contact_interval import joint_interval
+from palpate.recordings.recording import Recording
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.profile import Profile
@@ -20,6 +22,7 @@ from palpate.solver.variation import acting
 from palpate.study.protocol import Protocol
 from palpate.study.specification import of_equivalent_cone
 
+OFFSET = "zero_offset"
 SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
 KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
@@ -50,6 +53,17 @@ def scale_of(study: Study) -> Scale:
         pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
         stated=study.diagnosis["ranges"],
     )
+
+
+def with_contact_sought(scale: Scale, recordings: Iterable[Recording]) -> Scale:
+    """Return the scale with the recordings' own intervals of contact as the range of their zero offsets.
+
+    A range that the study states stays; nothing changes where a recording's contact was not sought.
+    """
+    interval = joint_interval(recordings)
+    if interval is None or interval[0] == interval[1] or OFFSET in scale.stated:
+        return scale
+    return replace(scale, stated={**scale.stated, OFFSET: {"offset": interval}})
 
 
 def longest_rise(protocol: Protocol) -> float:

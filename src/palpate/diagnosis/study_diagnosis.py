@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.candidates import candidates, scale_of
+from palpate.diagnosis.candidates import candidates, scale_of, with_contact_sought
 from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
@@ -67,7 +67,9 @@ def diagnosed(
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`."""
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, resampled(study, recorded), scale_of(study))
+    calibrated = [test for c in study.conditions if c.role == "calibrate" for test in recorded[c.name]]
+    scale = with_contact_sought(scale_of(study), calibrated)
+    problem = Problem.of(study, resampled(study, recorded), scale)
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, starts, exact.beside)

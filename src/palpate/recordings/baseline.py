@@ -81,7 +81,9 @@ def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
     return np.cos(phase) if wave == "cosine" else np.sin(phase)
 
 
-def waves_in(rest: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray) -> tuple[tuple[str, float], ...]:
+def waves_in(
+    rest: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray
+) -> tuple[tuple[str, float], ...]:
     """Return the strongest wave in what a fit leaves (n,), in depth and in time, with neighbouring frequencies.
 
     `weight` (n,) is one over the standard deviation of each point. A least-squares periodogram (N.R. Lomb, Astrophys.

@@ -16,6 +16,7 @@ LEVEL = 0.95
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of sums of squares
 FEWEST_IN_AIR = 6
+UNSURE = 0.05  # of the law's load, which is no part of a wave
 UPPER = 0.5  # share of the law's largest load up to which it is fitted
 IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
 EVERY_NOISE = (Noise(), *(Noise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
@@ -46,7 +47,9 @@ class Found:
     in_air: int
 
 
-def searched(time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple[float, float], approach: bool) -> Found:
+def searched(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple[float, float], approach: bool
+) -> Found:
     """Search the contact of a loading.
 
     Parameters
@@ -72,6 +75,8 @@ def searched(time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple
         in_air = int(np.argmax(depth > contact)) if approach else 0
         baselines = replace(baselines, in_air=in_air)
         near = Guess(contact, *_at(guess, blocks.depth))
+        if step == 0:
+            baselines = _with_waves(baselines, blocks, near.loads, noise[0])
         evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
         best = evidence.search(noises)
         posterior = evidence.posterior()
@@ -80,10 +85,8 @@ def searched(time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple
         weight = posterior.sum(axis=1)
         apart = contacts[1] - contacts[0]
         found = _interval(contacts, weight)
-        if step < 2 and approach:
-            deviation = np.sqrt(evidence.variance + (0.05 * fitted.loads) ** 2)
-            rest = blocks.load - fitted.loads
-            baselines = replace(baselines, waves=waves_in(rest, 1 / deviation, blocks.time, blocks.depth))
+        if step < 2:
+            baselines = _with_waves(baselines, blocks, fitted.loads, noise[0])
         inside = contacts[weight > ANYWHERE * weight.max()]
         before = high - low
         low, high = max(inside[0] - 2 * apart, low), min(inside[-1] + 2 * apart, high)
@@ -93,6 +96,12 @@ def searched(time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple
         noises = list(dict.fromkeys(Noise(n.amplitude, n.memory) for n, _ in evidence.near(15.0)))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
+
+
+def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
+    """Return baselines with the waves that a law's loads (n,) leave in the blocks."""
+    deviation = np.sqrt(white**2 / blocks.count + (UNSURE * loads) ** 2)
+    return replace(baselines, waves=waves_in(blocks.load - loads, 1 / deviation, blocks.time, blocks.depth))
 
 
 def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,12 +22,15 @@ from palpate.recordings.readers.in_air import (
     share_in_air,
     until_retreat,
 )
+from palpate.recordings.readers.source import number_of
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
+Contact = str | float | Mapping[str, float]
 CONTACTS = ("file", "auto", "none")
 FOUND, GIVEN = "found by palpate", "given by the user"
+DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
 WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
 LEAST_RISE = 0.05
 OFF_ZERO = 0.05  # of the way to the largest load
@@ -134,12 +138,42 @@ def _far_from_the_file_s(test: VendorTest, point: ContactPoint) -> tuple[str, ..
 
 
 def zeroed_each(
-    path: Path, tests: Sequence[VendorTest | Unreadable], contact: str | float
+    path: Path, tests: Sequence[VendorTest | Unreadable], contact: Contact
 ) -> list[VendorTest | Unreadable]:
-    """Return the tests of a file as `zeroed` makes them; raises the first one's `InputError` when none can begin."""
+    """Return the tests of a file as `zeroed` makes them; raises the first one's `InputError` when none can begin.
+
+    Depths for single tests are given by the tests' names or numbers; the others begin at the file's contact. Raises
+    `InputError` when a test is named that the file does not hold.
+    """
+    chosen = chosen_contacts([test.name for test in tests], contact)
     return unless_all_fail(
-        [attempt(path, test.name, zeroed, test, contact) if isinstance(test, VendorTest) else test for test in tests]
+        [
+            attempt(path, test.name, zeroed, test, where) if isinstance(test, VendorTest) else test
+            for test, where in zip(tests, chosen, strict=True)
+        ]
     )
+
+
+def chosen_contacts(names: Sequence[str], contact: Contact) -> list[str | float]:
+    """Return the contact of each test; raises `InputError` when one is named that is none of them."""
+    if not isinstance(contact, Mapping):
+        return [contact] * len(names)
+    numbers = [str(number_of(name) or count) for count, name in enumerate(names, 1)]
+    for named in map(str, contact):
+        if named not in names and named not in numbers:
+            problem, remedy = f"has no test {named!r}", f"use a number or one of: {', '.join(names)}"
+            raise InputError(problem, remedy=remedy, place="source.contact")
+    given = {str(key): depth for key, depth in contact.items()}
+    return [given.get(name, given.get(number, "file")) for name, number in zip(names, numbers, strict=True)]
+
+
+def decision(whole: Recording, begun_at: Recording) -> tuple[str, float]:
+    """Return whose decision the contact of a recording is, in words, and its depth in the whole recording [nm]."""
+    for note in begun_at.notes:
+        found = DECIDED.match(note)
+        if found:
+            return found[1], float(found[2])
+    return "the file's own", float(np.interp(0.0, whole.time, whole.depth))
 
 
 def _check_signs(name: str, recording: Recording) -> None:
@@ -205,4 +239,4 @@ def begun(recording: Recording, point: ContactPoint, by: str) -> Recording:
 def _place(point: ContactPoint) -> str:
     """Return where in the file a contact is."""
     interval = f" (95 % interval {point.lower:.4g} to {point.upper:.4g})" if point.upper > point.lower else ""
-    return f"at {point.depth:.4g} nm{interval} and {point.time:.4g} s of the file"
+    return f"at {point.depth:.6g} nm{interval} and {point.time:.4g} s of the file"
