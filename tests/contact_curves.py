@@ -106,8 +106,8 @@ def draw(rng: np.random.Generator) -> Curve:
     reach, force = 10 ** rng.uniform(2.0, 4.0), 10 ** rng.uniform(-5.0, 2.0)
     contact, duration = rng.uniform(-2.0, 2.0) * reach, 10 ** rng.uniform(0.0, 2.0)
     words = [name for name, on in zip(("tilt", "wave", "drift", "transient", "creep"), present, strict=True) if on]
-    kind = f"{tip} {drive} noise {100 * noise:.2g} % memory {memory:.2g} approach {approach:.2g} n {size} {' '.join(words)}"
-    return Curve(duration * time, force * load, contact + reach * depth, contact, kind, reach)
+    kind = f"{tip} {drive} noise {100 * noise:.2g} % memory {memory:.2g} approach {approach:.2g} n {size}"
+    return Curve(duration * time, force * load, contact + reach * depth, contact, " ".join([kind, *words]), reach)
 
 
 def found_in(seed: int, count: int) -> Iterator[tuple[Curve, ContactPoint]]:

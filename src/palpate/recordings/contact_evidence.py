@@ -12,8 +12,8 @@ covariance
 
 The term in delta stands for what every law leaves out; it makes deep points count less, so that no end of the fit has
 to be chosen. The coefficients b have normal priors, k a uniform one about what the load rises by, s the prior 1/s; all
-are integrated out, so that baselines with more terms pay for them. What remains is the evidence of h_0, of law, baseline
-and C, and the posterior of h_0 is its sum over all the others: the interval includes that nobody knows them.
+are integrated out, so that baselines with more terms pay for them. What remains is the evidence of h_0, of law,
+baseline and C, and the posterior of h_0 is its sum over all the others: the interval includes that nobody knows them.
 
 Sources: D.J.C. MacKay, Neural Computation 4 (1992) 415-447 (evidence); M.C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B
 63 (2001) 425-464 (a law's discrepancy as a Gaussian process).
@@ -66,9 +66,9 @@ class Blocks:
     def of(cls, edges: np.ndarray, time: np.ndarray, depth: np.ndarray, load: np.ndarray) -> Blocks:
         """Average channels between the indices `edges`, from 0 to the number of points that count."""
         count = np.diff(edges)
-        means = (np.add.reduceat(channel[: edges[-1]], edges[:-1]) / count for channel in (time, depth, load))
+        clock, way, force = (np.add.reduceat(c[: edges[-1]], edges[:-1]) / count for c in (time, depth, load))
         half = 0.5 * float(np.median(np.diff(time)))
-        return cls(*means, count, time[edges[:-1]] - half, time[edges[1:] - 1] + half)
+        return cls(clock, way, force, count, time[edges[:-1]] - half, time[edges[1:] - 1] + half)
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ class Evidence:
     def posterior(self) -> np.ndarray:
         """Return the posterior weights of contacts and laws (k, laws), which sum up to one."""
         best = max(found[0] for found in self.found.values())
-        total = sum(np.exp(self.found[setting][1] - best) for setting in self.near(COUNTS))
+        total = np.sum([np.exp(self.found[setting][1] - best) for setting in self.near(COUNTS)], axis=0)
         return (total / total.sum()).reshape(len(self.contacts), -1)
 
     def fitted(self, setting: Setting) -> tuple[np.ndarray, Guess]:

@@ -21,7 +21,7 @@ def interval_note(point: ContactPoint) -> str:
 
 
 def interval_of(recording: Recording) -> tuple[float, float] | None:
-    """Return the interval (lower, upper) [nm] that a recording carries, or None; `InputError` where it is no interval."""
+    """Return the interval (lower, upper) [nm] that a recording carries, or None; raises `InputError` on no interval."""
     for note in recording.notes:
         key, _, text = note.partition(":")
         if key.strip() == KEY:

@@ -171,11 +171,11 @@ def _edges(depth: np.ndarray, low: float, high: float, contact: float | None) ->
         last = int(below[-1]) + 1 if len(below) else first + 1
         last = min(max(last + (last - first) // 2 + 3, first + 8), size)
         way = np.maximum.accumulate(depth[last:])
-        beyond = high + (way[-1] - high) * np.linspace(0, 1, BEYOND) ** 2 if len(way) else np.empty(0)
+        deeper = high + (way[-1] - high) * np.linspace(0, 1, BEYOND) ** 2 if len(way) else np.empty(0)
         parts = [
             np.linspace(0, first, min(first, IN_AIR) + 1),
             np.linspace(first, last, min(last - first, NEAR) + 1),
-            last + np.searchsorted(way, beyond),
+            (last + np.searchsorted(way, deeper)).astype(float),
         ]
     return np.unique(np.clip(np.concatenate([[0], *parts, [size]]).round().astype(int), 0, size))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.inference.study_recordings import find, written_by_workflow
+from palpate.recordings.readers.in_air import air_at_start
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording, recording_files
@@ -21,7 +22,7 @@ def doubts(study: Study, name: str) -> Iterator[str]:
     """Say what is odd about set `name`.
 
     Files that are not read; tests much deeper or shallower than the others of their condition, that begin elsewhere
-    than at contact, or last longer than the load that is followed.
+    than at contact, or in air, or last longer than the load that is followed.
     """
     if written_by_workflow(study, name):
         return
@@ -29,6 +30,8 @@ def doubts(study: Study, name: str) -> Iterator[str]:
     for condition, files in find(study, name).items():
         tests = [read_recording(file) for file in files]
         yield from _apart(tests)
+        for test in tests:
+            yield from (f"{test.name}.csv: {said}" for said in air_at_start(test))
         for test in filter(begins_off_contact, tests):
             yield (
                 f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "

@@ -42,7 +42,7 @@ def draw(found: Survey, path: str | Path, taken: tuple[str, float]) -> None:
         near.plot(r.depth[inside], r.load[inside], ".", ms=2.5, **style)
     _around_contact(near, found)
     if len(contact.baseline_time):
-        style = {"color": "0.15", "lw": 0.8, "ls": "--", "label": "baseline"}
+        style = {"color": "0.15", "linewidth": "0.8", "linestyle": "--", "label": "baseline"}
         in_load.plot(contact.baseline_time, contact.baseline_load, **style)
         for axis in (curve, near):
             axis.plot(np.interp(contact.baseline_time, r.time, r.depth), contact.baseline_load, **style)
@@ -81,4 +81,6 @@ def _around_contact(axis, found: Survey) -> None:
     end = contact.index + (int(beyond[0]) if len(beyond) else len(r) - contact.index - 1)
     reach = max(r.depth[end] - contact.depth, contact.upper - contact.lower)
     axis.set_xlim(contact.depth - reach, contact.depth + 1.1 * reach)
-    axis.set_ylim(contact.load - 0.3 * span, contact.load + 1.1 * span)
+    along = np.interp(contact.baseline_time, r.time, r.depth)
+    seen = contact.baseline_load[np.abs(along - contact.depth) <= reach]
+    axis.set_ylim(seen.min(initial=contact.load) - 0.3 * span, contact.load + 1.1 * span)

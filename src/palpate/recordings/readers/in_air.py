@@ -48,7 +48,7 @@ def retreat_before(recording: Recording, point: ContactPoint) -> float:
 
 
 def share_in_air(recording: Recording, point: ContactPoint) -> float:
-    """Return which share of the way from the first point, or where the tip retreats to, to the largest depth is in air."""
+    """Return which share of the way to the largest depth, from where the tip retreats to, lies in air."""
     lowest = float(recording.depth[0]) - retreat_before(recording, point)
     return (point.depth - lowest) / max(float(recording.depth.max()) - lowest, 1e-300)
 
@@ -69,8 +69,27 @@ def rough_share(r: Recording) -> float:
 
 def _retreats(r: Recording) -> bool:
     """Return whether the tip moves away from where it begins before the load is largest."""
-    peak = int(np.argmax(r.load))
-    return bool(r.depth[0] - r.depth[: peak + 1].min() > max(SHARE * np.ptp(r.depth), CLEAR * noise_of(r.depth)))
+    return _first_retreat(r) > max(SHARE * float(np.ptp(r.depth)), CLEAR * noise_of(r.depth))
+
+
+def _first_retreat(r: Recording) -> float:
+    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]."""
+    loaded = int(np.argmax(r.load > PRESSED * r.load.max()))
+    return float(r.depth[0] - r.depth[: loaded + 1].min())
+
+
+def air_at_start(r: Recording) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact begins in air."""
+    share = min(resting(r), rough_share(r))
+    if _retreats(r):
+        said = f"the tip retreats by {_first_retreat(r):.3g} nm after contact, before the load rises"
+    elif share > SHARE:
+        said = (
+            f"the load does not rise over the first {100 * share:.2g} % of the depth, counted from the file's contact"
+        )
+    else:
+        return ()
+    return (f"{said} (--contact auto finds the touch)",)
 
 
 def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:

@@ -15,10 +15,9 @@ from palpate.recordings.contact_point import ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
     SHARE,
     VAGUE,
+    air_at_start,
     air_before,
-    resting,
     retreat_before,
-    rough_share,
     share_in_air,
     until_retreat,
 )
@@ -76,31 +75,21 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
 
 
 def _from_the_file_s(test: VendorTest) -> VendorTest:
-    """Return a test that begins at the file's contact, or at the one found where the file marks none and begins in air."""
+    """Return a test that begins at the file's contact; where it marks none and begins in air, at the one found."""
     r = test.recording
     begin = int(np.argmax(r.time >= 0))
     marked = r.at(slice(begin, None))
     air = None if test.marked else air_before(r)
     if air is None:
-        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *(_marked_early(marked) if test.marked else ()))
+        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *(air_at_start(marked) if test.marked else ()))
         return _ended(test, marked, told)
-    said = f"the file marks no contact, the load does not rise over the first {100 * share_in_air(r, air):.2g} % of the depth"
+    share = 100 * share_in_air(r, air)
+    said = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
     retreat = retreat_before(r, air)
     if retreat > SHARE * (float(r.depth.max()) - air.depth):
         said += f", and the tip retreats by {retreat:.3g} nm before it touches"
     said += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
     return _ended(test, begun(r, air, FOUND), (said, *_vague(r, air)))
-
-
-def _marked_early(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where a test that begins at the file's contact begins in air."""
-    share = min(resting(recording), rough_share(recording))
-    if share <= SHARE:
-        return ()
-    return (
-        f"the load does not rise over the first {100 * share:.2g} % of the depth, counted from the file's contact "
-        "(--contact auto finds the touch)",
-    )
 
 
 def _ended(test: VendorTest, recording: Recording, told: tuple[str, ...]) -> VendorTest:
