@@ -72,7 +72,7 @@ class Blocks:
 
 
 @dataclass(frozen=True)
-class Noise:
+class ResidualNoise:
     """What the covariance of the residuals is made of.
 
     Attributes
@@ -105,7 +105,7 @@ class Guess:
         return float(self.loads.max())
 
 
-Setting = tuple[Noise, tuple[Term, ...]]
+Setting = tuple[ResidualNoise, tuple[Term, ...]]
 
 
 class Evidence:
@@ -138,7 +138,7 @@ class Evidence:
         self.prior = np.tile(laws.log_prior, len(contacts))
         self.terms = sorted({term for terms in baselines.combinations() for term in terms})
         self.found: dict[Setting, tuple[float, np.ndarray, np.ndarray]] = {}
-        self._products: dict[Noise, tuple[float, np.ndarray, np.ndarray, np.ndarray]] = {}
+        self._products: dict[ResidualNoise, tuple[float, np.ndarray, np.ndarray, np.ndarray]] = {}
         self._memories: dict[float, np.ndarray] = {}
 
     @cached_property
@@ -156,7 +156,7 @@ class Evidence:
         apart = np.subtract.outer(*2 * [np.log(np.maximum(way, 1e-6))])
         return np.outer(self.guess.loads, self.guess.loads) * np.exp(-0.5 * apart**2)
 
-    def covariance(self, noise: Noise) -> np.ndarray:
+    def covariance(self, noise: ResidualNoise) -> np.ndarray:
         """Return C (n, n)."""
         found = np.diag(self.variance) + noise.discrepancy**2 * self.discrepancy
         if noise.amplitude:
@@ -168,7 +168,7 @@ class Evidence:
             found[np.diag_indices(start)] += max(float(np.ptp(self.blocks.load[:start])), self.white) ** 2
         return found
 
-    def products(self, noise: Noise) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    def products(self, noise: ResidualNoise) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
         """Return half of log |C|, and the products of loads and terms, of these with laws, and of laws, over C."""
         if noise not in self._products:
             factor = cholesky(self.covariance(noise), lower=True, check_finite=False)
@@ -178,7 +178,7 @@ class Evidence:
             self._products[noise] = half, linear.T @ linear, linear.T @ laws, np.einsum("ij,ij->j", laws, laws)
         return self._products[noise]
 
-    def try_out(self, noises: Iterable[Noise], baselines: Iterable[tuple[Term, ...]]) -> Setting:
+    def try_out(self, noises: Iterable[ResidualNoise], baselines: Iterable[tuple[Term, ...]]) -> Setting:
         """Try every noise with every baseline; return the best setting found so far."""
         baselines = list(baselines)
         for noise in noises:
@@ -187,7 +187,7 @@ class Evidence:
                     self.found[noise, terms] = self._evidence(noise, terms)
         return max(self.found, key=lambda setting: self.found[setting][0])
 
-    def _evidence(self, noise: Noise, terms: tuple[Term, ...]) -> tuple[float, np.ndarray, np.ndarray]:
+    def _evidence(self, noise: ResidualNoise, terms: tuple[Term, ...]) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the logarithms of the evidence of a setting, and of each contact and law in it, and k (columns,)."""
         half, linear, mixed, laws = self.products(noise)
         chosen = [1 + self.terms.index(term) for term in terms]
@@ -216,12 +216,12 @@ class Evidence:
         least = self.found[ordered[0]][0] - nats
         return [setting for setting in ordered if self.found[setting][0] >= least]
 
-    def search(self, noises: Iterable[Noise]) -> Setting:
+    def search(self, noises: Iterable[ResidualNoise]) -> Setting:
         """Try baselines, correlated noise, free starts and discrepancies; return the best setting.
 
         Each is varied by itself about the best of the others; then what is likely is combined.
         """
-        self.try_out([Noise(), Noise(1.0, 0.03)], self.baselines.combinations())
+        self.try_out([ResidualNoise(), ResidualNoise(1.0, 0.03)], self.baselines.combinations())
         best = self.try_out(noises, _first(MOST, (terms for _, terms in self.near(POSSIBLE))))
         likely = _first(MOST, (terms for _, terms in self.near(POSSIBLE)))
         best = self.try_out([replace(best[0], start=start) for start in STARTS], likely)
@@ -230,7 +230,7 @@ class Evidence:
         memories = _first(MOST, ((noise.amplitude, noise.memory) for noise, _ in self.near(POSSIBLE)))
         deltas = _first(len(DISCREPANCIES), (noise.discrepancy for noise, _ in kept))
         starts = _first(MOST // 2, (noise.start for noise, _ in kept))
-        combined = [Noise(*memory, delta, start) for memory, delta, start in product(memories, deltas, starts)]
+        combined = [ResidualNoise(*memory, delta, start) for memory, delta, start in product(memories, deltas, starts)]
         return self.try_out(combined, _first(MOST, (terms for _, terms in kept)))
 
     def posterior(self) -> np.ndarray:

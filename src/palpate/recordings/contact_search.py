@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.recordings.baseline import Baselines, waves_in
-from palpate.recordings.contact_evidence import AMPLITUDES, MEMORIES, Blocks, Evidence, Guess, Noise, slopes_of
+from palpate.recordings.contact_evidence import AMPLITUDES, MEMORIES, Blocks, Evidence, Guess, ResidualNoise, slopes_of
 from palpate.recordings.contact_law import Laws
 
 CONTACTS = 32
@@ -19,7 +19,7 @@ FEWEST_IN_AIR = 6
 UNSURE = 0.05  # of the law's load, which is no part of a wave
 UPPER = 0.5  # share of the law's largest load up to which it is fitted
 IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
-EVERY_NOISE = (Noise(), *(Noise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
+EVERY_NOISE = (ResidualNoise(), *(ResidualNoise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def searched(
         if step > 1 and high - low > 0.7 * before:
             break
         laws = laws.narrowed(posterior.sum(axis=0))
-        noises = list(dict.fromkeys(Noise(n.amplitude, n.memory) for n, _ in evidence.near(15.0)))
+        noises = list(dict.fromkeys(ResidualNoise(n.amplitude, n.memory) for n, _ in evidence.near(15.0)))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
 
