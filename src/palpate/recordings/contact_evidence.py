@@ -21,7 +21,7 @@ Sources: D.J.C. MacKay, Neural Computation 4 (1992) 415-447 (evidence); M.C. Ken
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -83,12 +83,15 @@ class ResidualNoise:
         delta.
     start
         Share of the approach, from its start, that may depart from the baseline freely.
+    of_depth
+        Whether the correlated noise is the depth's, which counts by the slope of the law, and not the load's.
     """
 
     amplitude: float = 0.0
     memory: float = 0.0
     discrepancy: float = 0.01
     start: float = 0.0
+    of_depth: bool = False
 
 
 @dataclass(frozen=True)
@@ -132,7 +135,7 @@ class Evidence:
         depth_noise: float,
     ) -> None:
         self.blocks, self.guess, self.baselines, self.laws, self.contacts = blocks, guess, baselines, laws, contacts
-        self.white = white
+        self.white, self.depth_noise = white, depth_noise
         self.variance = (white**2 + (guess.slopes * depth_noise) ** 2) / blocks.count
         self.free = int(np.argmax(blocks.depth > guess.contact))
         self.prior = np.tile(laws.log_prior, len(contacts))
@@ -162,7 +165,8 @@ class Evidence:
         if noise.amplitude:
             if noise.memory not in self._memories:
                 self._memories[noise.memory] = correlated(self.blocks.begin, self.blocks.end, noise.memory)
-            found += (noise.amplitude * self.white) ** 2 * self._memories[noise.memory]
+            level = self.guess.slopes * self.depth_noise if noise.of_depth else np.full(len(found), self.white)
+            found += noise.amplitude**2 * np.outer(level, level) * self._memories[noise.memory]
         start = int(noise.start * self.free)
         if start:
             found[np.diag_indices(start)] += max(float(np.ptp(self.blocks.load[:start])), self.white) ** 2
@@ -216,21 +220,25 @@ class Evidence:
         least = self.found[ordered[0]][0] - nats
         return [setting for setting in ordered if self.found[setting][0] >= least]
 
-    def search(self, noises: Iterable[ResidualNoise]) -> Setting:
+    def search(self, noises: Sequence[ResidualNoise]) -> Setting:
         """Try baselines, correlated noise, free starts and discrepancies; return the best setting.
 
         Each is varied by itself about the best of the others; then what is likely is combined.
         """
-        self.try_out([ResidualNoise(), ResidualNoise(1.0, 0.03)], self.baselines.combinations())
+        first = [ResidualNoise(), ResidualNoise(1.0, 0.03, of_depth=noises[-1].of_depth)]
+        self.try_out(first, self.baselines.combinations())
         best = self.try_out(noises, _first(MOST, (terms for _, terms in self.near(POSSIBLE))))
         likely = _first(MOST, (terms for _, terms in self.near(POSSIBLE)))
         best = self.try_out([replace(best[0], start=start) for start in STARTS], likely)
         best = self.try_out([replace(best[0], discrepancy=delta) for delta in DISCREPANCIES], likely)
         kept = self.near(LIKELY)
-        memories = _first(MOST, ((noise.amplitude, noise.memory) for noise, _ in self.near(POSSIBLE)))
+        memories = _first(MOST, (replace(noise, discrepancy=0.0, start=0.0) for noise, _ in self.near(POSSIBLE)))
         deltas = _first(len(DISCREPANCIES), (noise.discrepancy for noise, _ in kept))
         starts = _first(MOST // 2, (noise.start for noise, _ in kept))
-        combined = [ResidualNoise(*memory, delta, start) for memory, delta, start in product(memories, deltas, starts)]
+        combined = [
+            replace(memory, discrepancy=delta, start=start)
+            for memory, delta, start in product(memories, deltas, starts)
+        ]
         return self.try_out(combined, _first(MOST, (terms for _, terms in kept)))
 
     def posterior(self) -> np.ndarray:

@@ -14,9 +14,11 @@ CONTACTS = 32
 STEPS = 4
 LEVEL = 0.95
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
-MUCH_WORSE = 2.0  # ratio of sums of squares
+MUCH_WORSE = 2.0  # ratio of mean squares
+WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
 FEWEST_IN_AIR = 6
 UNSURE = 0.05  # of the law's load, which is no part of a wave
+AGAIN = 15.0  # nats below the best, with which correlated noise is tried again in the next step
 UPPER = 0.5  # share of the law's largest load up to which it is fitted
 IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
 EVERY_NOISE = (ResidualNoise(), *(ResidualNoise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
@@ -65,7 +67,7 @@ def searched(
     reach = float(depth.max() - depth.min())
     lowest = depth.min() - (0.0 if approach else 0.5 * reach)
     low, high = lowest, depth.min() + 0.98 * reach
-    laws, baselines, noises = Laws(), Baselines(), list(EVERY_NOISE)
+    laws, baselines, noises = Laws(), Baselines(), [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
     for step in range(STEPS):
         count = _counting(guess, max(contact, high) if step else contact, depth)
         blocks = Blocks.of(_edges(depth[:count], low, high, contact if step == 0 else None), time, depth, load)
@@ -93,7 +95,8 @@ def searched(
         if step > 1 and high - low > 0.7 * before:
             break
         laws = laws.narrowed(posterior.sum(axis=0))
-        noises = list(dict.fromkeys(ResidualNoise(n.amplitude, n.memory) for n, _ in evidence.near(15.0)))
+        likely = [noise for noise, _ in evidence.near(AGAIN)]
+        noises = list(dict.fromkeys(replace(noises[0], amplitude=n.amplitude, memory=n.memory) for n in likely))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
 
@@ -112,7 +115,7 @@ def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool
     _, contact, alone = _coarse(time, load, depth, approach=False)
     if np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
         return True
-    return alone > MUCH_WORSE * _coarse(time, load, depth, approach=True)[2]
+    return alone > max(MUCH_WORSE * _coarse(time, load, depth, approach=True)[2], WELL**2)
 
 
 def coarse(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
@@ -125,7 +128,7 @@ def _coarse(
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
     """Return depths and loads of the law, and the contact, that fit the whole loading best on a straight baseline.
 
-    The last value is the sum of squares that the fit leaves; without an approach the baseline is zero.
+    The last value is the mean square that the fit leaves; without an approach the baseline is zero.
     """
     size = len(load)
     blocks = Blocks.of(np.unique(np.linspace(0, size, min(size, 200) + 1).round().astype(int)), time, depth, load)
@@ -141,7 +144,7 @@ def _coarse(
     gained = np.where(amplitude > 0, amplitude**2 * power, -np.inf)
     best = int(np.argmax(gained))
     contact = float(contacts[best // (laws.shape[1] // len(contacts))])
-    return (blocks.depth, amplitude[best] * laws[:, best]), contact, float(force @ force - gained[best])
+    return (blocks.depth, amplitude[best] * laws[:, best]), contact, float(force @ force - gained[best]) / len(force)
 
 
 def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.ndarray) -> int:
