@@ -11,6 +11,7 @@ import argparse
 import ast
 import html
 import inspect
+import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -30,7 +31,10 @@ MEANING = {
     "FOLDER": "the folder that is written",
     "CURVE.csv": "the recording that is written",
 }
-TYPICAL = {"depth": 500.0, "load": 1.0, "modulus": 3.0, "duration": 60.0, "loading_time": 30.0, "half_angle": 70.3}
+TYPICAL = {
+    "depth": 500.0, "load": 1.0, "modulus": 3.0, "duration": 60.0, "loading_time": 30.0, "half_angle": 70.3,
+    "pressure": 0.1,
+}  # fmt: skip
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -130,7 +134,7 @@ def mechanisms() -> str:
     """Return one section a mechanism: what it is, its parameters, and where a diagnosis searches them."""
     from palpate.mechanisms import MECHANISMS, Scale
 
-    scale = Scale(**TYPICAL, pressure=0.1)
+    scale = Scale(**TYPICAL)
     every = sorted(MECHANISMS.values(), key=lambda each: each.title)
     rows = ((f"[{m.title}](#{m.key})", f"`{m.key}`", _acts(m), _values(m)) for m in every)
     parts = [table(("mechanism", "key", "acts on", "value"), rows)]
@@ -146,10 +150,35 @@ def mechanisms() -> str:
         facts += [("Considered", "where a study names it")] if not getattr(mechanism, "by_default", True) else []
         special = ", ".join(f"[`{key}`](#{key})" for key in getattr(mechanism, "includes", ()))
         facts += [("Special case", special)] if special else []
-        facts += [("Measured apart by", remedy)] if (remedy := getattr(mechanism, "remedy", "")) else []
+        facts += [("Measured by", remedy)] if (remedy := getattr(mechanism, "remedy", "")) else []
         facts += [("Source", mechanism.source)]
         parts += ["\n".join(f"- **{name}**: {fact}." for name, fact in facts) + "\n"]
     return "\n".join(parts)
+
+
+def mechanism_table() -> str:
+    """Return one table of all mechanisms: what may be searched of each, within which limits."""
+    from palpate.mechanisms import MECHANISMS, Scale
+
+    scale = Scale(**TYPICAL)
+    rows = (
+        (
+            f"[`{m.key}`](mechanisms.md#{m.key})", m.effect,
+            "; ".join(_quantity(m, name, searched) for name, searched in m.plausible(scale).items()),
+            _values(m), "by default" if m.by_default else "where it is named",
+        )
+        for m in MECHANISMS.values()
+    )  # fmt: skip
+    return table(("mechanism", "effect on a recording", "quantities of `ranges`", "value", "considered"), rows)
+
+
+def _quantity(mechanism: Any, name: str, searched: Any) -> str:
+    """Return a quantity with its unit, limits and meaning: a parameter's own, or those of its range."""
+    own = next((p for p in mechanism.parameters if p.name == name), None)
+    shown, meaning = (own.unit, own.meaning) if own else (searched.unit, searched.meaning)
+    lower, upper = (own.lower, own.upper) if own else (searched.least, searched.largest)
+    limits = span(lower, upper) if math.isfinite(upper) else f"from {number(lower)}"
+    return f"`{name}`{'' if shown == '-' else f' [{unit(shown)}]'}, {limits}: {meaning}"
 
 
 def _acts(mechanism: Any) -> str:
@@ -250,6 +279,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "law_names": law_names,
     "law_parameters": law_parameters,
     "mechanisms": mechanisms,
+    "mechanism_table": mechanism_table,
     "commands": commands,
     "rooms": rooms,
     "source": source,

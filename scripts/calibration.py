@@ -6,13 +6,13 @@ told). settings: `calibration`, `seed`.
 
 from palpate.output.figures import fitted_curves
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.run_records import of_calibration, recorded
+from palpate.workflow_support.run_records import of_calibration, tracked_runs
 
 
 def main(snakemake):
     study, output = job.study(snakemake), snakemake.output
     recordings, condition_set = snakemake.wildcards.recordings, snakemake.wildcards.condition_set
-    with recorded(study.name, output.record) as runs:
+    with tracked_runs(study.name, output.record) as runs:
         models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
         result, curves = steps.run_calibration(study, recordings, condition_set, models)
         content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)

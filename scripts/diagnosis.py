@@ -4,19 +4,22 @@ input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV)
 (JSON: what MLflow is told). settings: `diagnosis`, `calibration`, `seed`.
 """
 
+import functools
+
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.run_records import answer_of, of_diagnosis, recorded
+from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
 
 
 def main(snakemake):
     study, output, answer = job.study(snakemake), snakemake.output, {}
-    recordings, starts = snakemake.wildcards.recordings, [steps.estimate_of(snakemake.input.calibration)]
-    with recorded(study.name, output.record, answer) as runs:
+    recordings, calibrated = snakemake.wildcards.recordings, steps.estimate_of(snakemake.input.calibration)
+    with tracked_runs(study.name, output.record, answer) as runs:
         with open(snakemake.log[0], "w", encoding="utf-8") as log:
-            content, curves = run_diagnosis(study, recordings, starts, lambda line: print(line, file=log, flush=True))
+            report = functools.partial(print, file=log, flush=True)
+            content, curves = run_diagnosis(study, recordings, calibrated, report)
         steps.write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         synthetic, title = recordings in study.laboratory, f"{study.title}: {recordings}"

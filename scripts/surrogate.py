@@ -7,12 +7,12 @@ MLflow is told). settings: `surrogate`.
 from palpate.solver import store
 from palpate.surrogate.saved import save
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.run_records import of_surrogate, recorded
+from palpate.workflow_support.run_records import of_surrogate, tracked_runs
 
 
 def main(snakemake):
     study, condition = job.study(snakemake), snakemake.wildcards.condition
-    with recorded(study.name, snakemake.output.record) as runs:
+    with tracked_runs(study.name, snakemake.output.record) as runs:
         contents = store.computed(store.snapshots_under(study, condition))
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)

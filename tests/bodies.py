@@ -6,12 +6,12 @@ from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
 from palpate.solver.axisymmetric.march_cases import Case, run_lanes
 from palpate.solver.axisymmetric.profile import Profile
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 
 
 def case_of(specification):
     """Return the indentation that a specification asks for."""
-    solid = acting(specification)
+    solid = applied_to_body(specification)
     resolution, large = RESOLUTIONS[solid.accuracy], solid.kinematics == "large"
     return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large)
 

@@ -7,11 +7,11 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.covariance import components, noise_of
 from palpate.diagnosis.detect import examine, filters, simulated_noise
-from palpate.diagnosis.noise import SINGLE_MEMORY
 from palpate.diagnosis.screen import Screen
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.covariance import components, noise_of
+from palpate.inference.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
 
 
 def p_of(fit):
@@ -45,8 +45,8 @@ def test_a_fit_short_of_its_optimum(null):
 def test_a_parameter_held_by_its_bound(null, bounds):
     """The modulus is 1: bounds that leave it out keep the model from the recordings, and that must show."""
     ends = {"modulus": bounds, "fluidity": (0.0099, 0.0101)}
-    walls = Coordinates([Coordinate(name, *pair, *pair) for name, pair in ends.items()], {})
-    assert p_of(fitted(replace(null, forward=ClosedForms(CONDITIONS, walls)))) < 0.01
+    limits = Coordinates([Coordinate(name, *pair, *pair) for name, pair in ends.items()], {})
+    assert p_of(fitted(replace(null, forward=ClosedForms(CONDITIONS, limits)))) < 0.01
 
 
 def test_what_a_named_drift_leaves():
@@ -69,7 +69,7 @@ def test_noise_of_single_recordings_never_grows_slow():
     task = problem(recordings(rng, replicates=1))
     slow = np.concatenate([8.0 * np.sin(np.linspace(0, 9, 60)) for _ in CONDITIONS])
     noise = noise_of(task, (), slow, 0.01)
-    assert noise.memory.max() <= SINGLE_MEMORY
+    assert noise.autocorrelation.max() <= LARGEST_UNREPLICATED_AUTOCORRELATION
     still = [{"site": np.zeros((60, 60))} for _ in CONDITIONS]
     quiet = replace(
         noise, variances={"site": 0.0}, covariance=noise.covariance[: 2 * len(still) + 1, : 2 * len(still) + 1]

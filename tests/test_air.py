@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from palpate.cli.main import main
-from palpate.diagnosis.candidates import with_contact_sought
 from palpate.errors import InputError
+from palpate.inference.study_scale import with_contact_sought
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.recordings.contact_interval import interval_of, joint_interval
 from palpate.recordings.readers import ColumnMap, read_vendor_file

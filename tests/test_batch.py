@@ -11,14 +11,15 @@ from scipy.stats import norm
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march, march_cases, newton
 from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
-from palpate.solver.axisymmetric.contact import contact_forces, fit, no_coupling, penetration, width_of
+from palpate.solver.axisymmetric.contact import contact_forces, fit, penetration, width_of
+from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, store
 from palpate.solver.axisymmetric.mesh import polar_mesh
 from palpate.solver.axisymmetric.tip import profile_at
 from palpate.solver.simulation import simulate, simulate_batch, specification_from
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
@@ -208,7 +209,7 @@ def test_lanes_may_have_their_corners_at_different_steps():
     Both act for 0.1 s on the first sample that they reach, so that their meshes are alike.
     """
     specs = [specification(mechanisms={"controller_lag": {"lag": lag}}) for lag in (2.9, 5.9)]
-    cases = [case(protocol=acting(spec).protocol) for spec in specs]
+    cases = [case(protocol=applied_to_body(spec).protocol) for spec in specs]
     assert cases[0].kind == cases[1].kind
     assert not np.array_equal(cases[0].carries, cases[1].carries)
     assert_cases_as_alone(cases)
@@ -269,7 +270,7 @@ def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
     values = {"material": BURGERS | changes.get("material", {}), "indenter": indenter, "protocol": TEST}
     extra = {key: value for key, value in changes.items() if key == "mechanisms"}
     spec = specification_from(values | extra | {"kinematics": kinematics})
-    solid, large = acting(spec), kinematics == "large"
+    solid, large = applied_to_body(spec), kinematics == "large"
     cases = [
         case(specimen=solid.specimen, indenter=solid.indenter, protocol=solid.protocol, large=large, shift=shift)
         for shift in (0.0, 0.5)

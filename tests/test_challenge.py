@@ -15,9 +15,7 @@ import yaml
 from palpate.configuration.study_file import load_study
 from palpate.mechanisms import MECHANISMS
 from palpate.recordings.recording_file import read_recording
-from palpate.solver import store
 from palpate.study.protocol import trapezoid
-from palpate.workflow_support.steps import fit_surrogate
 from studies.blind_trial import score
 from studies.blind_trial.cases import draw, seal
 from studies.blind_trial.laboratory import background, first_order, write
@@ -118,32 +116,29 @@ def trial(tmp_path):
     small = STUDY | {"parameters": levels, "diagnosis": {"mechanisms": ["thermal_drift", "frame_compliance"]}}
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small))
     study = load_study(tmp_path / "small.yaml")
-    (condition,) = study.conditions
-    contents = store.computed(store.snapshots_under(study, condition.name), tmp_path / "store")
-    surrogate, *_ = fit_surrogate(study, condition.name, contents)
     cases = draw(study)
     seal(cases, tmp_path / "sealed.json")
     case = next(case for case in cases if "thermal_drift" in case.mechanisms)
     write(study, [case], tmp_path / "recordings")
-    return study, case, {condition.name: surrogate}, tmp_path
+    return study, case, tmp_path
 
 
 def test_the_diagnosis_never_opens_the_seal(trial):
     """Every file that Python opens is noted; nor does the diagnosis miss the truth once it is gone."""
-    study, case, surrogates, folder = trial
+    study, case, folder = trial
     sys.addaudithook(lambda event, details: OPENED.append(str(details[0])) if event == "open" else None)
-    told, _ = diagnose_case(study, folder / "recordings" / case.name, surrogates, lambda line: None)
+    told, _ = diagnose_case(study, folder / "recordings" / case.name, lambda line: None)
     opened = list(OPENED)
     assert any(file.endswith("_1.csv") for file in opened), "the hook works"
     assert not [file for file in opened if "sealed" in file]
     (folder / "sealed.json").unlink()
-    blind, _ = diagnose_case(study, folder / "recordings" / case.name, surrogates, lambda line: None)
+    blind, _ = diagnose_case(study, folder / "recordings" / case.name, lambda line: None)
     assert blind == told
 
 
 def test_an_effect_is_as_strong_as_it_is_large(trial):
     """A drift adds in proportion to its rate; where nothing is concealed, nothing has a strength."""
-    study, case, _, folder = trial
+    study, case, folder = trial
     recordings = folder / "recordings" / case.name
     slow, fast = (
         strength(study, replace(case, mechanisms={"thermal_drift": {"rate": rate}}), recordings) for rate in (0.1, 0.3)
@@ -154,9 +149,9 @@ def test_an_effect_is_as_strong_as_it_is_large(trial):
 
 
 def test_a_case_is_scored_by_its_diagnosis_and_its_strength(trial):
-    study, case, surrogates, folder = trial
+    study, case, folder = trial
     recordings = folder / "recordings" / case.name
-    told, _ = diagnose_case(study, recordings, surrogates, lambda line: None)
+    told, _ = diagnose_case(study, recordings, lambda line: None)
     (folder / "diagnosis.json").write_text(json.dumps(told))
     scored = score_case(study, case, folder / "diagnosis.json", recordings)
     assert scored["truth"] == "+".join(sorted(case.mechanisms))

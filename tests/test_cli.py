@@ -297,7 +297,7 @@ def test_a_recording_of_the_same_name_is_not_quietly_replaced(tmp_path, capsys):
         (tmp_path / day / "1.txt").write_text(f"t,P,h\n0,0,0\n1,1,{scale}\n2,2,{2 * scale}\n")
         assert main(["read", str(tmp_path / day / "1.txt"), *BY_NAME, "-o", str(tmp_path / "out")]) == 0
         told.append(capsys.readouterr().err)
-    assert told == ["", f"palpate: {tmp_path / 'out/1.csv'}: replaced; what stood there differed\n", ""]
+    assert told == ["", f"palpate: {tmp_path / 'out/1.csv'}: replaced; its former content differed\n", ""]
 
 
 @pytest.mark.parametrize("buffer", ["PYTHONUNBUFFERED=", "PYTHONUNBUFFERED=1"])

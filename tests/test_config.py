@@ -14,8 +14,6 @@ from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
 from palpate.materials import LAWS
-from palpate.mechanisms import MECHANISMS
-from palpate.output.mechanism_table import updated
 from palpate.recordings.recording_file import read_recording
 from palpate.study.indenter import AREA, SHAPES
 
@@ -177,13 +175,6 @@ def test_the_reference_tells_what_laws_declare():
     for law in LAWS.values():
         assert f"`{law.key}`" in section("material")
         assert all(f"`{p.name}`" in section("material") for p in law.parameters)
-
-
-def test_the_reference_holds_the_table_of_mechanisms_as_they_declare_it():
-    assert all(f"\n| `{key}` |" in section("diagnosis") for key in MECHANISMS)
-    assert updated(REFERENCE, MECHANISMS.values()) == REFERENCE, (
-        "python -m palpate.output.mechanism_table docs/study.md"
-    )
 
 
 def test_broken_yaml_names_the_line(tmp_path):

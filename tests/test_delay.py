@@ -8,10 +8,10 @@ import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Search
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.observation import Observation
+from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
 from palpate.study.protocol import trapezoid
 
@@ -46,7 +46,7 @@ def solved(lag, start):
     truth = np.array([0.4, lag / LARGEST])
     (curve,) = task(np.zeros((1, len(TIME)))).model(LAG).curves([truth])
     problem = task(curve["a"] + 0.3 * np.random.default_rng(3).standard_normal((4, len(TIME))))
-    search = Search(STUDY, problem, [], np.random.default_rng(0), [TRUTH])
+    search = Search(STUDY, problem, [], np.random.default_rng(0), TRUTH)
     fit = search.fitted(LAG, [np.asarray(start)], problem.mean)
     return replace(fit, z=truth, curve=curve["a"]), fit
 

@@ -9,19 +9,19 @@ from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
 from scipy.linalg import toeplitz
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.accepted import may_be_named, without_idle
-from palpate.diagnosis.covariance import errors, noise_of
+from palpate.diagnosis.accepted import may_be_named, without_redundant
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _special_cases
 from palpate.diagnosis.locate import location
-from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise
 from palpate.diagnosis.outside import outside
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
+from palpate.inference.covariance import errors, noise_of
+from palpate.inference.noise_fit import Replicates, contrasts, fit_noise
 from palpate.inference.observation import Observation
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
+from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.study.protocol import trapezoid
 
@@ -63,20 +63,20 @@ class Known(Search):
     """A search whose base model nobody has fitted yet."""
 
     def __init__(self, task, heard=None):
-        super().__init__(STUDY, task, [], np.random.default_rng(0), [TRUTH])
+        super().__init__(STUDY, task, [], np.random.default_rng(0), TRUTH)
         if heard is not None:
-            self._take_for_noise(heard)
+            self._fitter.use_residual_as_noise(heard)
 
 
-def fitted(task, explanation=(), start=None, heard=None):
-    """Return the fit of an explanation; without replicates with the noise that was `heard`, if that is given."""
+def fitted(task, explanation=(), start=None, residual=None):
+    """Return the fit of an explanation; without replicates with the noise that was `residual`, if that is given."""
     coordinates = task.coordinates(explanation)
     start = np.full(len(coordinates.free), 0.5) if start is None else start
-    return Known(task, heard).fitted(explanation, [start], task.mean)
+    return Known(task, residual).fitted(explanation, [start], task.mean)
 
 
 def search_of(task, keys=RECORD_ONLY):
-    return Search(STUDY, task, keys, np.random.default_rng(0), [TRUTH])
+    return Search(STUDY, task, keys, np.random.default_rng(0), TRUTH)
 
 
 def test_evidence_is_the_likelihood_averaged_over_the_ranges():
@@ -147,13 +147,13 @@ def test_noise_is_recovered_from_replicates():
         depth = height * np.sqrt(time / 100)
         covariance = 1.5**2 * toeplitz(0.7 ** np.arange(80)) + 0.02**2 * np.outer(depth, depth)
         rows = rng.multivariate_normal(depth, covariance, size=6, method="cholesky")
-        parts = {"site": np.outer(depth, depth), "wander": np.minimum.outer(time, time)}
+        parts = {"site": np.outer(depth, depth), "random_walk": np.minimum.outer(time, time)}
         sets.append(Replicates(contrasts(rows), np.eye(80), parts, height))
-    found = fit_noise(sets, {"site": 1e-4, "wander": 1e-4}, True, {})
+    found = fit_noise(sets, {"site": 1e-4, "random_walk": 1e-4}, True, {})
     assert found.sigma == pytest.approx(1.5, rel=0.15)
-    assert found.memory == pytest.approx(0.7, abs=0.1)
+    assert found.autocorrelation == pytest.approx(0.7, abs=0.1)
     assert np.sqrt(found.variances["site"]) == pytest.approx(0.02, rel=0.4)
-    assert np.sqrt(found.variances["wander"]) < 0.1
+    assert np.sqrt(found.variances["random_walk"]) < 0.1
 
 
 def test_null_recordings_with_correlated_noise_are_left_alone():
@@ -256,7 +256,7 @@ def test_without_replicates_the_noise_comes_from_the_residual():
     first = fitted(task)
     noise = noise_of(task, (), first.residual, 0.01)
     assert not noise.replicated
-    rough = noise.sigma * np.sqrt(2 * (1 - noise.memory))
+    rough = noise.sigma * np.sqrt(2 * (1 - noise.autocorrelation))
     assert np.median(rough) == pytest.approx(np.sqrt(2 * 0.2), rel=0.4)
 
 
@@ -288,7 +288,7 @@ def test_a_set_whose_search_stopped_early_is_fitted_again_where_a_larger_one_end
     again = _special_cases(search, larger, [larger, stopped, search.base], print)[-1]
     assert again.fit.explanation == ("thermal_drift",)
     assert again.fit.log_evidence == pytest.approx(drift.fit.log_evidence, abs=0.5)
-    assert without_idle([larger, again]) == [again]
+    assert without_redundant([larger, again]) == [again]
 
 
 def test_one_kind_of_test_names_no_effect_but_the_instruments():

@@ -18,7 +18,7 @@ def test_places_are_listed_only_where_they_stand_out():
     assert "3.22" in said
     assert "<td>A</td>" in said
     assert "<td>B</td>" not in said
-    assert "No part of a test sticks out" in located([{**row, "q_value": 0.4}])
+    assert "No part of a test has a significant misfit" in located([{**row, "q_value": 0.4}])
 
 
 def test_tables_show_nothing_where_nothing_is_known():

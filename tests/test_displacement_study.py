@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.configuration.study_file import load_study
+from palpate.configuration.study_file import Condition, load_study
 from palpate.errors import InputError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.measures import error_measures
 from palpate.inference.observation import Observation
-from palpate.inference.recording_noise import model_covariance, replicate_noise
+from palpate.inference.problem import Problem
+from palpate.inference.solver_error import model_covariance
 from palpate.inference.study_recordings import check_drive, check_given, observations
+from palpate.inference.surrogate_forward import Surrogates
 from palpate.laboratory.virtual import disturbed
+from palpate.mechanisms import Scale
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import Simulation
@@ -174,17 +177,11 @@ def test_errors_in_nm_are_those_under_the_same_load(compliance):
     assert told["rmse_nm"] == pytest.approx(quantity.nm * told["rmse_mN"])
 
 
-def test_sites_scatter_as_depths_whatever_is_prescribed():
-    """Depths and loads of one material: the factor of a site is found from either, and counts in each as it should."""
-    rng, time = np.random.default_rng(4), np.linspace(0.5, 30, 60)
+def test_the_solver_errs_by_as_much_whatever_is_prescribed():
     protocol = trapezoid(400.0, 5, 20, 5, 60, DISPLACEMENT)
     load = 1e-5 * protocol.sample_drive**2
     quantity = Quantity.of(protocol, CONE, load)
-    sites = 0.02 * rng.standard_normal((300, 1))
-    pushed = Observation(time, (1 + sites * quantity.share) * load, quantity=quantity)
-    found = replicate_noise({"pushed": pushed})["pushed"]
     assert quantity.share == pytest.approx(-2.0)
-    assert found.site_scatter == pytest.approx(0.04, rel=0.1)
     covariance = model_covariance({"pushed": load}, 0.003, {"pushed": quantity.share})
     assert np.sqrt(np.diag(covariance)) == pytest.approx(0.006 * load, rel=1e-9)
 
@@ -218,6 +215,7 @@ def test_loads_and_depths_calibrate_one_material_together():
         name: PODRBF().fit(grid, np.array([form(*x) for x in grid])) for name, form in (("z", load), ("p", depth))
     }
     truth = {"modulus": 3.0, "relaxing": 2.0}
+    scale = Scale(depth=400, load=1.0, modulus=3.0, duration=65, loading_time=5, half_angle=70.3, pressure=0.2)
     quantity, ratios = Quantity.of(pushed, CONE, load(**truth)), []
     settings = CalibrationSettings(GeneticSettings(population=40, generations=20))
     for seed in range(5):
@@ -229,7 +227,9 @@ def test_loads_and_depths_calibrate_one_material_together():
             "p": Observation(pressed.sample_time, (1 + sites[1]) * depth(**truth) + noise[1]),
         }
         bounds = {"modulus": (2, 4), "relaxing": (0, 4)}
-        found = calibrate(surrogates, observed, bounds, rng=rng, settings=settings, report=lambda *_: None)
+        conditions = (Condition("z", "calibrate", pushed), Condition("p", "calibrate", pressed))
+        problem = Problem(conditions, observed, Surrogates(surrogates, bounds), scale)
+        found = calibrate(problem, surrogates, bounds, rng=rng, settings=settings, report=lambda *_: None)
         assert all(found.parameters[name].lower < value < found.parameters[name].upper for name, value in truth.items())
         assert set(found.noise["z"]) == {"sigma_mN", "correlation", "site_scatter", "replicates"}
         ratios.append(found.misfit_ratio)

@@ -170,6 +170,7 @@ def test_studies_and_specifications_load(file, tmp_path, monkeypatch):
 
 def test_what_is_generated_tells_every_law_mechanism_command_and_room():
     laws, mechanisms, shown = HOOKS.laws(), HOOKS.mechanisms(), HOOKS.commands()
+    listed = HOOKS.mechanism_table()
     for law in LAWS.values():
         assert f"## `{law.key}`" in laws
         assert all(f"`{parameter.name}`" in laws for parameter in law.parameters)
@@ -177,6 +178,7 @@ def test_what_is_generated_tells_every_law_mechanism_command_and_room():
         assert f"{{ #{mechanism.key} }}" in mechanisms
         assert all(f"`{parameter.name}`" in mechanisms for parameter in mechanism.parameters)
         assert mechanism.source in mechanisms
+        assert f"[`{mechanism.key}`]" in listed
     chosen = next(action for action in command_line()._actions if action.choices)
     for name, parser in chosen.choices.items():
         assert f"## `palpate {name}`" in shown

@@ -6,7 +6,8 @@ import pytest
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
 from palpate.solver.axisymmetric import element, hencky
-from palpate.solver.axisymmetric.contact import contact_forces, fit, no_coupling
+from palpate.solver.axisymmetric.contact import contact_forces, fit
+from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points

@@ -10,12 +10,12 @@ from scipy.special import expit, logit
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.covariance import Errors
-from palpate.diagnosis.estimated_noise import adjusted, freedom
 from palpate.diagnosis.locate import location
-from palpate.diagnosis.noise import NoiseModel
-from palpate.diagnosis.undetected import may_hide
+from palpate.diagnosis.undetected import undetected_effects
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.covariance import Errors
+from palpate.inference.estimated_noise import adjusted, freedom
+from palpate.inference.noise import NoiseModel
 
 
 def points(sigma, strength_freedom, counts, site=0.0, site_freedom=1):
@@ -90,12 +90,15 @@ def test_slopes_by_the_estimates_are_differences_of_covariances():
     """Of log sigma and logit rho of each condition, then of the variances."""
     fit = fitted(problem(recordings(np.random.default_rng(3))))
     noise, weights = fit.errors.noise, np.random.default_rng(4).standard_normal(len(fit.residual))
-    points, values = np.stack([np.log(noise.sigma), logit(noise.memory)]).ravel(), list(noise.variances.values())
+    points, values = (
+        np.stack([np.log(noise.sigma), logit(noise.autocorrelation)]).ravel(),
+        list(noise.variances.values()),
+    )
 
     def pulled(estimates):
-        sigma, memory, variances = np.split(estimates, [4, 8])
+        sigma, autocorrelation, variances = np.split(estimates, [4, 8])
         named = dict(zip(noise.variances, variances, strict=True))
-        moved = replace(noise, sigma=np.exp(sigma), memory=expit(memory), variances=named)
+        moved = replace(noise, sigma=np.exp(sigma), autocorrelation=expit(autocorrelation), variances=named)
         return replace(fit.errors, noise=moved).covariance @ weights
 
     estimates = np.append(points, values)
@@ -114,7 +117,7 @@ def test_many_replicates_tell_the_noise():
         column = fit.problem.unit_effects(Amplitude("thermal_drift", "rate"))
         white = fit.whiten(np.column_stack([fit.tangent, column]))
         deviation = np.sqrt(np.linalg.inv(white.T @ white + np.diag([12.0, 12.0, 0.0]))[-1, -1])
-        drift = may_hide(fit, ["thermal_drift"])["thermal_drift.rate"]
+        drift = undetected_effects(fit, ["thermal_drift"])["thermal_drift.rate"]
         widths.append((drift["upper"] - drift["lower"]) / (2 * 1.96 * deviation))
     assert widths[0] > 1.2
     assert widths[1] == pytest.approx(1.01, abs=0.01)
@@ -126,5 +129,5 @@ def test_single_recordings_without_an_effect_hold_zero():
     rng, held = np.random.default_rng(21), 0
     for _ in range(40):
         fit = fitted(problem(recordings(rng, replicates=1)))
-        held += sum(entry["lower"] < 0.0 < entry["upper"] for entry in may_hide(fit, RECORD_ONLY).values())
+        held += sum(entry["lower"] < 0.0 < entry["upper"] for entry in undetected_effects(fit, RECORD_ONLY).values())
     assert held >= 0.95 * 120

@@ -9,7 +9,8 @@ import pytest
 
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march_cases, newton
-from palpate.solver.axisymmetric.contact import contact_forces, no_coupling, normal_distribution, penetration, width_of
+from palpate.solver.axisymmetric.contact import contact_forces, normal_distribution, penetration, width_of
+from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch

@@ -5,10 +5,10 @@ import pytest
 from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted, laws_of, zero_points
-from palpate.diagnosis.undetected import may_hide
+from palpate.diagnosis.undetected import undetected_effects
 from palpate.errors import InputError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.recordings.recording import Recording
 
 
@@ -70,7 +70,7 @@ def test_an_interval_holds_its_estimate():
 def test_what_may_hide_is_found_to_first_order():
     """A frame planted below what would be named: its amplitude lies in the interval, that of the drift holds zero."""
     observed = recordings(np.random.default_rng(9), lambda c, r: 3.0 * c.protocol.sample_load)
-    found = may_hide(fitted(problem(observed)), ["frame_compliance", "thermal_drift", "controller_lag"])
+    found = undetected_effects(fitted(problem(observed)), ["frame_compliance", "thermal_drift", "controller_lag"])
     assert set(found) == {"frame_compliance.compliance", "thermal_drift.rate"}
     frame, drift = found["frame_compliance.compliance"], found["thermal_drift.rate"]
     assert frame["lower"] < 3.0 < frame["upper"]

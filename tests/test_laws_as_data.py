@@ -8,12 +8,12 @@ from closed_forms import TRUTH
 from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
 from palpate.diagnosis import undetected
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.posterior import posterior_draws
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Search
-from palpate.diagnosis.undetected import may_hide, not_fixed, open_amplitudes
+from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.posterior import posterior_draws
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0
@@ -32,7 +32,7 @@ def yielding():
 
 
 def fitted(task, explanation=FRAME, laws=()):
-    search = Search(STUDY, task, [], np.random.default_rng(0), [TRUTH], lambda base: laws)
+    search = Search(STUDY, task, [], np.random.default_rng(0), TRUTH, lambda base: laws)
     start = np.full(len(task.coordinates(explanation).free), 0.5)
     return search.fitted(explanation, [start], task.mean)
 
@@ -84,7 +84,7 @@ def test_a_law_that_disagrees_with_the_curves_is_contradicted_though_it_took_par
 
 
 def test_a_law_fixes_what_may_hide(yielding):
-    free, held = (may_hide(fitted(yielding, (), laws), FRAME) for laws in ((), [law(COMPLIANCE, 0.01)]))
+    free, held = (undetected_effects(fitted(yielding, (), laws), FRAME) for laws in ((), [law(COMPLIANCE, 0.01)]))
     name = "frame_compliance.compliance"
     assert free[name]["lower"] < COMPLIANCE < free[name]["upper"]
     assert held[name]["estimate"] == pytest.approx(COMPLIANCE, abs=0.01)
@@ -93,7 +93,7 @@ def test_a_law_fixes_what_may_hide(yielding):
 
 def test_amplitudes_are_less_certain_when_more_may_act(yielding):
     fit = fitted(yielding)
-    found = open_amplitudes(fit, Screen.of(fit, RECORD_ONLY))
+    found = joint_intervals(fit, Screen.of(fit, RECORD_ONLY))
     frame = found["frame_compliance.compliance"]
     assert frame["lower"] < COMPLIANCE < frame["upper"]
     assert frame["upper"] - frame["lower"] > 2 * 1.96 * deviation(fit)
@@ -104,12 +104,16 @@ def test_amplitudes_are_less_certain_when_more_may_act(yielding):
 def test_what_is_open_is_said_with_the_test_that_would_fix_it(yielding, monkeypatch):
     free, held = fitted(yielding), fitted(yielding, laws=[law(COMPLIANCE, 0.001)])
     screen = Screen.of(free, RECORD_ONLY)
-    frame = open_amplitudes(free, screen)["frame_compliance.compliance"]
+    frame = joint_intervals(free, screen)["frame_compliance.compliance"]
     largest = max(condition.protocol.max_load for condition in yielding.conditions)
     share = 0.5 * (frame["upper"] - frame["lower"]) * largest / np.abs(yielding.mean).max()
     monkeypatch.setattr(undetected, "COARSE", 0.5 * share)
-    assert any("unloadings from loads that span" in line for line in not_fixed(free, open_amplitudes(free, screen)))
-    assert not any("unloadings from loads that span" in line for line in not_fixed(held, open_amplitudes(held, screen)))
+    assert any(
+        "unloadings from loads that span" in line for line in wide_intervals(free, joint_intervals(free, screen))
+    )
+    assert not any(
+        "unloadings from loads that span" in line for line in wide_intervals(held, joint_intervals(held, screen))
+    )
 
 
 def test_without_laws_nothing_changes(yielding):

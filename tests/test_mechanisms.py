@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from documents import HOOKS
 from test_diagnosis import problem, recordings, search_of
 
 from palpate.diagnosis.diagnose import diagnose
 from palpate.errors import InputError
-from palpate.mechanisms import MECHANISMS
-from palpate.output.mechanism_table import SCALE
+from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
@@ -21,6 +21,7 @@ BASE = {
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
 }
+SCALE = Scale(**HOOKS.TYPICAL)
 RECORDED = [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body]
 VISIBLE = {key: dict(mechanism.example) for key, mechanism in MECHANISMS.items()}
 

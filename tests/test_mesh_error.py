@@ -10,10 +10,10 @@ from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.configuration.study_file import load_study
-from palpate.diagnosis.candidates import middle, scale_of
 from palpate.inference import space_mapping
 from palpate.inference.forward import FiniteElements
 from palpate.inference.space_mapping import RECORD, Reference
+from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
 

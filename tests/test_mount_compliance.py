@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.own_values import recording_values
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import Assumption, breaking
 
 KEY, FRAME = "mount_compliance", "frame_compliance"

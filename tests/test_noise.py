@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.covariance import noise_between_replicates, noise_of
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.covariance import noise_between_replicates, noise_of
 
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]
@@ -18,7 +18,7 @@ SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]
 def test_more_components_never_fit_worse(seed, replicates):
     """Slow noise, a random walk and a drift pass for each other: the nearest maximum may be the wrong one.
 
-    The prior that keeps scatter and wander from zero may cost the likelihood a few tenths.
+    The prior that keeps scatter and random walk from zero may cost the likelihood a few tenths.
     """
     rng = np.random.default_rng(seed)
     task = problem(recordings(rng, replicates=replicates, sigma=4.0, memory=0.97))
@@ -56,7 +56,7 @@ def test_recordings_may_be_free_of_noise_or_full_of_it(sigma):
 def test_a_condition_tested_once_takes_its_noise_from_the_others():
     whole = problem(recordings(np.random.default_rng(5)))
     item = whole.observed["b"]
-    lonely = replace(whole, observed=whole.observed | {"b": replace(item, response=item.response[:1])})
+    lonely = replace(whole, recorded=whole.recorded | {"b": replace(item, response=item.response[:1])})
     noise, others = noise_of(lonely, (), np.zeros(240), 0.01), noise_of(whole, (), np.zeros(240), 0.01)
     assert noise.replicated
     assert noise.sigma[[0, 2, 3]] == pytest.approx(others.sigma[[0, 2, 3]], rel=0.2)
@@ -69,10 +69,10 @@ def test_a_condition_tested_once_takes_its_noise_from_the_others():
         )
         for c in CONDITIONS
     }
-    assert search_of(replace(lonely, observed=compliant)).base.p_value < 0.01
+    assert search_of(replace(lonely, recorded=compliant)).base.p_value < 0.01
 
 
 def test_two_conditions_of_four_tested_once_leave_the_noise_assumed():
     whole = problem(recordings(np.random.default_rng(5)))
     once = {name: replace(whole.observed[name], response=whole.observed[name].response[:1]) for name in ("a", "b")}
-    assert not replace(whole, observed=whole.observed | once).replicated
+    assert not replace(whole, recorded=whole.recorded | once).replicated

@@ -151,7 +151,7 @@ def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, caps
         write(tmp_path / f"own/{name}.csv", *curve())
     once = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
     assert "4 cells, 2 conditions, 4 snapshots" in once
-    assert "calibrated on P1_T30; judged by V" in once
+    assert "calibrated on P1_T30; validated on V" in once
     assert f"recordings lab in {tmp_path / 'own'}: 1 of P1_T30, 1 of V" in once
     assert "too few tests are repeated" in once
     write(tmp_path / "own/P1_T30_2.csv", *curve(scale=1.01))

@@ -10,15 +10,15 @@ from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
-from palpate.diagnosis.candidates import longest_rise
 from palpate.diagnosis.diagnosis_result import curves
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.search import Search
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.observation import Observation
+from palpate.inference.problem import Problem
+from palpate.inference.study_scale import longest_rise
 from palpate.mechanisms import Scale
 from palpate.study.protocol import Protocol, trapezoid
 
@@ -40,7 +40,7 @@ def solved(explanation, forward=ClosedForms):
     depth = cone(CONDITION.protocol, 1.0, 0.0) + OFFSETS[:, None] + noise
     observed = {"a": Observation(CONDITION.protocol.sample_time, depth)}
     problem = Problem((CONDITION,), observed, forward((CONDITION,), ELASTIC), SCALE)
-    search = Search(STUDY, problem, [], rng, [TRUTH])
+    search = Search(STUDY, problem, [], rng, TRUTH)
     start = np.full(len(problem.coordinates(explanation).free), 0.5)
     return observed, search.fitted(explanation, [start], problem.mean)
 
@@ -144,6 +144,7 @@ def test_a_held_out_test_that_cannot_be_simulated_is_left_out():
     study = SimpleNamespace(conditions=conditions, calibration=STUDY.calibration)
     for name in "bc":
         observed[name] = replace(observed["a"], role="validate")
+    fit = replace(fit, problem=replace(fit.problem, recorded=observed))
     table, failed = curves(study, observed, fit, fit)
     assert set(table["condition"]) == {"a", "c"}
     assert failed == {"b": "no equilibrium in 40 iterations"}

@@ -7,12 +7,12 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, SCALE, fitted, problem, recordings
 
-from palpate.diagnosis.covariance import errors, noise_of
-from palpate.diagnosis.curvature import AXES, REACH, Curvature
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.posterior import posterior_draws, sampled
-from palpate.diagnosis.problem import Problem
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.covariance import errors, noise_of
+from palpate.inference.curvature import AXES, REACH, Curvature
+from palpate.inference.explanation import Fit
+from palpate.inference.posterior import posterior_draws, sampled
+from palpate.inference.problem import Problem
 
 TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
 

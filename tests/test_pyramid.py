@@ -12,9 +12,10 @@ from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
+from palpate.inference.fitting import Fitter
 from palpate.inference.forward import FiniteElements
 from palpate.inference.observation import Observation
-from palpate.inference.on_finite_elements import estimated
+from palpate.inference.problem import Problem
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import newton_3d
@@ -136,11 +137,14 @@ def test_a_modulus_is_found_under_the_pyramid_by_the_cones_curves(tmp_path):
     depth = simulate(study.specification({"youngs_modulus": 3.28}, condition)).depth
     forward = FiniteElements.of(study, ["P1"])
     observed = {"P1": Observation(condition.protocol.sample_time, depth[None])}
-    known, rng = np.diag((1e-3 * depth + 1e-3) ** 2), np.random.default_rng(0)
-    found, _ = estimated(forward, observed, known, [{"youngs_modulus": 3.1}], rng, lambda line: None)
-    assert forward.coordinates.named(found.u)["youngs_modulus"] == pytest.approx(3.28, rel=2e-4)
-    cone = estimated(replace_record(forward), observed, known, [{"youngs_modulus": 3.1}], rng, lambda line: None)[0]
-    assert forward.coordinates.named(cone.u)["youngs_modulus"] > 1.03 * 3.28
+
+    def modulus(forward):
+        fitter = Fitter(replace(Problem.of(study, observed), forward=forward), 1e-3, 0.0)
+        fit = fitter.base([forward.coordinates.scaled({"youngs_modulus": 3.1})])
+        return forward.coordinates.named(fit.z)["youngs_modulus"]
+
+    assert modulus(forward) == pytest.approx(3.28, rel=2e-4)
+    assert modulus(replace_record(forward)) > 1.03 * 3.28
 
 
 def replace_record(forward):

@@ -10,9 +10,10 @@ from closed_forms import TRUTH, ClosedForms
 from test_diagnosis import CONDITIONS, fitted, problem, recordings
 
 from palpate.configuration.study_file import load_study
-from palpate.diagnosis.candidates import candidates, scale_of
+from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
@@ -96,7 +97,7 @@ def test_an_optimum_beyond_the_limit_of_one_parameter_ends_the_search_there():
     walled = Coordinates([Coordinate("modulus", 1.05, 1.4, 1.05, np.inf)], {"fluidity": TRUTH["fluidity"]})
     fit = fitted(replace(task, forward=ClosedForms(CONDITIONS, walled)))
     assert fit.z == pytest.approx([0.0], abs=1e-3)
-    assert fit.coordinates.at_wall(fit.z).all()
+    assert fit.coordinates.at_limit(fit.z).all()
 
 
 def test_what_cannot_be_negative_counts_by_its_logarithm_and_none_of_it_is_a_number_too():

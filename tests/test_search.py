@@ -8,12 +8,12 @@ import pytest
 from closed_forms import TRUTH, ClosedForms, cone
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 
-from palpate.diagnosis.accepted import accepted_of, judged, likeliest_of_each, not_told_from_none, without_idle
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
+from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_of, without_redundant, zero_on_average
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
 
 LEVEL = 0.01
@@ -73,9 +73,9 @@ def test_what_fits_as_well_stands_though_it_could_have_explained_much_else():
 
 
 def test_the_verdict_follows_from_how_many_stand():
-    assert judged([]) == ("unexplained", [])
-    assert judged([candidate("friction", 5.0)]) == ("identified", [1.0])
-    verdict, probabilities = judged([candidate("friction", -4000.0), candidate("adhesion", -4000.0 - np.log(3.0))])
+    assert verdict_of([]) == ("unexplained", [])
+    assert verdict_of([candidate("friction", 5.0)]) == ("identified", [1.0])
+    verdict, probabilities = verdict_of([candidate("friction", -4000.0), candidate("adhesion", -4000.0 - np.log(3.0))])
     assert verdict == "ambiguous"
     assert probabilities == pytest.approx([0.75, 0.25])
 
@@ -83,8 +83,8 @@ def test_the_verdict_follows_from_how_many_stand():
 def test_a_set_around_a_smaller_one_that_stands_holds_what_does_nothing():
     wide, other = candidate("friction+adhesion", 9.0), candidate("adhesion+tip_angle", 8.0)
     narrow, apart = candidate("friction", 7.0), candidate("tip_rounding", 6.0)
-    assert without_idle([wide, other, narrow, apart]) == [other, narrow, apart]
-    assert without_idle([wide, other]) == [wide, other]
+    assert without_redundant([wide, other, narrow, apart]) == [other, narrow, apart]
+    assert without_redundant([wide, other]) == [wide, other]
 
 
 @pytest.fixture
@@ -97,12 +97,15 @@ def wide(monkeypatch):
 @pytest.mark.usefixtures("wide")
 def test_a_mechanism_is_not_needed_where_one_that_it_includes_explains_as_much():
     steady = candidate("thermal_drift", 7.0)
-    assert named(without_idle([candidate("wide", 8.5), steady])) == ["thermal_drift"]
-    assert named(without_idle([candidate("wide", 9.5), steady])) == ["wide", "thermal_drift"]
-    assert named(without_idle([candidate("wide+friction", 11.5), steady])) == ["thermal_drift"]
+    assert named(without_redundant([candidate("wide", 8.5), steady])) == ["thermal_drift"]
+    assert named(without_redundant([candidate("wide", 9.5), steady])) == ["wide", "thermal_drift"]
+    assert named(without_redundant([candidate("wide+friction", 11.5), steady])) == ["thermal_drift"]
     pair = candidate("thermal_drift+friction", 7.0)
-    assert named(without_idle([candidate("wide+friction", 8.5), pair])) == ["thermal_drift+friction"]
-    assert named(without_idle([candidate("wide+adhesion", 8.5), pair])) == ["wide+adhesion", "thermal_drift+friction"]
+    assert named(without_redundant([candidate("wide+friction", 8.5), pair])) == ["thermal_drift+friction"]
+    assert named(without_redundant([candidate("wide+adhesion", 8.5), pair])) == [
+        "wide+adhesion",
+        "thermal_drift+friction",
+    ]
 
 
 @pytest.mark.usefixtures("wide")
@@ -195,7 +198,7 @@ def test_a_rival_is_not_left_out_because_another_promised_too_much():
 
 def test_what_falls_far_behind_is_left_out_once_some_are_fitted():
     assert tried(FAR, policy=replace(POLICY, least=4))[0] == ["tip_angle", "tip_rounding", "friction", "adhesion"]
-    assert tried(FAR, policy=replace(POLICY, least=2, screened=15.0))[0] == ["tip_angle", "tip_rounding"]
+    assert tried(FAR, policy=replace(POLICY, least=2, behind_best=15.0))[0] == ["tip_angle", "tip_rounding"]
     assert tried(FAR, policy=replace(POLICY, least=5))[0] == list(FAR)
 
 
@@ -272,7 +275,7 @@ def test_what_a_law_asks_for_is_promised_too():
 def test_an_effect_that_differs_from_test_to_test_about_none_is_not_told_from_none(mean, found):
     own = dict(zip("abcd", (0.2, -0.2, 0.2, -0.2), strict=True))
     observed = recordings(np.random.default_rng(5), lambda c, r: (mean + own[c.name]) * c.protocol.sample_time)
-    assert not_told_from_none(fitted(problem(observed), ("thermal_drift",))) == found
+    assert zero_on_average(fitted(problem(observed), ("thermal_drift",))) == found
 
 
 def frame(condition, replicate):
@@ -351,8 +354,8 @@ def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_rea
             return super().joined(fit, key)
 
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
-    eager = SearchPolicy(screened=np.inf, outdone=np.inf)
-    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [TRUTH], policy=eager)
+    eager = SearchPolicy(behind_best=np.inf, behind_adequate=np.inf)
+    search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=eager)
     found = diagnose(search, lambda said: None)
     assert found.failed == {"zero_offset": "lost contact"}
     assert (found.verdict, named(found.accepted)) == ("identified", ["thermal_drift"])
@@ -375,8 +378,8 @@ def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
     asked, task = [], problem(recordings(np.random.default_rng(11)))
     start = {"modulus": 0.8, "fluidity": 0.02}
     failing = replace(task, forward=FailingRecord(CONDITIONS))
-    found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), [start]).base
-    whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), [start]).base
+    found = Search(STUDY, failing, RECORD_ONLY, np.random.default_rng(0), start).base
+    whole = Search(STUDY, task, RECORD_ONLY, np.random.default_rng(0), start).base
     assert found.fit.log_evidence == pytest.approx(whole.fit.log_evidence, abs=0.1)
 
 

@@ -148,7 +148,7 @@ def test_plain_tests_have_plain_segments():
     assert kinds(found.parts) == ["approach", "loading", "unloading"]
     assert found.parts[-1].duration == pytest.approx(1.0, abs=0.02), "segment 3 of the file's header"
     assert measured_in(test.recording.time, test.recording.depth, found.parts) is None
-    rows = table([found])
+    rows = table([found], [("the file's own", 0.0)])
     assert rows["contact_nm"][0] == pytest.approx(found.contact.depth)
     assert np.isnan(rows["drift_nm_per_s"][0])
 

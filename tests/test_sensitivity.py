@@ -11,7 +11,7 @@ from palpate.solver.axisymmetric import march, newton
 from palpate.solver.axisymmetric.discretisation import mesh_radii
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import sensitivities, sensitivities_batch, simulate, specification_from
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
@@ -72,7 +72,7 @@ def specification(**changes):
 
 
 def radii_of(spec):
-    solid = acting(spec)
+    solid = applied_to_body(spec)
     return mesh_radii(solid.specimen, solid.indenter, solid.protocol, COARSE)
 
 

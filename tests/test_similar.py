@@ -9,7 +9,7 @@ from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.similar import indent_distinct
 from palpate.solver.simulation import simulate, simulate_batch
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specification import Specification
@@ -69,7 +69,7 @@ def test_loads_out_of_proportion_make_another_curve(simulated):
 
 
 def case(load, **changes):
-    solid = acting(under(load, **changes))
+    solid = applied_to_body(under(load, **changes))
     large = solid.kinematics == "large"
     return Case(solid.specimen, solid.indenter, solid.protocol, RESOLUTIONS["standard"], large)
 

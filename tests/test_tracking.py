@@ -14,7 +14,7 @@ import pytest
 from palpate.cli.main import main
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
-from palpate.workflow_support.run_records import Run, git_commit, of_calibration, of_diagnosis, recorded
+from palpate.workflow_support.run_records import Run, git_commit, of_calibration, of_diagnosis, tracked_runs
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
 Y = np.outer(X[:, 0] + X[:, 1] ** 2, np.linspace(1, 2, 5))
@@ -26,10 +26,10 @@ def write_records(folder, execution="one"):
     os.environ["PALPATE_EXECUTION"] = execution
     tracking.mkdir(parents=True, exist_ok=True)
     save(PODRBF().fit(X, Y), X, Y, folder / "results/s/model.npz")
-    with recorded("s", tracking / "surrogate.json") as runs:
+    with tracked_runs("s", tracking / "surrogate.json") as runs:
         runs.append(Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"loo_rms_at_point": [1.0] * 5}))
         runs[0].surrogate = str(folder / "results/s/model.npz")
-    with recorded("s", tracking / "fit.json", {"tags": {"lab.verdict": "adequate"}}) as runs:
+    with tracked_runs("s", tracking / "fit.json", {"tags": {"lab.verdict": "adequate"}}) as runs:
         runs.append(Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]}))
     return tracking
 
@@ -54,11 +54,11 @@ def test_runs_hold_what_fits_are_compared_by():
     modulus = {"estimate": 3.2, "lower": 3.0, "upper": 3.4, "identified": True}
     errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4, "role": "calibrate"}
     calibration = {"parameters": {"youngs_modulus": modulus}, "conditions": {"T030": errors}, "history": []}
-    told = {"seed": 862, "misfit_ratio": 1.1, "settled": False, "recordings": "lab", "condition_set": "all"}
+    told = {"seed": 862, "misfit_ratio": 1.1, "converged": False, "recordings": "lab", "condition_set": "all"}
     run = of_calibration(calibration | told, {"population": 200}, [])
     assert run.params == {"population": 200, "seed": 862}
     metrics = run.metrics
-    assert (metrics["misfit_ratio"], metrics["settled"], metrics["T030.mean_abs_error_nm"]) == (1.1, 0.0, 1.5)
+    assert (metrics["misfit_ratio"], metrics["converged"], metrics["T030.mean_abs_error_nm"]) == (1.1, 0.0, 1.5)
     drift = {"thermal_drift.rate": {"estimate": 0.11, "lower": 0.09, "upper": 0.13}}
     named = {"mechanisms": ["thermal_drift"], "probability": 1.0, "parameters": drift}
     roles = {role: {"before_rmse_nm": 9.0, "after_rmse_nm": None} for role in ("calibrate", "validate")}

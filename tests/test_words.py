@@ -42,7 +42,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
             "after": {"youngs_modulus": {"estimate": 3.2, "lower": 3.15, "upper": 3.25}},
         },
         "discriminating_test": None,
-        "may_hide": {},
+        "undetected_effects": {},
         "tried": [{"mechanisms": [], "p_value": 0.001, "parameters": {}}],
     }
 
@@ -71,21 +71,21 @@ def test_what_comes_nearest_is_said_where_nothing_explains():
     unexplained = content("unexplained")
     said = sentence(unexplained | {"tried": [tried]})
     film = "film on a substrate (thickness 511 nm, substrate modulus 70 GPa) with friction (coefficient 0.123)"
-    assert f"Nearest comes {film}, but more than noise is left (p = 0.004)." in said
-    assert "Nearest" not in sentence(unexplained)
-    assert "Nearest" not in sentence(unexplained | {"tried": [tried | {"p_value": 0.3}]}), "a law speaks against it"
+    assert f"The closest is {film}, but its residual is more than noise (p = 0.004)." in said
+    assert "The closest" not in sentence(unexplained)
+    assert "The closest" not in sentence(unexplained | {"tried": [tried | {"p_value": 0.3}]}), "a law speaks against it"
 
 
 def test_what_all_explanations_share_is_said():
     said = sentence(content("ambiguous", ROUNDED, SHIFTED))
-    assert "One of these explains it" in said
+    assert "Each of these explains it" in said
     assert "All of them need frame compliance." in said
     assert "All of them" not in sentence(content("ambiguous", DRIFT, SHIFTED))
 
 
 def test_a_single_suspicion_is_no_name():
     said = sentence(content("suspected", DRIFT, held_out=(None, None)))
-    assert "From these recordings alone it stays a suspicion; the fitted error falls from 9.0 to 2.0 nm" in said
+    assert "These recordings do not suffice to name it; the fitted error falls from 9.0 to 2.0 nm" in said
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_no_effect_is_named_without_need(verdict, words):
 def test_only_what_stands_far_from_zero_is_suspected():
     def beside(half):
         entry = {"estimate": 0.11, "lower": 0.11 - half, "upper": 0.11 + half}
-        return sentence(content("identified", DRIFT) | {"may_hide": {"frame_compliance.compliance": entry}})
+        return sentence(content("identified", DRIFT) | {"undetected_effects": {"frame_compliance.compliance": entry}})
 
     assert "Suspected, but not needed" not in beside(0.1)
     assert "frame compliance, 0.11 nm/mN (0.06 to 0.16)" in beside(0.05)
@@ -114,4 +114,4 @@ def test_a_suspicion_names_the_effect_that_may_be_none():
     spread = {"estimate": 0.3, "lower": -0.6, "upper": 1.1}
     shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
     said = sentence(content("suspected", shifted))
-    assert "it stays a suspicion, as the zero offset may be none on average" in said
+    assert "do not suffice to name it, as the zero offset may be zero on average" in said

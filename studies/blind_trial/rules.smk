@@ -55,7 +55,6 @@ rule trial_diagnoses:
     input:
         checksum=f"{TRIAL}/checksum.txt",
         recordings=lambda wildcards: GROUPS[wildcards.group],
-        surrogates=expand(f"{FOLDER}/surrogates/{{name}}.npz", name=CALIBRATED),
     output:
         directory(f"{TRIAL}/diagnoses/{{group}}"),
     log:
@@ -63,7 +62,6 @@ rule trial_diagnoses:
     conda:
         "../../envs/palpate.yaml"
     params:
-        conditions=CALIBRATED,
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         code=code("studies/blind_trial/scripts/diagnoses.py"),
     script:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,29 +13,26 @@ import pandas as pd
 from scipy.stats import chi2
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.candidates import candidates, scale_of
-from palpate.diagnosis.covariance import errors, noise_of
+from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.detect import count_of_filters
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Problem
-from palpate.diagnosis.study_diagnosis import optimum_on_surrogates, run_diagnosis
+from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.errors import PalpateError
+from palpate.inference.covariance import errors, noise_of
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
-from palpate.surrogate import PODRBF
 from studies.blind_trial.cases import Case
 from studies.blind_trial.laboratory import body_depths
 from studies.blind_trial.score import row
 
 
 def diagnose_case(
-    study: Study, folder: Path, surrogates: Mapping[str, PODRBF], report: Callable[[str], None] = print
+    study: Study, folder: Path, report: Callable[[str], None] = print
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose the recordings in `folder`; nothing of the truth is read."""
-    own = replace(study, recordings={"case": folder})
-    start = optimum_on_surrogates(own, observations(own, "case"), surrogates)
-    return run_diagnosis(own, "case", [start], report)
+    return run_diagnosis(replace(study, recordings={"case": folder}), "case", report=report)
 
 
 def strength(study: Study, case: Case, folder: Path) -> float:
@@ -47,7 +44,7 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     """
     if not case.mechanisms:
         return float("nan")
-    problem = Problem.of(study, observations(replace(study, recordings={"case": folder}), "case"), scale_of(study))
+    problem = Problem.of(study, observations(replace(study, recordings={"case": folder}), "case"))
     z = problem.forward.coordinates.scaled(case.parameters)
     base = problem.forward.of_record(z)
     (found,) = base.tangents([z])

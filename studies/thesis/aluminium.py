@@ -5,13 +5,16 @@ The surrogate's leave-one-out errors join the covariance; the solver judges the 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from palpate.inference.calibrate import calibrate
 from palpate.inference.measures import relative
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
+from palpate.inference.surrogate_forward import Surrogates
 from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
@@ -44,13 +47,13 @@ def run(context: Context) -> Outcome:
         training = context.curves[design].where(role="training").succeeded()
         snapshots = training.matrix(study.levels), training.depth
         surrogate = PODRBF(**study.surrogate).fit(*snapshots)
+        on_surrogate = Surrogates({name: surrogate}, bounds)
         found = calibrate(
-            {name: surrogate},
-            measured,
+            replace(Problem.of(study, measured), forward=on_surrogate),
+            on_surrogate.predictors,
             bounds,
             rng=np.random.default_rng(study.seed),
             settings=settings_of(study),
-            surrogate_error={name: surrogate.loo_error_},
         )
         simulated = simulate(study.specification(found.values, study.condition(name))).depth
         fitted += [

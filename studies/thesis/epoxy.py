@@ -62,7 +62,7 @@ def run(context: Context) -> Outcome:
             "misfit": {
                 name: {
                     "time": item.time.tolist(),
-                    "misfit": (found.fe_curves[name] - item.mean).tolist(),
+                    "misfit": (found.simulated_curves[name] - item.mean).tolist(),
                     "role": item.role,
                 }
                 for name, item in measured.items()

@@ -5,6 +5,8 @@
 Assumes small strains, a contact much smaller than the sphere (a << R: the sphere is taken as a paraboloid), no friction
 and no adhesion.
 
+`youngs_modulus` [GPa] and `poisson_ratio` [-] are those of the half-space, `radius` [nm] that of the sphere.
+
 Source: H. Hertz, J. reine angew. Math. 92 (1882) 156-171; K. L. Johnson, Contact Mechanics (1985), equations (4.22) and
 (4.23).
 """

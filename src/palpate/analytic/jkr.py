@@ -51,13 +51,33 @@ class AdhesiveContact:
 
     @classmethod
     def sphere(cls, youngs_modulus: float, poisson_ratio: float, radius: float, work: float) -> AdhesiveContact:
-        """Return the contact of a sphere; modulus in GPa, radius in nm, work in mJ/m^2."""
+        """Return the contact of a sphere; modulus in GPa, radius in nm, work in mJ/m^2.
+
+        Parameters
+        ----------
+        youngs_modulus, poisson_ratio
+            Of the half-space [GPa], [-].
+        radius
+            Of the sphere [nm].
+        work
+            Work of adhesion [mJ/m^2].
+        """
         e, r = youngs_modulus / (1 - poisson_ratio**2), UM_PER_NM * radius
         return cls(lambda a: 4 / 3 * e * a**3 / r, lambda a: a**2 / r, e, work)
 
     @classmethod
     def cone(cls, youngs_modulus: float, poisson_ratio: float, half_angle: float, work: float) -> AdhesiveContact:
-        """Return the contact of a cone; modulus in GPa, half-angle in degrees, work in mJ/m^2."""
+        """Return the contact of a cone; modulus in GPa, half-angle in degrees, work in mJ/m^2.
+
+        Parameters
+        ----------
+        youngs_modulus, poisson_ratio
+            Of the half-space [GPa], [-].
+        half_angle
+            Of the cone, from its axis [deg].
+        work
+            Work of adhesion [mJ/m^2].
+        """
         e, slope = youngs_modulus / (1 - poisson_ratio**2), 1 / np.tan(np.radians(half_angle))
         return cls(lambda a: np.pi / 2 * e * slope * a**2, lambda a: np.pi / 2 * slope * a, e, work)
 

@@ -24,11 +24,5 @@ def factor(radius: float) -> float:
 
 
 def load(modulus: RelaxationModulus, protocol: Protocol, radius: float) -> np.ndarray:
-    """Return the load [mN] at the protocol's sampling times, shape (n,), where it prescribes the depth.
-
-    Raises
-    ------
-    InputError
-        When the depth falls before the last sample.
-    """
+    """Return the load [mN] (n,) at the sampling times of a prescribed depth; raises `InputError` where that falls."""
     return factor(radius) * modulus.hereditary_integral(protocol, EXPONENT)

@@ -5,6 +5,8 @@
 Assumes small strains, a shallow frictionless rigid cone (the boundary condition is put on the undeformed surface, and
 the radial displacement there is neglected) and no adhesion. `half_angle` is the angle between the axis and a flank.
 
+`youngs_modulus` [GPa] and `poisson_ratio` [-] are those of the half-space, `half_angle` [deg] that of the cone.
+
 Source: I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47-57, the conical punch; K. L. Johnson, Contact Mechanics (1985),
 section 5.2, with his mean pressure (E*/2) cot(alpha).
 """

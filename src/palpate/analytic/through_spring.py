@@ -32,6 +32,8 @@ def load_and_depth(
 
     Parameters
     ----------
+    modulus
+        Relaxation modulus of the half-space.
     factor, exponent
         c and n of the tip.
 

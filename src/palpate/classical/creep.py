@@ -36,6 +36,13 @@ def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray, share: flo
 
     The hold ends with the last point within 0.1 % of the largest load; what follows already unloads, and recovers.
 
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm].
+    share
+        Part of the hold to which the parabola is fitted.
+
     Raises
     ------
     InputError

@@ -48,6 +48,14 @@ def fit_viscoelastic(
 
     Parameters
     ----------
+    model
+        Name of one of `MODELS`.
+    indenter, protocol
+        Tip and load history of the test.
+    depth : ndarray, shape (n,)
+        Recorded depths [nm].
+    poisson_ratio
+        Of the half-space [-], constant in time.
     unloading
         Fit the whole curve by Ting's solution; otherwise loading and hold alone.
 

@@ -70,7 +70,15 @@ class OliverPharr:
 
 
 def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return load and depth of the unloading between two fractions of the largest load."""
+    """Return load and depth of the unloading between two fractions of the largest load.
+
+    Parameters
+    ----------
+    load, depth : ndarray, shape (n,)
+        [mN], [nm].
+    upper, lower
+        Fractions of the largest load between which the unloading is taken.
+    """
     last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
     load, depth = load[last:], depth[last:]
     keep = (load <= upper * load.max()) & (load >= lower * load.max())
@@ -84,6 +92,11 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lowe
 
     The fit is to the depth, h = h_f + (P / B)^(1/m), with loads and depths scaled by their largest values. With a nose
     the law cannot hold, and the exponent ends on its upper bound; the stiffness is then that of the best such curve.
+
+    Parameters
+    ----------
+    load, depth, upper, lower
+        See `unloading_part`.
 
     Raises
     ------

@@ -40,6 +40,15 @@ def relaxation(compliance: Compliance, step: float, count: int) -> np.ndarray:
 def depth(compliance: Compliance, indenter: Indenter, protocol: Protocol, steps: int = STEPS) -> np.ndarray:
     """Return the depth [nm] at the sampling times, unloading included.
 
+    Parameters
+    ----------
+    compliance
+        Creep compliance of the half-space.
+    indenter, protocol
+        Tip and load history.
+    steps
+        Number of equal time steps of the integration.
+
     Raises
     ------
     InputError

@@ -1,4 +1,4 @@
-"""``palpate check``: is a study sound, and are its recordings, before anything is simulated."""
+"""``palpate check``: are a study and its recordings valid, before anything is simulated."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def described(study: Study) -> Iterator[str]:
-    """Say what a study simulates, which tests each set of recordings holds, and what they leave open."""
+    """Say what a study simulates, which tests each set of recordings holds, and what they cannot show."""
     from palpate.solver.store import conditions_by_shape
-    from palpate.workflow_support.data_quality import doubts
+    from palpate.workflow_support.data_quality import data_quality
 
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
@@ -47,17 +47,17 @@ def described(study: Study) -> Iterator[str]:
     for conditions in conditions_by_shape(study):
         if len(conditions) > 1:
             yield f"one simulation serves {', '.join(c.name for c in conditions)}, which differ in size alone"
-    yield f"calibrated on {', '.join(roles['calibrate'])}; judged by {', '.join(roles['validate']) or 'nothing else'}"
+    yield f"calibrated on {', '.join(roles['calibrate'])}; validated on {', '.join(roles['validate']) or 'nothing'}"
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():
         tests = tests_of(study, name)
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
         yield f"recordings {name} in {folder.resolve()}: {found}"
-        yield from (f"recordings {name}: {doubt}" for doubt in doubts(study, name))
+        yield from (f"recordings {name}: {note}" for note in data_quality(study, name))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
-            yield f"recordings {name}: too few tests are repeated for the diagnosis to name an effect alone"
+            yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"
 
 
 def tests_of(study: Study, name: str) -> dict[str, int]:

@@ -53,16 +53,16 @@ def run(arguments: argparse.Namespace) -> int:
         columns = read.column_map(arguments)
     except InputError as error:
         raise error.located(file=arguments.files[0]) from None
-    tests = readable(arguments.files, _said, arguments.contact, arguments.corrections, columns)
+    tests = readable(arguments.files, _reported, arguments.contact, arguments.corrections, columns)
     study, remarks = write_study(
-        tests, arguments.output, study_name(arguments.output), _said, arguments.law, arguments.sphere
+        tests, arguments.output, study_name(arguments.output), _reported, arguments.law, arguments.sphere
     )
     for remark in remarks:
-        _said(remark)
+        _reported(remark)
     print(*check.described(study), sep="\n")
     print(f"next: look through the guesses in {study.file}, then palpate run {study.file}")
     return 0
 
 
-def _said(line: str) -> None:
+def _reported(line: str) -> None:
     print(f"palpate: {line}", file=sys.stderr)

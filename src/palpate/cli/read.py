@@ -138,7 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
         before = path.read_bytes() if path.exists() else None
         replace(test.recording, notes=notes, stiffness=stiffness).write(path)
         if before not in (None, path.read_bytes()):
-            print(f"palpate: {path}: replaced; what stood there differed", file=sys.stderr)
+            print(f"palpate: {path}: replaced; its former content differed", file=sys.stderr)
         print(path)
         if surveys:
             _draw(surveys[number], path.with_suffix(".png"), taken[number])

@@ -1,4 +1,4 @@
-"""``palpate verify``: the solver held to exact solutions, exact laws, its own convergence and another program."""
+"""``palpate verify``: the solver against exact solutions, exact laws, its own convergence and another program."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ LONGEST = 60
 
 
 def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
-    """Check what a YAML file holds; keys that are not known are told before those that are missing for it.
+    """Check the content of a YAML file; unknown keys are reported before the missing ones that they may stand for.
 
     Raises
     ------

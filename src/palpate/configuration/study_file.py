@@ -1,4 +1,4 @@
-"""A study: what is simulated, what was recorded, and how the two are brought together. Read from one YAML file."""
+"""A study: what is simulated, what was recorded, and how the two are compared. Read from one YAML file."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Condition:
     name
         Such as ``P1.00_T030``; recordings of it are ``NAME_REPLICATE.csv``.
     role
-        ``calibrate``, or ``validate``: takes no part in a calibration and judges it.
+        ``calibrate``, or ``validate``: held out of calibrations, to validate them.
     protocol
         What is prescribed, and sampling times.
     follows
@@ -285,7 +285,7 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
 
 
 def _check_contradictions(values: Mapping[str, Any]) -> None:
-    """Refuse keys that another key makes idle: what a user writes must count; raises `InputError`."""
+    """Refuse keys that another key makes ineffective; raises `InputError`."""
     design, surrogate = values.get("design", {}), values.get("surrogate", {})
     if "points" in design and design.get("kind") != "sobol":
         raise InputError(

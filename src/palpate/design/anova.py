@@ -115,7 +115,17 @@ def anova(design: OrthogonalArray, response: np.ndarray) -> Anova:
 
 
 def effect(freedom: int, square: float, error: float, error_freedom: int, total: float) -> Effect:
-    """Return the row of a factor from its sum of squares and the error's mean square."""
+    """Return the row of a factor from its sum of squares and the error's mean square.
+
+    Parameters
+    ----------
+    freedom, square
+        Degrees of freedom and sum of squares of the factor.
+    error, error_freedom
+        Mean square of the error, and its degrees of freedom.
+    total
+        Sum of squares of the whole response.
+    """
     mean_square = square / freedom
     ratio = mean_square / error if error > 0 else float("inf")
     return Effect(

@@ -90,14 +90,14 @@ class OrthogonalArray:
         ]
 
     def aliases(self) -> dict[str, list[tuple[str, str, float]]]:
-        """Return the two-factor interactions that hide in each factor's main effect.
+        """Return the two-factor interactions that are aliased with each factor's main effect.
 
         Returns
         -------
         dict
             For each factor, (factor, factor, share): the share of the interaction's variance, all its degrees of
-            freedom equally large, that the ANOVA books as the factor's. An array of 16 or 27 runs has too few degrees
-            of freedom for interactions of their own, so the rest lies in the error term.
+            freedom equally large, that the ANOVA attributes to the factor. An array of 16 or 27 runs has too few
+            degrees of freedom for interactions of their own, so the rest lies in the error term.
         """
         found: dict[str, list[tuple[str, str, float]]] = {name: [] for name in self.factors}
         contrasts = [_contrasts(self.levels[:, k]) for k in range(len(self.factors))]

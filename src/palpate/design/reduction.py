@@ -1,4 +1,4 @@
-"""Fewer levels for what matters less: from an analysis of variance to the levels of a snapshot grid.
+"""Levels of a snapshot grid from an analysis of variance: fewer for factors that matter less.
 
 The thesis decides by eye; its two decisions (chapter 4: 4 x 4 x 4 to 3 x 4 x 3; chapter 5: six factors to
 3 x 4 x 4 x 3 x 2 x 1) follow from one rule:
@@ -23,7 +23,7 @@ SIGNIFICANT = 0.05
 
 
 def level_counts(analysis: Anova) -> dict[str, int]:
-    """Return how many levels each factor deserves."""
+    """Return the number of levels of each factor."""
     counts = {}
     for name in analysis.means:
         effect = analysis.effects[name]

@@ -1,13 +1,13 @@
-"""Which explanations are accepted of those that were tried, and what may be said of them."""
+"""Which of the explanations that were tried are accepted, and which verdict follows."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.stats import chi2
 
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Explanation, Problem
 from palpate.diagnosis.search import Candidate
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 CLOSE = np.log(100.0)
@@ -15,12 +15,12 @@ NEEDED = 2.0  # of the log evidence: a parameter costs one by Akaike's criterion
 
 
 def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) -> list[Candidate]:
-    """Return what passes of `found`, best first, within a ratio of 100 of the best of all that were tried.
+    """Return the adequate ones of `found`, best first, whose evidence is within a ratio of 100 of the best tried.
 
-    The best may not be accepted: where something far likelier still leaves more than noise, the truth is not among
-    those that pass. What passes and fits as well as an accepted one, but for a ratio of the likelihood, is accepted
-    beside it, though the evidence counts against it that it could have explained much else: recordings do not tell them
-    apart.
+    None may be accepted: where a far likelier explanation still leaves more than noise, the truth is not among the
+    adequate ones. An adequate explanation whose likelihood is within the same ratio of an accepted one is accepted
+    beside it, even if its evidence is lower because it could have explained much else: the recordings do not
+    distinguish them.
     """
     best = best_evidence(tried)
     passed = best_first([candidate for candidate in found if candidate.adequate(level)])
@@ -31,7 +31,7 @@ def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) ->
     return [each for each in passed if each.fit.log_evidence >= best - CLOSE or each.fit.log_likelihood >= fits - CLOSE]
 
 
-def judged(accepted: list[Candidate]) -> tuple[str, list[float]]:
+def verdict_of(accepted: list[Candidate]) -> tuple[str, list[float]]:
     """Return the verdict, and the probabilities of the accepted explanations."""
     if not accepted:
         return "unexplained", []
@@ -41,29 +41,29 @@ def judged(accepted: list[Candidate]) -> tuple[str, list[float]]:
 
 
 def may_be_named(problem: Problem, explanation: Explanation) -> bool:
-    """Return whether recordings bear a name alone, where a single explanation is accepted.
+    """Return whether the recordings suffice to name the single explanation that is accepted.
 
-    Where most conditions have no replicates, part of the noise is assumed. A single condition fixes a curve and not a
-    law: what an effect on the body does to one curve, a law that is in no library may do, too.
+    Where most conditions have no replicates, part of the noise is assumed. A single condition determines a curve, not a
+    law: a law outside the library may change that curve as an effect on the body does.
     """
     return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
 
 
-def not_told_from_none(fit: Fit) -> list[str]:
-    """Return the instrument's effects of an explanation whose mean amplitudes may as well all be none, at 95 %.
+def zero_on_average(fit: Fit) -> list[str]:
+    """Return the instrument's effects of an explanation whose mean amplitudes do not differ from zero at 95 %.
 
-    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. What they explain is that
-    single recordings differ, which chance, or another law, may do, too.
+    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. They explain that single
+    recordings differ, which chance or another law may cause, too.
     """
-    open_ones, problem = [], fit.problem
+    undecided, problem = [], fit.problem
     for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
         names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
         places = [problem.place(fit.explanation, name) for name in names]
         values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])
         steps = values / slopes
         if steps @ np.linalg.solve(fit.posterior[np.ix_(places, places)], steps) <= chi2.ppf(0.95, len(names)):
-            open_ones.append(key)
-    return open_ones
+            undecided.append(key)
+    return undecided
 
 
 def of_instrument(explanation: Explanation) -> bool:
@@ -72,7 +72,7 @@ def of_instrument(explanation: Explanation) -> bool:
 
 
 def best_evidence(tried: list[Candidate]) -> float:
-    """Return the greatest logarithm of the evidence of those that contradict no law."""
+    """Return the largest log evidence of the candidates that contradict no exact law."""
     return max((each.fit.log_evidence for each in tried if not each.contradicts), default=-np.inf)
 
 
@@ -82,27 +82,27 @@ def best_first(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
-    """Return one candidate for each set of mechanisms, best first: a set that was fitted again is listed once."""
+    """Return the best candidate of each set of mechanisms, best first; a set may have been fitted more than once."""
     likeliest: dict[frozenset[str], Candidate] = {}
     for candidate in best_first(candidates):
         likeliest.setdefault(frozenset(candidate.fit.explanation), candidate)
     return list(likeliest.values())
 
 
-def without_idle(accepted: list[Candidate]) -> list[Candidate]:
-    """Return the accepted sets, but for those of which a special case is accepted: they hold what does nothing.
+def without_redundant(accepted: list[Candidate]) -> list[Candidate]:
+    """Return the accepted sets without those of which a special case is accepted: the rest of such a set has no effect.
 
-    One with as many mechanisms as its special case stays where its evidence is larger by more than `NEEDED`: the
-    evidence charges nothing for the variance of values that recordings have of their own.
+    A set with as many mechanisms as its special case stays where its log evidence is larger by more than `NEEDED`,
+    because the evidence has no penalty for the variance of values that differ between recordings.
     """
 
-    def idle(each: Fit, other: Fit) -> bool:
+    def redundant(each: Fit, other: Fit) -> bool:
         fewer = len(other.explanation) < len(each.explanation)
         special = is_special_case(other.explanation, each.explanation)
         return special and (fewer or each.log_evidence <= other.log_evidence + NEEDED)
 
     fits = [candidate.fit for candidate in accepted]
-    return [candidate for candidate in accepted if not any(idle(candidate.fit, other) for other in fits)]
+    return [candidate for candidate in accepted if not any(redundant(candidate.fit, other) for other in fits)]
 
 
 def is_special_case(explanation: Explanation, other: Explanation) -> bool:

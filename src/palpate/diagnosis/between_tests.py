@@ -1,14 +1,14 @@
-r"""Whether values that differ from recording to recording follow the test: then something else was left out.
+r"""Whether values that differ between recordings depend on the test: then something else was left out.
 
-A drift or a zero point is a matter of each single recording. If it is what was left out, its values scatter as much
-between the replicates of one test as between tests. Physics that is in no library can pass for it, with a value for
-each test; but then replicates agree, and the tests do not.
+A drift or a zero point belongs to each single recording. If it is what was left out, its values scatter as much between
+the replicates of one test as between tests. Physics outside the library can resemble it, with a value for each test;
+but then the replicates of a test agree and the tests differ.
 
-Analysis of variance of one way (R.A. Fisher, Statistical Methods for Research Workers, 1925, ch. VII), on the values of
-single recordings by generalised least squares. Values found less surely count less, and what the simulation errs by
-is common to the replicates of a test, so the ratio's distribution comes from draws: the variance between replicates
-from its scaled inverse chi-square distribution, then the tests' means. Without an error of the simulation and with
-equal precision this is Fisher's test.
+One-way analysis of variance (R.A. Fisher, Statistical Methods for Research Workers, 1925, ch. VII), on the values of
+single recordings by generalised least squares. Less certain values have less weight, and the error of the simulation is
+common to the replicates of a test, so the distribution of the ratio is found from draws: the variance between
+replicates from its scaled inverse chi-square distribution, then the tests' means. Without an error of the simulation
+and with equal precision this is Fisher's test.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
 DRAWS = 20000
 JITTER = 1e-9
@@ -47,8 +47,8 @@ def _own_values(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     Returns
     -------
     estimator, variances, values : ndarray, shapes (k, n), (k,) and (k, r)
-        What makes values of depths, by generalised least squares; their variances from the noise of a recording, apart
-        from how its own amplitudes scatter; and the values.
+        The generalised-least-squares matrix that maps depths to values; the variances of the values from the noise of a
+        recording without the scatter of its own amplitudes; and the values.
     """
     condition, noise, own = fit.problem.conditions[number], fit.errors.noise, [str(amplitude) for amplitude in fit.own]
     rest = {name: part for name, part in fit.errors.components[number].items() if name not in own}
@@ -65,6 +65,8 @@ def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rn
 
     Parameters
     ----------
+    rng
+        Source of the draws.
     rows : sequence of ndarray, shape (r,)
         Values of each test's recordings.
     noise : ndarray, shape (c,)

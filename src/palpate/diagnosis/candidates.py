@@ -1,78 +1,24 @@
-"""Which mechanisms a diagnosis of a study considers and within which ranges, and the size of the study."""
+"""Which mechanisms a diagnosis of a study considers, and within which ranges."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.design.sampling import factorial
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate
+from palpate.inference.study_scale import SLOPE, scale_of
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
-from palpate.recordings.contact_interval import joint_interval
-from palpate.recordings.recording import Recording
-from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, mean_pressure
+from palpate.solver.axisymmetric.contact_size import check_size, contact_range, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
-from palpate.solver.axisymmetric.profile import Profile
-from palpate.solver.variation import acting
-from palpate.study.protocol import Protocol
+from palpate.solver.variation import applied_to_body
 from palpate.study.specification import of_equivalent_cone
 
-OFFSET = "zero_offset"
 SOME = 0.6  # of the ranges, where a mechanism is tried on the study's material and tip
 KINDS_OF_TESTS = 3  # of what an explanation leaves: each p-value of draws counts so often (Bonferroni)
-SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
-
-
-def middle(study: Study) -> dict[str, float]:
-    """Return the material in the middle of the study's grid."""
-    return {name: float(np.mean(levels)) for name, levels in study.levels.items()}
-
-
-def scale_of(study: Study) -> Scale:
-    """Return the size of the study, estimated from its middle material."""
-    cell = middle(study)
-    conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
-    largest = max(conditions, key=lambda condition: condition.protocol.largest_drive)
-    specification = of_equivalent_cone(study.specification(cell, largest))
-    tip = specification.indenter
-    radius = contact_range(specification.specimen, tip, largest.protocol)[1]
-    slope = Profile.of(tip).slope_for(radius) if tip.area else tip.slope
-    slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
-    return Scale(
-        depth=1.2e3 * radius * slope,
-        load=expected_load(specification.specimen, tip, largest.protocol),
-        modulus=specification.parameters["youngs_modulus"],
-        duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
-        loading_time=min(longest_rise(c.protocol) for c in conditions),
-        half_angle=tip.half_angle,
-        pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
-        stated=study.diagnosis["ranges"],
-    )
-
-
-def with_contact_sought(scale: Scale, recordings: Iterable[Recording]) -> Scale:
-    """Return the scale with the recordings' own intervals of contact as the range of their zero offsets.
-
-    A range that the study states stays; nothing changes where a recording's contact was not sought.
-    """
-    interval = joint_interval(recordings)
-    if interval is None or interval[0] == interval[1] or OFFSET in scale.stated:
-        return scale
-    return replace(scale, stated={**scale.stated, OFFSET: {"offset": interval}})
-
-
-def longest_rise(protocol: Protocol) -> float:
-    """Return the duration [s] of the uninterrupted rise that gains the most, however many corners it has."""
-    steps = np.diff(protocol.knot_drive)
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], steps > 0, [False]]).astype(int)))
-    runs = ends.reshape(-1, 2)
-    first, last = max(runs, key=lambda run: protocol.knot_drive[run[1]] - protocol.knot_drive[run[0]])
-    return float(protocol.knot_time[last] - protocol.knot_time[first])
 
 
 def candidates(study: Study) -> dict[str, Mechanism]:
@@ -81,7 +27,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names what is not known or cannot act, ranges of what is not searched, or too few draws.
+        When the study names a mechanism that does not exist or cannot act, a range of a quantity that is not searched,
+        or too few draws.
     """
     try:
         return _candidates(study)
@@ -104,7 +51,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
         values = dict(mechanism.from_search(some, scale))
         try:
             for specification in specifications:
-                acting(replace(specification, mechanisms={key: values}))
+                applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
             if study.diagnosis["mechanisms"]:
                 raise
@@ -114,7 +61,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _check_draws(draws: int, level: float) -> None:
-    """Refuse so few draws of the noise that no p-value falls below the significance: everything would pass."""
+    """Refuse so few draws that no p-value can fall below the significance: everything would be adequate."""
     least = int(KINDS_OF_TESTS / level + 1e-9)
     if draws < least:
         raise InputError(
@@ -125,7 +72,7 @@ def _check_draws(draws: int, level: float) -> None:
 
 
 def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
-    """Refuse stated ranges of what is not searched, or that hold nothing."""
+    """Refuse stated ranges of quantities that are not searched, and empty ranges."""
     for key, ranges in scale.stated.items():
         if key not in considered:
             raise InputError(
@@ -145,7 +92,7 @@ def _check_ranges(scale: Scale, considered: Sequence[str]) -> None:
 
 
 def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
-    """Refuse stated ranges whose ends the mechanism does not declare, or the study's extreme bodies cannot have.
+    """Refuse stated ranges with ends that the mechanism does not allow, or that the study's extreme bodies cannot have.
 
     Quantities without a stated range are at their lowest, where bodies are softest.
     """

@@ -1,10 +1,10 @@
 """Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
 
 A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
-oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. Of the first two,
-what creep does there is taken off. A hold at any load bounds the drift, because creep only adds to the depth. Laws are
-data beside the curves (`palpate.diagnosis.amplitude_constraint`), as long as the two agree: an explanation to which the
-curves alone give another amplitude, beyond both intervals, is wrong, however well it fits.
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. For the first two,
+the contribution of creep is subtracted. A hold at any load bounds the drift, because creep only adds to the depth. Laws
+are data beside the curves (`palpate.inference.amplitude_constraint`) as long as the two agree: an explanation whose
+amplitude from the curves alone lies outside both intervals is rejected, however well it fits.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import numpy as np
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.errors import InputError
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
 from palpate.recordings.recording import Recording
 from palpate.recordings.sharp_origin import sharp_origin
@@ -35,7 +35,7 @@ OF_OSCILLATION = (Assumption.UNIFORM, Assumption.ONE_COMPLIANCE)
 
 @lru_cache(maxsize=256)
 def surveyed(recording: Recording) -> Survey | None:
-    """Survey a recording, once for the laws of a study and for its own; None where it cannot be surveyed."""
+    """Survey a recording (cached: its study's laws and its own need it); None where it cannot be surveyed."""
     try:
         return survey(recording)
     except InputError:
@@ -43,7 +43,7 @@ def surveyed(recording: Recording) -> Survey | None:
 
 
 def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None = None) -> list[AmplitudeConstraint]:
-    """Return what exact laws say about the recordings of one material on one instrument; none where they are silent.
+    """Return the amplitudes that exact laws give from recordings of one material on one instrument; may be empty.
 
     The drift is the mean of the tests' rates, with the mean of their intervals: each test has a rate of its own. Where
     no test holds a low load, holds under load bound the drift. For the frame, tests with four unloadings whose loads
@@ -52,9 +52,9 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     Parameters
     ----------
     solid
-        Of a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_constraints`.
-        What holds at low load and tops of unloadings show there is taken off, and makes the intervals wider by as much
-        both ways, since it is known no better than the material; where they show nothing, these laws are silent.
+        For a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_constraints`.
+        The apparent drift and compliance of these curves are subtracted, and widen the intervals by as much on both
+        sides, since they are known no better than the material; where these curves give none, the laws do not apply.
     """
     seen = [found for found in map(surveyed, recordings) if found is not None]
     alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
@@ -75,7 +75,7 @@ def _beyond(
     seen: Sequence[Survey],
     alone: Sequence[Survey] | None,
 ) -> AmplitudeConstraint | None:
-    """Return what a law says beyond that which the solid shows alone, where it creeps."""
+    """Return what a law gives, less what it gives for the creeping solid alone."""
     found = measure(seen)
     if found is None or alone is None:
         return found
@@ -99,7 +99,7 @@ def _drift_in_holds(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
 
 
 def _frame_by_tops(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
-    """Return the law of the tops of unloadings, a test's own drift taken off where a hold shows it."""
+    """Return the frame from the tops of unloadings, with each test's drift subtracted where a hold gives it."""
     of_drift = OF_HOLDS if all(found.drift for found in seen) else (*OF_HOLDS, Assumption.NO_DRIFT)
     frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
     return _law_of(frame, "tops of unloadings", OF_TOPS + of_drift) if frame else None
@@ -116,7 +116,7 @@ def _frame_by_oscillation(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
 
 
 def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[AmplitudeConstraint]:
-    """Return what unloadings say of the frame where the study's solid and tip are a reference; else nothing."""
+    """Return the frame from unloadings where the study's solid and tip are a reference; else an empty list."""
     given = study.diagnosis.get("reference")
     if given is None:
         return []
@@ -135,11 +135,12 @@ def _law_of(frame: FrameCompliance, words: str, assumed: Sequence[Assumption]) -
 def zero_points(
     recordings: Mapping[str, Iterable[Recording]], laws: Sequence[AmplitudeConstraint] = ()
 ) -> list[dict[str, Any]]:
-    """Return where a sharp tip's law begins, one row a recording: condition, number, estimate, lower, upper [nm].
+    """Return the zero points of a sharp tip's law, one row a recording: condition, number, estimate, lower, upper [nm].
 
-    A blunt tip, a yielding frame and creep shift the origin, too. A frame that a law shows, the narrowest where several
-    do, is taken off for ``frame_off``, ``frame_off_lower`` and ``frame_off_upper``, which cover the law's interval.
-    Differences between tests on one material are free of all that.
+    A blunt tip, a yielding frame and creep shift the origin, too. Where a law gives the frame (the law with the
+    narrowest interval), ``frame_off``, ``frame_off_lower`` and ``frame_off_upper`` are the zero point with that
+    compliance subtracted; they cover the law's interval. Differences between tests on one material are free of all
+    that.
     """
     shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
     shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
@@ -160,15 +161,15 @@ def zero_points(
 
 
 def contradicted(fit: Fit, laws: Sequence[AmplitudeConstraint]) -> list[AmplitudeConstraint]:
-    """Return the laws that the amplitudes which the curves give an explanation contradict."""
+    """Return the laws that an explanation's amplitudes, estimated from the curves alone, contradict."""
     return [law for law in laws if law.holds_under(fit.explanation) and not law.allows(*_amplitude(fit, law))]
 
 
 def _amplitude(fit: Fit, law: AmplitudeConstraint) -> tuple[float, float]:
-    """Return the amplitude that the curves alone give a mechanism, and its standard deviation.
+    """Return a mechanism's amplitude from the curves alone, and its standard deviation.
 
-    Where laws took part in the fit, theirs is taken out again to first order. Without the mechanism the amplitude is
-    zero, to within what counts as background.
+    Where laws took part in the fit, their contribution is removed to first order. Without the mechanism the amplitude
+    is zero, to within what counts as background.
     """
     if law.key not in fit.explanation:
         return 0.0, MECHANISMS[law.key].background

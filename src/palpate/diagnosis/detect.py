@@ -1,7 +1,7 @@
 r"""Detection: whether an explanation leaves anything but noise.
 
-The whitened residual is projected off the tangent space of the fitted parameters. Then three kinds of filters look at
-it:
+The whitened residual is projected off the tangent space of the fitted parameters. Three kinds of filters are then
+applied to it:
 
     signatures   each mechanism's effect at several amplitudes (`screen`), one degree of freedom each
     own values   a mechanism that varies, with a value for each condition, as many degrees of freedom
@@ -10,10 +10,11 @@ it:
 each turned into a chi-square probability; the smallest one is the statistic. Its distribution comes from simulated
 noise: the noise model itself is drawn anew each time from its uncertainty, and the material parameters are refitted
 (which, to first order, is the projection). So the p-value is for the whole family of filters. In the tangent space
-itself nothing is left once the fit has converged within its bounds; what is left where it has not counts as it stands.
+itself the residual vanishes once the fit has converged within its bounds; what remains where it has not is tested by
+its chi-square.
 
-Two more kinds of tests look at the recordings behind the means: whether replicates differ in a way that a mechanism
-explains whose value varies, and whether the values of one that was named follow the test (`between_tests`).
+Two more kinds of tests use the single recordings: whether replicates differ as a mechanism with varying values makes
+them, and whether the values of a mechanism in the explanation depend on the test (`between_tests`).
 """
 
 from __future__ import annotations
@@ -26,11 +27,11 @@ from scipy.linalg import cholesky
 from scipy.stats import chi2
 
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import noise_of
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.screen import Screen, count_of_trials
+from palpate.inference.covariance import noise_of
+from palpate.inference.explanation import Fit
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2
@@ -39,7 +40,7 @@ LEAST_LOG_P = -700.0  # where a probability underflows
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """Directions in which something might be left.
+    """Directions of the residual in which an effect might be left.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ class Filter:
 
 
 def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of what `columns` have outside `tangent` (both whitened); may be empty."""
+    """Return an orthonormal basis of the part of `columns` outside `tangent` (both whitened); may be empty."""
     scale = np.linalg.norm(columns, axis=0)
     columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
     left = columns - tangent @ (tangent.T @ columns)
@@ -90,7 +91,7 @@ def filters(fit: Fit, screen: Screen) -> list[Filter]:
 
 
 def count_of_filters(problem: Problem, keys: Sequence[str]) -> int:
-    """Return the number of filters that look at the base model's residual."""
+    """Return the number of filters that are applied to the base model's residual."""
     parts = sum(len(segments(condition.protocol)) for condition in problem.conditions)
     return parts + sum(count_of_trials(problem, key) + MECHANISMS[key].varies for key in keys)
 
@@ -105,7 +106,21 @@ def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarra
 
 
 def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site_scatter: float) -> float:
-    """Return the p-value, for the whole family of filters, of what `fit` leaves being noise."""
+    """Return the p-value of the hypothesis that the residual of `fit` is noise, for the whole family of tests.
+
+    Parameters
+    ----------
+    fit
+        Fit whose residual is tested.
+    screen
+        Effects of the mechanisms considered.
+    rng
+        Source of the draws of the noise.
+    draws
+        Number of draws.
+    site_scatter
+        Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
+    """
     family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
     found = max(min(float(f.log_p(fit.white[:, None])[0]) for f in family), LEAST_LOG_P)
     under_noise = np.min([f.log_p(noise) for f in family], axis=0)
@@ -120,8 +135,8 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
     """Return p-values for amplitudes that vary between replicates: likelihood ratios with the variances at their bound.
 
     The ratio of one variance is chi-square of one degree of freedom or, as often, zero; that of k is a mixture, and no
-    mixture exceeds a value more often than one of k - 1 and of k degrees, half each. A mechanism whose amplitudes add
-    what those of the explanation do has nothing to show.
+    mixture exceeds a value more often than one of k - 1 and of k degrees, half each. A mechanism whose amplitudes have
+    the effects of those of the explanation is left out.
 
     Source: S.G. Self and K.-Y. Liang, J. Am. Stat. Assoc. 82 (1987) 605-610, case 5.
     """
@@ -141,6 +156,6 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
 
 
 def combined(kinds: Iterable[Sequence[float]]) -> float:
-    """Return the p-value of all tests together (Bonferroni); each kind of them that was made weighs the same."""
+    """Return the p-value of all tests together (Bonferroni), with equal weight for each kind that was made."""
     made = [p_values for p_values in kinds if p_values]
     return float(min(1.0, len(made) * min(len(p_values) * min(p_values) for p_values in made)))

@@ -11,22 +11,22 @@ from palpate.diagnosis.accepted import (
     accepted_of,
     best_first,
     is_special_case,
-    judged,
     likeliest_of_each,
     may_be_named,
-    not_told_from_none,
-    without_idle,
+    verdict_of,
+    without_redundant,
+    zero_on_average,
 )
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.problem import Explanation
 from palpate.diagnosis.search import Candidate, Search
 from palpate.errors import PalpateError
+from palpate.inference.explanation import Fit
+from palpate.inference.problem import Explanation
 from palpate.mechanisms import MECHANISMS
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """The verdict and what led to it.
+    """The verdict, and the fits from which it follows.
 
     Attributes
     ----------
@@ -37,11 +37,11 @@ class Diagnosis:
     accepted
         The accepted explanations, best first.
     probabilities
-        Theirs, were there no others.
+        Their posterior probabilities, if one of them is true.
     tried
         Every explanation that was fitted, best first.
     failed
-        Why others could not be, by their mechanisms.
+        Why others could not be fitted, by their mechanisms.
     """
 
     verdict: str
@@ -77,13 +77,14 @@ class Prospect:
 def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
     """Diagnose the recordings of a search.
 
-    The base model is tested first. If it fails, mechanisms join it one by one, those of the greatest optimistic
-    evidence first; each is fitted together with the material on the finite elements, and what it leaves is tested. One
-    is accepted that leaves only noise, within a ratio of 100 of the best tried, so that a name given alone should be
-    wrong in less than one case of a hundred. While none is, sets with one mechanism more are tried in the same way, up
-    to the study's ``diagnosis.largest_set``. Beyond accepted ones, a set with one mechanism more is fitted where it
-    promises to be far likelier. One that contradicts an exact law never passes. A name is given alone only where the
-    recordings bear it, see `may_be_named` and `not_told_from_none`: else it is suspected.
+    The base model is tested first. If it fails, mechanisms are added to it one by one, those with the largest
+    optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
+    tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
+    tried, so that a single accepted one should be wrong in less than one case of a hundred. As long as none is
+    accepted, sets with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``.
+    Larger sets than the accepted ones are fitted where their optimistic log evidence is far larger. One that
+    contradicts an exact law is never accepted. A single accepted explanation is identified where the recordings
+    suffice, see `may_be_named` and `zero_on_average`; else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -101,15 +102,15 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
             special = _special_cases(search, accepted[0], tried, report)
             larger: list[Candidate] = []
             if number + 1 < search.study.diagnosis["largest_set"]:
-                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.outdone
+                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.behind_adequate
                 larger = _fitted(search, accepted, search.policy.most_sets, level, failed, report, likelier)
             tried = likeliest_of_each(larger + special + tried)
-            accepted = without_idle(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
+            accepted = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
             break
-    verdict, probabilities = judged(accepted)
+    verdict, probabilities = verdict_of(accepted)
     if verdict == "identified":
         best = accepted[0].fit
-        if not may_be_named(search.problem, best.explanation) or not_told_from_none(best):
+        if not may_be_named(search.problem, best.explanation) or zero_on_average(best):
             verdict = "suspected"
     return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
 
@@ -117,9 +118,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
 def _special_cases(
     search: Search, accepted: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
 ) -> list[Candidate]:
-    """Return the special cases of an accepted set, fitted again from where it ended, where that fits better.
+    """Return the special cases of an accepted set, refitted from its optimum, where that fits better.
 
-    Their own searches may have stopped in another valley, out of which the mechanism that does nothing led.
+    Their own searches may have stopped at another local minimum, which the additional mechanism allowed to leave.
     """
     fit, better = accepted.fit, []
     for explanation, z in _begun(search, fit):
@@ -135,7 +136,7 @@ def _special_cases(
 
 
 def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]:
-    """Yield the special cases of a set, each with the coordinates (k,) at which the set's own fit leaves it."""
+    """Yield the special cases of a set, each with its coordinates (k,) in the set's own fit."""
     for key in fit.explanation:
         if len(fit.explanation) > 1:
             yield search.problem.without(fit.explanation, fit.z, key)
@@ -144,10 +145,10 @@ def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]
 
 
 def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
-    """Return what one mechanism more makes of fits, by its mechanisms; of each set the most optimistic way.
+    """Return the sets with one mechanism more than `fits`, by their mechanisms; of each the most optimistic way to it.
 
-    Its optimistic evidence is that of the smaller one, plus what effects and laws see of the mechanism that joins. A
-    mechanism and one that it includes do not act together.
+    Its optimistic log evidence is that of the smaller set, plus the largest gain that the effects on curves and the
+    exact laws allow for the mechanism that joins. A mechanism and one that it includes do not act together.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
@@ -172,13 +173,13 @@ def _fitted(
     report: Callable[[str], None],
     floor: float = -np.inf,
 ) -> list[Candidate]:
-    """Fit the sets with one mechanism more of the greatest optimistic evidence, and return them, best first.
+    """Fit the sets with one mechanism more that have the largest optimistic log evidence, and return them, best first.
 
-    None is fitted whose optimistic evidence lies below the `floor`.
+    None is fitted whose optimistic log evidence lies below the `floor`.
 
-    What falls far behind is left out, and once one leaves only noise, what falls behind by so much that it would not
-    be accepted beside it. The first order holds near a place alone: where a set comes near to what noise leaves,
-    those with another mechanism in place of one of its own are looked at again from there, and begin there.
+    Sets far behind the best are left out; once a set is adequate, also those that could not be accepted beside it. A
+    linearisation holds near one point only: where the residual of a set is close to noise, sets with another mechanism
+    in place of one of its own are estimated again from there, and their search starts there.
     """
     policy, done = search.policy, list[Candidate]()
     behind, ways = -np.inf, _prospects(search, [candidate.fit for candidate in smaller])
@@ -197,7 +198,7 @@ def _fitted(
             continue
         done.append(candidate)
         evidence = candidate.fit.log_evidence
-        behind = max(behind, evidence - (policy.outdone if candidate.adequate(level) else policy.screened))
+        behind = max(behind, evidence - (policy.behind_adequate if candidate.adequate(level) else policy.behind_best))
         report(
             f"{name}: expected at best {way.optimistic:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}"
         )

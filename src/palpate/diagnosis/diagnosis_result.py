@@ -1,4 +1,4 @@
-"""A diagnosis as `diagnosis.json` holds it, with the errors before and after on conditions that took no part."""
+"""The content of `diagnosis.json`, with the errors before and after on held-out conditions."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.accepted import not_told_from_none
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
+from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.covariance import components_under
 from palpate.diagnosis.diagnose import Diagnosis
-from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.locate import location
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.posterior import draws_to_first_order, posterior_draws
-from palpate.diagnosis.problem import Problem
 from palpate.diagnosis.scaling_check import similarity
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
+from palpate.inference.posterior import draws_to_first_order, posterior_draws
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
@@ -64,8 +64,18 @@ def curves(
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the forward model's curves before and after beside the recorded means, for every condition.
 
-    A mechanism that varies has a value of its own for each condition: the likeliest, given noise and scatter. Held-out
-    conditions under which the forward model fails are left out; the second value says why, by their names.
+    A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter.
+    Held-out conditions under which the forward model fails are left out; the second result gives the reasons by their
+    names.
+
+    Parameters
+    ----------
+    study
+        The study.
+    observed
+        Recordings of every condition by its name, in nm.
+    before, after
+        Fits of the base model and of the best explanation.
     """
     tables, failed = [], {}
     for condition in study.conditions:
@@ -110,55 +120,52 @@ def _rms(values: pd.Series) -> float:
 
 def limits(study: Study, problem: Problem) -> list[str]:
     """Say what cannot be known from these recordings."""
-    count, said = len(problem.conditions), []
+    count, messages = len(problem.conditions), []
     if not problem.replicated:
-        said.append(
-            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not known, so no "
-            "effect is named alone."
+        messages.append(
+            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not measured, so no "
+            "effect is identified."
         )
     elif len(problem.repeated) < count:
-        said.append("Some conditions have no replicates: their noise is taken from the others.")
+        messages.append("Some conditions have no replicates: their noise is taken from the others.")
     if count == 1:
-        said.append(
-            "There is a single condition: effects of load, rate and time cannot be told apart by comparison, so no "
-            "effect but the instrument's is named alone."
+        messages.append(
+            "There is a single condition: effects of load, rate and time cannot be separated by comparison, so only "
+            "effects of the instrument can be identified."
         )
     displaced = any(condition.protocol.control != LOAD for condition in problem.conditions)
     if displaced:
-        said.append(
-            "A displacement is prescribed: misfits are loads, given as the depths that they amount to. Of such tests "
-            "exact laws about single recordings say nothing, what adds to the depth by no linear law of the load is "
-            "not considered, and no further test is proposed."
+        messages.append(
+            "A displacement is prescribed: misfits are loads, converted to equivalent depths. Exact laws about single "
+            "recordings do not apply to such tests, effects on the depth that are not linear in the load are not "
+            "considered, and no further test is proposed."
         )
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
     if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.hides_at_one_load)
-        said.append(f"All tests reach the same {kinds.pop()}: {hidden} can hide in the material's parameters.")
+        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load)
+        messages.append(f"All tests reach the same {kinds.pop()}: the material's parameters can compensate {hidden}.")
     if study.calibration["solver_error"] >= COARSE:
-        said.append(
-            f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: what stays "
+        messages.append(
+            f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: a misfit "
             "within that counts as explained, though it may be far above the noise."
         )
     if not any(item.role == "validate" for item in problem.observed.values()):
-        said.append("No condition was held out: the gain cannot be shown on tests that took no part.")
-    return said
+        messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")
+    return messages
 
 
 def far_out(diagnosis: Diagnosis) -> list[str]:
-    """Say what of the likeliest that was tried lies outside its range."""
+    """Say which quantities of the most likely explanation lie outside their ranges."""
     fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
     found = outside(fits[0])
     if not found:
         return []
-    return [
-        f"Outside the ranges of the study (`parameters`, `diagnosis: ranges`), which count as plausible, lie: "
-        f"{', '.join(found)}."
-    ]
+    return [f"Estimates outside the study's plausible ranges (`parameters`, `diagnosis: ranges`): {', '.join(found)}."]
 
 
 def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
-    """Say which effect of single recordings fits only with a value for each test, when nothing tried explains them."""
+    """Say which effect on single recordings depends on the test, where no explanation was accepted."""
     if diagnosis.verdict != "unexplained":
         return []
     found = p_between_tests(diagnosis.tried[0].fit, rng)
@@ -166,9 +173,9 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     if not titles:
         return []
     return [
-        f"The likeliest that was tried needs another value of {' and '.join(titles)} for each test, though replicates "
-        "agree: no matter of single recordings. Either the instrument changed between the tests, or something follows "
-        "the test that is not in the library."
+        f"The most likely explanation that was tried needs another value of {' and '.join(titles)} for each test, "
+        "while replicates agree: this is no effect of single recordings. Either the instrument changed between the "
+        "tests, or an effect that depends on the test is not in the library."
     ]
 
 
@@ -183,8 +190,14 @@ def to_mapping(
 
     Parameters
     ----------
+    study, observed
+        See `curves`.
+    diagnosis
+        The verdict and its fits.
+    rng
+        Source of the draws from posteriors.
     own_laws
-        What exact laws say about each recording of each condition.
+        Amplitudes that exact laws give for each recording of each condition.
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
@@ -230,15 +243,18 @@ def to_mapping(
             for candidate in diagnosis.tried
         ],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
-        | {"sigma_nm": base.fit.errors.noise.sigma.tolist(), "memory": base.fit.errors.noise.memory.tolist()},
+        | {
+            "sigma_nm": base.fit.errors.noise.sigma.tolist(),
+            "autocorrelation": base.fit.errors.noise.autocorrelation.tolist(),
+        },
         "limits": limits(study, base.fit.problem)
         + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
         + [
-            f"The mean of {MECHANISMS[key].title} is not told from none: what it explains is that single recordings "
-            "differ, and it is not named alone."
+            f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
+            "differ, and is only suspected."
             for candidate in diagnosis.accepted[:1]
-            for key in not_told_from_none(candidate.fit)
+            for key in zero_on_average(candidate.fit)
         ]
         + far_out(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),

@@ -1,7 +1,8 @@
-"""Exact laws about a study's recordings, less what a solid that creeps shows by itself where they look.
+"""Exact laws about a study's recordings, corrected for the creep of the solid.
 
-It creeps on in a hold at low load, which looks like drift, and at the top of an unloading, which looks like a frame. So
-the base model's curves are examined as if they had been recorded: what the laws say of them is the solid's doing.
+A solid creeps in a hold at low load, which resembles drift, and at the top of an unloading, which resembles a compliant
+frame. So the laws are applied to the base model's curves as if these had been recorded: what they give there is the
+contribution of creep.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from itertools import chain
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.constraints import law_of_reference, laws_of
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
+from palpate.inference.explanation import Fit
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
 
@@ -23,12 +24,12 @@ MOST_POINTS = 400
 
 
 class ExactLaws:
-    """What exact laws say about one set of recordings, beyond what the solid shows by itself where it creeps.
+    """Amplitudes that exact laws give for one set of recordings, less the contribution of creep.
 
     Parameters
     ----------
     recorded
-        Recordings of every condition under load control, the only one that these laws know.
+        Recordings of every condition under load control; under displacement control these laws do not apply.
     """
 
     def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
@@ -37,7 +38,7 @@ class ExactLaws:
         self._solid: dict[str, Recording] = {}
 
     def beside(self, base: Fit) -> list[AmplitudeConstraint]:
-        """Return what they say about the recordings that take part in a fit of the base model, together."""
+        """Return the amplitudes from all recordings that take part in a fit of the base model."""
         names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
         if not names:
             return []
@@ -50,7 +51,7 @@ class ExactLaws:
         return [*found, *law_of_reference(every, self._study)]
 
     def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:
-        """Return what they say about each recording by itself, by condition; first ask for those `beside`."""
+        """Return the amplitudes from each single recording, by condition; call `beside` first."""
         return {
             name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]
             for name, tests in self._recorded.items()
@@ -61,7 +62,7 @@ class ExactLaws:
 
 
 def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
-    """Return what would be recorded without any effect, by condition; none under which the forward model fails.
+    """Return what would be recorded without any effect, by condition; without those where the model fails.
 
     Parameters
     ----------

@@ -9,11 +9,11 @@ from scipy.linalg import cho_solve
 from scipy.stats import false_discovery_control
 from scipy.stats import t as student
 
-from palpate.diagnosis.estimated_noise import freedom
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.prescribed_segments import segments
+from palpate.inference.estimated_noise import freedom
+from palpate.inference.explanation import Fit
+from palpate.inference.prescribed_segments import segments
 
-CERTAIN = 0.05  # share of false discoveries below which a part stands out
+CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported
 
 
 def location(fit: Fit) -> list[dict[str, Any]]:
@@ -24,9 +24,9 @@ def location(fit: Fit) -> list[dict[str, Any]]:
     289-300.
     """
     white = fit.whiten(fit.tangent)
-    taken_up = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
-    left = np.eye(len(taken_up)) - cho_solve((fit.factor, True), taken_up)
-    covariance = fit.errors.covariance - taken_up
+    absorbed = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
+    left = np.eye(len(absorbed)) - cho_solve((fit.factor, True), absorbed)
+    covariance = fit.errors.covariance - absorbed
     rows, p_values = [], []
     first = 0
     for condition in fit.problem.conditions:

@@ -1,4 +1,4 @@
-"""What next: the feasible test that would separate the accepted explanations."""
+"""The next test: the feasible one that separates the accepted explanations best."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from scipy.stats import chi2, ncx2
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.covariance import components_under
-from palpate.diagnosis.explanation import Fit
 from palpate.diagnosis.own_values import about
 from palpate.errors import InputError
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.indenter import Indenter
@@ -34,8 +34,8 @@ class FeasibleTest:
 
     Parameters
     ----------
-    words
-        What a colleague would say.
+    phrase
+        The test in one phrase.
     settings
         Its numbers.
     protocol
@@ -44,7 +44,7 @@ class FeasibleTest:
         Another tip; None for the same.
     """
 
-    words: str
+    phrase: str
     settings: dict[str, float]
     protocol: Protocol
     indenter: Indenter | None = None
@@ -83,26 +83,25 @@ def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
     """Return the test with a sphere in place of a cone, or the other way round."""
     if indenter.half_angle or indenter.area:
         other = replace(indenter, shape="sphere", half_angle=0.0, area=(), radius=SPHERE)
-        words, size = f"{test.words} with a sphere of {1e-3 * SPHERE:g} um", {"radius": SPHERE}
+        phrase, size = f"{test.phrase} with a sphere of {1e-3 * SPHERE:g} um", {"radius": SPHERE}
     else:
         other = replace(indenter, shape="cone", half_angle=BERKOVICH, radius=0.0)
-        words, size = f"{test.words} with a Berkovich tip", {"half_angle": BERKOVICH}
-    return replace(test, words=words, settings=test.settings | size, indenter=other)
+        phrase, size = f"{test.phrase} with a Berkovich tip", {"half_angle": BERKOVICH}
+    return replace(test, phrase=phrase, settings=test.settings | size, indenter=other)
 
 
-def _trapezoid(words: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
+def _trapezoid(phrase: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
     load, loading, hold = (settings[key] for key in ("max_load", "loading_time", "hold_time"))
     protocol = trapezoid(load, loading, hold, unloading, POINTS)
-    return FeasibleTest(words, settings | {"unloading_time": unloading}, protocol)
+    return FeasibleTest(phrase, settings | {"unloading_time": unloading}, protocol)
 
 
 def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
     """Return the test that separates the two best explanations most surely, with its expected power.
 
-    The distance of the two predicted curves is measured against noise, site scatter, slow drift and own values of three
-    recordings and the simulation's error (the mean of what either explanation makes of them), and against the
-    uncertainty of both explanations' parameters (some of their posterior `draws` (m, k)); the power is that of a 1 %
-    test.
+    The distance of the two predicted curves is measured against the covariance of noise, site scatter, slow drift,
+    values of three new recordings and the simulation's error (the mean over both explanations), plus the uncertainty of
+    both explanations' parameters (from some of their posterior `draws` (m, k)); the power is that of a 1 % test.
     """
     first, second = accepted[:2]
     samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
@@ -118,7 +117,7 @@ def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarra
         spread = 0.5 * (errors[0] + errors[1]) + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
-        entry = {"test": test.words, **test.settings, "expected_power": power, "distance": distance}
+        entry = {"test": test.phrase, **test.settings, "expected_power": power, "distance": distance}
         entry["separates"] = ["+".join(first.explanation), "+".join(second.explanation)]
         if best is None or distance > best["distance"]:
             best = entry
@@ -128,8 +127,19 @@ def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarra
 def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
     """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test about its simulated `curve` (n,).
 
-    A mechanism that varies will have values in the new recordings that nobody knows yet. The simulation's error counts
-    as it does in a diagnosis: a common factor of the depth tells nothing apart.
+    A mechanism that varies has unknown values in the new recordings. The simulation's error counts as in a diagnosis: a
+    difference by a common factor of the depth distinguishes nothing.
+
+    Parameters
+    ----------
+    study
+        The study.
+    fit
+        Explanation whose noise and amplitudes are used.
+    condition
+        The test as a condition.
+    curve : ndarray, shape (n,)
+        Simulated depth [nm].
     """
     errors, parts = fit.errors, components_under(fit.problem, fit.own, condition, curve)
     names = [str(amplitude) for amplitude in fit.own]
@@ -157,7 +167,7 @@ def _predicted(fit: Fit, tests: list[FeasibleTest], draws: np.ndarray) -> list[t
 
 
 def _simulated(rows: list[list[Specification]]) -> list[list[Simulation]]:
-    """Simulate what each row holds, all together, or row by row where one is refused; that one comes back empty."""
+    """Simulate all rows together, or row by row where one is refused, which gives an empty list."""
     try:
         outcomes = iter(simulate_batch([specification for row in rows for specification in row]))
         return [[next(outcomes) for _ in row] for row in rows]
@@ -166,7 +176,7 @@ def _simulated(rows: list[list[Specification]]) -> list[list[Simulation]]:
 
 
 def _of_test(specification: Specification, test: FeasibleTest) -> Specification:
-    """Return what is simulated with the tip of a test; effects of the old tip stay behind with it."""
+    """Return the specification with the tip of a test; mechanisms of the old tip are dropped."""
     if test.indenter is None:
         return specification
     kept = {key: values for key, values in specification.mechanisms.items() if not MECHANISMS[key].of_the_tip}

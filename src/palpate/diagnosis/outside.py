@@ -1,8 +1,8 @@
-"""Which quantities of a fit lie outside what a study thinks plausible."""
+"""Which quantities of a fit lie outside the plausible ranges of a study."""
 
 from __future__ import annotations
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
 OUTSIDE = 0.005  # of a range, beyond its ends
 

@@ -1,4 +1,4 @@
-"""The amplitudes of each single recording, where it has its own: the departure from the common curve."""
+"""Amplitudes that differ between recordings: the value of each single recording."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.amplitude_constraint import NORMAL_95, AmplitudeConstraint
-from palpate.diagnosis.covariance import components_under
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
+from palpate.inference.covariance import components_under
+from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.solver_error import model_covariance
 
-ROUNDS = 20  # of the weights of Student's distribution, which settle by then
+ROUNDS = 20  # of the reweighting for Student's distribution, which converges by then
 
 
 def recording_values(
@@ -26,14 +26,18 @@ def recording_values(
 ) -> dict[str, list[dict[str, Any]]]:
     """Return, as ``key.name``, one row a recording (condition, number, estimate, lower, upper), the held-out ones too.
 
-    By generalised least squares of what a recording departs from the forward model's curve, given the common material
-    and the common mean; its point noise, site scatter, slow drift and the model's error are weighed. The intervals
-    allow for what the fit leaves open of the material, too, but for held-out conditions, where its slopes are not
-    known. Where several mechanisms vary they are found together. What exact laws say about a recording by itself, such
-    as the drift in its own hold, joins as data. Held-out conditions under which the forward model fails have none.
+    By generalised least squares of a recording's departure from the forward model's curve, given the common material
+    and the common mean, with the covariance of its point noise, site scatter, slow drift and the model's error. The
+    intervals include the uncertainty of the material, except for held-out conditions, where the slopes are not known.
+    Several mechanisms that vary are estimated together. What exact laws give for a single recording, such as the drift
+    in its own hold, joins as data. Held-out conditions under which the forward model fails have no values.
 
     Parameters
     ----------
+    study, observed
+        The study, and the recordings of every condition in nm.
+    fit
+        An explanation in which amplitudes differ between recordings.
     own_laws
         Laws of each recording of each condition.
     """
@@ -52,8 +56,8 @@ def recording_values(
         design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
         weighed = np.linalg.solve(covariance, design)
         for number, depth in enumerate(item.response, 1):
-            said = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()
-            laws = [law for law in said if law.holds_under(fit.explanation)]
+            own = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()
+            laws = [law for law in own if law.holds_under(fit.explanation)]
             departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), fit.own, best, laws)
             if condition.name in slopes:
                 moved = spread @ weighed.T @ slopes[condition.name]
@@ -67,11 +71,18 @@ def recording_values(
 
 
 def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation) -> np.ndarray:
-    """Return what departures from their mean values add to the mean of a condition's recordings (n_points,) [nm].
+    """Return the effect of departures from mean values on the mean of a condition's recordings (n_points,) [nm].
 
-    All together they are the likeliest, given how much each varies, about a simulated `curve` (n_points,) [nm]. That is
-    told by as many recordings as were repeated, so that departures have Student's distribution of that freedom: one far
-    outside what the others show, as where a tip met dirt, is believed.
+    The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm].
+    The variances rest on the number of replicates, so departures have Student's distribution with that many degrees of
+    freedom: an outlier, as where a tip met dirt, is not pulled to the mean.
+
+    Parameters
+    ----------
+    study, fit, condition, curve
+        See `about`.
+    item
+        Recordings of the condition.
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.response), [], []
     for amplitude in fit.own:
@@ -94,7 +105,21 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
 
 
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
-    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,)."""
+    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,).
+
+    Parameters
+    ----------
+    study
+        The study, for the error of the solver.
+    fit
+        An explanation, for its noise.
+    condition
+        The condition.
+    curve : ndarray, shape (n,)
+        Simulated depth [nm].
+    count
+        Number of recordings.
+    """
     noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
     return noise / count + model_covariance(
         {condition.name: curve}, study.calibration["solver_error"], fit.problem.shares
@@ -110,7 +135,7 @@ def _with_laws(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the departures (k,) from the common means and their covariance, from a recording and its own laws.
 
-    A second pass lets a law weigh by the side on which the first has put the value.
+    A second pass weights a law by the side of its interval on which the first pass put the value.
     """
     names = [str(amplitude) for amplitude in own]
     places = [(names.index(law.quantity), law) for law in laws if law.quantity in names]

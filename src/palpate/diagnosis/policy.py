@@ -14,32 +14,22 @@ class SearchPolicy:
     starts
         Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
         advance side by side, and one that falls behind is given up.
-    iterations
-        Largest number of iterations of a search; those that settle take 4 to 8, and 1 to 3 where one ended before.
-    settled_at_first, settled
-        Changes of chi-square below which a search has settled: 0.7 and 0.14 standard deviations of the estimate in all.
-    hopeless
-        Chi-square per sample from which a fit leaves far more than noise, whatever the meshes differ by where it lies:
-        no more is spent on it.
-    screened
+    behind_best
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
-    outdone
+    behind_adequate
         The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both are
         accepted.
     least, most, most_sets
         Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
     mechanism_penalty
-        Logarithm of the likelihood of what is left, by which one more mechanism must raise it to tell the noise of
-        recordings without replicates: the cost of a parameter by Akaike's criterion is one, by Schwarz's about three.
+        By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
+        the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
+        Schwarz's.
     """
 
     starts: int = 2
-    iterations: int = 12
-    settled_at_first: float = 0.5
-    settled: float = 0.02
-    hopeless: float = 50.0
-    screened: float = 40.0
-    outdone: float = 10.0
+    behind_best: float = 40.0
+    behind_adequate: float = 10.0
     least: int = 5
     most: int = 8
     most_sets: int = 5

@@ -1,4 +1,4 @@
-"""The exact law of a sharp tip as a detector that needs no model at all.
+"""The exact scaling law of a sharp tip: a test that needs no material model.
 
 A sharp cone on a homogeneous body has no length, so two tests whose load histories are proportional, P_2(t) = k P_1(t),
 have h_2(t) = sqrt(k) h_1(t), whatever the material's law. Where the recordings break this, a length (rounding, film,
@@ -14,7 +14,7 @@ import numpy as np
 from scipy.stats import chi2
 from scipy.stats import f as variance_ratio
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 from palpate.study.protocol import LOAD, Protocol
 
 DEGREE = 2
@@ -22,14 +22,14 @@ SAME = 1e-6
 
 
 def similarity(fit: Fit) -> list[dict[str, Any]]:
-    """Test the law, which is a sharp tip's, on every pair of conditions that it binds.
+    """Test the scaling law on every pair of conditions with proportional load histories.
 
     Returns
     -------
     list
         For each pair `conditions`, `difference_percent` (mean of h_2 / sqrt(k) over h_1, less one) and `p_value` of a
-        test with the difference's mean and slow trends; noise and site scatter count, the model does not. Fisher's
-        distribution allows for how few replicates tell the scatter between sites.
+        test with the difference's mean and slow trends; noise and site scatter are included, a model is not needed.
+        Fisher's distribution allows for the few replicates from which the scatter between sites is estimated.
     """
     problem = fit.problem
     repeats = sum(len(problem.observed[c.name].response) - 1 for c in problem.conditions)

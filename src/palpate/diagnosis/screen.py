@@ -1,10 +1,10 @@
-"""What each mechanism does to the curves, simulated at a few amplitudes beside the base model's optimum.
+"""The effect of each mechanism on the curves, simulated at a few amplitudes at the base model's optimum.
 
-The derivative of the curves at no amplitude says little of a yield stress, a film or a further Voigt element, whose
-effects vanish there with all their derivatives, or leave a parameter without meaning. So each mechanism that the body
-feels is simulated at some amplitudes; what only adds to the depth costs nothing. To first order in the material's
-parameters, these effects say by how much each mechanism may lower the misfit, where its search begins, and in which
-directions a test of the residual should look.
+The derivative of the curves at zero amplitude is of little use for a yield stress, a film or a further Voigt element,
+whose effects vanish there with all their derivatives, or leave a parameter undetermined. So each mechanism that changes
+the simulation is simulated at some amplitudes; one that only adds to the depth costs nothing. To first order in the
+material's parameters, these effects give the largest decrease of the misfit by each mechanism, the start of its search,
+and the directions in which the residual is tested.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import qmc
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
-from palpate.diagnosis.problem import Problem
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
 
@@ -41,7 +41,7 @@ class Screen:
     effects
         What it adds to the curves there (m, n_all) [nm].
     failed
-        Why the forward model failed at all amplitudes, of the mechanisms at which it did.
+        Why the forward model failed, for mechanisms with which it failed at all amplitudes.
     """
 
     trials: Mapping[str, np.ndarray]
@@ -54,7 +54,7 @@ class Screen:
         trials, effects, failed = {}, {}, {}
         for key in keys:
             places = _places(fit.problem, key)
-            if fit.problem.felt(key):
+            if fit.problem.is_simulated(key):
                 try:
                     trials[key], effects[key] = _simulated(fit, key, places)
                 except PalpateError as error:
@@ -73,10 +73,10 @@ class Screen:
         return self.effects[key][np.abs(self.trials[key] - SHOWN).max(axis=1).argmin()]
 
     def gain(self, fit: Fit, key: str) -> float:
-        """Return by how much chi-square may fall, to first order, once a mechanism joins a fit.
+        """Return the largest decrease of chi-square, to first order, once a mechanism joins a fit.
 
-        Each effect counts in proportion, up to `FURTHEST` times what was simulated, of a mechanism that varies also
-        with a value for each condition, less one for each.
+        Each simulated effect is scaled by a factor up to `FURTHEST`; for a mechanism that varies also by one for each
+        condition, less the expected decrease of one for each further factor.
         """
         found = float(np.max(self._shares(fit, key)[1], initial=0.0))
         if MECHANISMS[key].varies:
@@ -85,8 +85,8 @@ class Screen:
             found = max(found, float(np.sum(along**2)) - basis.shape[1] + 1.0)
         return found
 
-    def taken_off(self, fit: Fit, key: str) -> Fit:
-        """Return a fit to whose curves the effect that gains most is added, to first order in all else."""
+    def with_effect(self, fit: Fit, key: str) -> Fit:
+        """Return a fit with a mechanism's effect of largest gain added to its curves, to first order in all else."""
         shares, gains = self._shares(fit, key)
         effect = shares[gains.argmax()] * self.effects[key][gains.argmax()]
         left = fit.whiten(fit.residual - effect)
@@ -96,9 +96,9 @@ class Screen:
     def starts(self, fit: Fit, key: str, count: int) -> list[np.ndarray]:
         """Return where searches begin for a fit and one more mechanism, the amplitudes of least misfit first.
 
-        The material's parameters, and the other amplitudes, follow half-way to where they lead to first order.
+        The material's parameters, and the other amplitudes, take half of their first-order step.
         """
-        if not fit.problem.felt(key) and self.trials[key].shape[1] > 1:
+        if not fit.problem.is_simulated(key) and self.trials[key].shape[1] > 1:
             return _linear_starts(fit, key, self.trials[key])[:count]
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
@@ -108,7 +108,7 @@ class Screen:
         return [np.concatenate([fit.z + change[:, i], self.trials[key][i]]) for i in order]
 
     def _shares(self, fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return in what proportion each effect (m,) lowers chi-square most, and by how much."""
+        """Return the factor of each effect (m,) that lowers chi-square most, and the decrease."""
         left, effects = fit.off_tangent(fit.white), fit.off_tangent(fit.whiten(self.effects[key].T))
         size, along = np.sum(effects**2, axis=0), left @ effects
         shares = np.clip(np.divide(along, size, out=np.zeros_like(size), where=size > 0.0), 0.0, FURTHEST)
@@ -118,8 +118,8 @@ class Screen:
 def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
     """Return the starts of a mechanism that only adds to the depth, those of least misfit first.
 
-    At each of some coordinates `places` (m, d) all but the amplitudes stays; these follow from linear least squares,
-    together with all that is free, as the prior of each allows.
+    At each of the coordinates `places` (m, d) the amplitudes are replaced by those of linear least squares with priors,
+    together with all free parameters; the mechanism's other parameters stay.
     """
     problem, material, found = fit.problem, fit.problem.material, []
     mechanism, explanation = MECHANISMS[key], (key,)
@@ -139,16 +139,16 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
 
 
 def count_of_trials(problem: Problem, key: str) -> int:
-    """Return the number of amplitudes at which a mechanism is looked at."""
+    """Return the number of amplitudes at which a mechanism is screened."""
     return len(_places(problem, key))
 
 
 def _places(problem: Problem, key: str) -> np.ndarray:
-    """Return the coordinates (m, d) at which a mechanism is looked at; more where nothing must be simulated."""
-    dimensions, felt = len(problem.coordinates((key,)).free) - problem.material, problem.felt(key)
+    """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated."""
+    dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
-        return np.array(SIMULATED if felt else ADDED)[:, None]
-    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if felt else ADDED_SCATTERED)
+        return np.array(SIMULATED if is_simulated else ADDED)[:, None]
+    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if is_simulated else ADDED_SCATTERED)
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 
@@ -160,7 +160,7 @@ def _added(fit: Fit, key: str, place: np.ndarray) -> np.ndarray:
 
 
 def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return those of some coordinates (m, d) at which the forward model does not fail, and the effects there.
+    """Return the coordinates among `places` (m, d) at which the forward model succeeds, and the effects there.
 
     Raises
     ------

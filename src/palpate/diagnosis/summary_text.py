@@ -1,4 +1,4 @@
-"""A diagnosis in the words of a colleague."""
+"""A diagnosis in one paragraph of plain words."""
 
 from __future__ import annotations
 
@@ -30,22 +30,23 @@ def sentence(content: Mapping[str, Any]) -> str:
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     if verdict == "suspected":
         best = f"What explains it best: {_claim(content['candidates'][0])}"
-        doubtful = _may_be_none(content["candidates"][0])
-        why = f", as the {doubtful} may be none on average" if doubtful else ""
-        return f"{start} {best}. From these recordings alone it stays a suspicion{why}; {_gain(content)}."
+        uncertain = _may_be_none(content["candidates"][0])
+        why = f", as the {uncertain} may be zero on average" if uncertain else ""
+        return f"{start} {best}. These recordings do not suffice to name it{why}; {_gain(content)}."
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     test = content["discriminating_test"]
     further = (
-        f" {test['test'][0].upper()}{test['test'][1:]} would tell the first two apart with a probability of "
+        f" {test['test'][0].upper()}{test['test'][1:]} would distinguish the first two with a probability of "
         f"{test['expected_power']:.0%}."
         if test
         else ""
     )
-    return f"{start} One of these explains it, and these tests cannot say which: {names}.{_in_all(content)}{further}"
+    names = f"Each of these explains it, and these tests do not distinguish them: {names}"
+    return f"{start} {names}.{_in_all(content)}{further}"
 
 
 def _may_be_none(candidate: Mapping[str, Any]) -> str:
-    """Return the effects of the instrument whose interval holds none, in words."""
+    """Return the effects of the instrument whose intervals contain zero, in words."""
     found = []
     for key in candidate["mechanisms"]:
         mechanism = MECHANISMS[key]
@@ -86,7 +87,7 @@ def _claim(candidate: Mapping[str, Any]) -> str:
 
 
 def _nearest(content: Mapping[str, Any]) -> str:
-    """Say which explanation came nearest, where that is one and clearly leaves more than noise."""
+    """Name the most likely explanation, where it clearly leaves more than noise."""
     best = content["tried"][0]
     if not best["mechanisms"] or best["p_value"] is None or best["p_value"] >= CLEARLY:
         return ""
@@ -96,7 +97,8 @@ def _nearest(content: Mapping[str, Any]) -> str:
         found = ((p, best["parameters"][f"{key}.{p.name}"]) for p in mechanism.parameters)
         values = (f"{p.name.replace('_', ' ')} {_amount(value, p)}" for p, value in found)
         claims.append(f"{mechanism.title} ({', '.join(values)})")
-    return f" Nearest comes {' with '.join(claims)}, but more than noise is left ({_probability(best['p_value'])})."
+    residual = f"its residual is more than noise ({_probability(best['p_value'])})"
+    return f" The closest is {' with '.join(claims)}, but {residual}."
 
 
 def _probability(p: float) -> str:
@@ -111,19 +113,19 @@ def _in_all(content: Mapping[str, Any]) -> str:
 
 
 def _suspected(content: Mapping[str, Any]) -> str:
-    """Say which effects are not needed, yet would differ from zero if they joined, at a family-wise 1 %.
+    """Name effects that are not needed, but would differ from zero if they joined, at a family-wise 1 %.
 
-    The intervals are wider where few recordings tell the noise; at 1 % they are taken to be so by the same factor.
+    The intervals are wider where few replicates determine the noise; at 1 % the same factor is assumed.
     """
-    said = []
-    least = norm.isf(0.005 / max(len(content["may_hide"]), 1)) / norm.isf(0.025)
-    for name, entry in content["may_hide"].items():
+    suspected = []
+    least = norm.isf(0.005 / max(len(content["undetected_effects"]), 1)) / norm.isf(0.025)
+    for name, entry in content["undetected_effects"].items():
         key, own = name.split(".")
         (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
         if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
             interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
-            said.append(f"{MECHANISMS[key].title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
-    return f" Suspected, but not needed to explain the recordings: {'; '.join(said)}." if said else ""
+            suspected.append(f"{MECHANISMS[key].title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
+    return f" Suspected, but not needed to explain the recordings: {'; '.join(suspected)}." if suspected else ""
 
 
 def _where(content: Mapping[str, Any]) -> str:
@@ -149,7 +151,7 @@ def _gain(content: Mapping[str, Any]) -> str:
 
 
 def _bias(content: Mapping[str, Any]) -> str:
-    """Say which material parameter the effect had moved furthest, in half-widths of its interval."""
+    """Say which material parameter was biased most without the effect, in half-widths of its interval."""
     before, after = content["parameters"]["before"], content["parameters"]["after"]
 
     def moved(name: str) -> float:

@@ -1,12 +1,12 @@
-"""What may still hide behind an accepted explanation: amplitudes of effects on the recorded depth.
+"""Undetected effects beside an accepted explanation: amplitudes of effects on the recorded depth.
 
 By generalised least squares together with the parameters of the explanation, to first order about the best point; where
-an exact law speaks of the effect, with that law. Intervals allow for a noise that is estimated (`estimated_noise`).
-`may_hide` lets each effect that is not named join alone. A wide interval says that these recordings neither show the
-effect nor rule it out. `open_amplitudes` lets all effects of the list act at once, named or not: an amplitude that then
-may be anything is not known from these recordings, however narrow its interval under one explanation, and what it
-trades with says why. Where the effects of two amplitudes are the same, as one unit of a compliance of the frame and of
-the mount, they count once.
+an exact law gives the amplitude, it is included. Intervals allow for a noise that is estimated (`estimated_noise`).
+`undetected_effects` adds each effect outside the explanation by itself. A wide interval means that these recordings
+neither show the effect nor rule it out. `joint_intervals` lets all effects considered act at once, in the explanation
+or not: an amplitude whose interval is then wide is not determined by these recordings, however narrow its interval
+under one explanation, and the parameter with which it correlates shows why. Two amplitudes with the same effect, as the
+compliance of the frame and of the mount, are listed once.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.estimated_noise import adjusted
-from palpate.diagnosis.explanation import PRIOR_VARIANCE, Fit
 from palpate.diagnosis.screen import Screen
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.estimated_noise import adjusted
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS
 
-EVEN = 1.0 / 3.0
-SHOWN_BEFOREHAND = 4.0 / 3.0  # variance of even values in units of three quarters of a range, from the middle
+UNIFORM = 1.0 / 3.0
+SHOWN_PRIOR_VARIANCE = 4.0 / 3.0  # of uniform values, in units of three quarters of a range
 COARSE = 0.01
 
 
@@ -40,7 +40,7 @@ class Extra:
     column : ndarray, shape (n_all,)
         What one unit adds to the depth [nm].
     variance
-        Of the coefficient beforehand.
+        Prior variance of the coefficient.
     """
 
     key: str
@@ -68,28 +68,28 @@ class Joined:
     covariance: np.ndarray
 
 
-def may_hide(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
+def undetected_effects(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
     found = {}
     for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
-        extras = _amplitudes(fit, [key], beforehand=np.inf)
+        extras = _amplitudes(fit, [key], prior_variance=np.inf)
         joined = _joined(fit, extras)
         for place, extra in enumerate(extras, len(fit.z)):
             found[extra.name] = _interval(fit, joined, place)
     return found
 
 
-def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
-    """Return, as ``key.name``, the amplitude of each mechanism that only adds to the depth if all screened may act.
+def joint_intervals(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
+    """Return, as ``key.name``, each amplitude that only adds to the depth if all screened mechanisms may act.
 
-    Each has beforehand the variance of an even distribution over its range. A mechanism that acts on the body joins
-    with its effect at three quarters of its range: in the middle a tip of another angle, or a substrate of another
-    modulus, may be what the base model has. ``trades_with`` is the coordinate with the largest posterior
+    The prior variance of each is that of a uniform distribution over its range. A mechanism that acts on the body joins
+    with its effect at three quarters of its range: in the middle of the range, the angle of a tip or the modulus of a
+    substrate may equal that of the base model. ``correlated_with`` is the coordinate with the largest posterior
     ``correlation``.
     """
     others = [key for key in screen.keys if key not in fit.explanation]
     extras = _amplitudes(fit, filter(_only_adds, others))
-    extras += [Extra(key, key, screen.shown(key), SHOWN_BEFOREHAND) for key in others if not _only_adds(key)]
+    extras += [Extra(key, key, screen.shown(key), SHOWN_PRIOR_VARIANCE) for key in others if not _only_adds(key)]
     joined = _joined(fit, extras)
     names = [*fit.coordinates.names, *(extra.name for extra in extras)]
     deviation = np.sqrt(np.diag(joined.covariance))
@@ -103,19 +103,19 @@ def open_amplitudes(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
         other = int(np.argmax(np.abs(correlation)))
         found[name] = {
             **_interval(fit, joined, place, value, slope),
-            "trades_with": names[other].split(".")[0],
+            "correlated_with": names[other].split(".")[0],
             "correlation": float(np.sign(slope) * correlation[other]),
         }
     return found
 
 
-def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Say which of the `amplitudes` from `open_amplitudes` are open though a law may give them, and by which test.
+def wide_intervals(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Name the `amplitudes` from `joint_intervals` with wide intervals that another test could measure, and that test.
 
-    An amplitude is open when what its interval leaves uncertain is more than 1 % of the largest depth. No test is named
-    where the law speaks already.
+    An interval is wide when the depth that it leaves uncertain is more than 1 % of the largest depth. No test is named
+    where an exact law gives the amplitude already.
     """
-    said, least = [], COARSE * float(np.abs(fit.problem.mean).max())
+    messages, least = [], COARSE * float(np.abs(fit.problem.mean).max())
     for name, entry in amplitudes.items():
         key, own = name.split(".")
         (amplitude,) = (each for each in fit.problem.typical(key) if each.name == own)
@@ -125,12 +125,12 @@ def not_fixed(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> list[str
             done = any(law.quantity == name and np.isfinite(law.lower) for law in fit.laws)
             remedy = "" if done else f" It would be narrowed by {mechanism.remedy}."
             of = "" if len(mechanism.amplitudes) == 1 else f"the {own} of "
-            said.append(
+            messages.append(
                 f"If all effects considered may act at once, {of}{mechanism.title} lies between "
-                f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it trades with "
-                f"{entry['trades_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
+                f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it correlates most with "
+                f"{entry['correlated_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
             )
-    return said
+    return messages
 
 
 def _joined(fit: Fit, extras: list[Extra]) -> Joined:
@@ -152,22 +152,22 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     return Joined(design, covariance @ pull, covariance)
 
 
-def _amplitudes(fit: Fit, keys: Iterable[str], beforehand: float | None = None) -> list[Extra]:
-    """Return the amplitudes of mechanisms, simple ones first, but for those whose effect is there already.
+def _amplitudes(fit: Fit, keys: Iterable[str], prior_variance: float | None = None) -> list[Extra]:
+    """Return the amplitudes of mechanisms, simple ones first, without those whose effect is present already.
 
     Parameters
     ----------
-    beforehand
-        Variance of each; by default that of an even distribution over its range.
+    prior_variance
+        Prior variance of each; by default that of a uniform distribution over its range.
     """
     problem, values = fit.problem, fit.model.amplitudes(fit.z) if fit.explanation else {}
-    acting = [amplitude for key in filter(_only_adds, fit.explanation) for amplitude in Amplitude.of(key, values[key])]
-    there, found = [problem.unit_effects(amplitude) for amplitude in acting], []
+    present = [amplitude for key in filter(_only_adds, fit.explanation) for amplitude in Amplitude.of(key, values[key])]
+    there, found = [problem.unit_effects(amplitude) for amplitude in present], []
     for key in sorted(keys, key=lambda key: len(MECHANISMS[key].parameters)):
         for amplitude in problem.typical(key):
             column = problem.unit_effects(amplitude)
             if not any(np.allclose(column, other) for other in there):
-                variance = EVEN * problem.largest(amplitude) ** 2 if beforehand is None else beforehand
+                variance = UNIFORM * problem.largest(amplitude) ** 2 if prior_variance is None else prior_variance
                 found.append(Extra(key, str(amplitude), column, variance))
                 there.append(column)
     return found

@@ -60,6 +60,12 @@ def study_text(
 
     Parameters
     ----------
+    name
+        Name of the study.
+    law
+        Key of the constitutive law.
+    solid
+        Modulus and hardness from which the ranges of the parameters follow.
     groups
         Of `palpate.draft.grouping.grouped`. Of three or more that in the middle judges, the others calibrate.
     folder

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from palpate.errors import InputError
 from palpate.inference.calibration_result import Calibration
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.estimates import described, estimates, front, judged, named_matrix, predicted, simulated
-from palpate.inference.forward import Forward
-from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evolve
+from palpate.inference.estimates import condition_errors, described, estimates, named_matrix
+from palpate.inference.explanation import Fit
+from palpate.inference.fitting import Fitter
+from palpate.inference.genetic import GeneticSettings
+from palpate.inference.genetic_stage import Predictor, genetic_search
 from palpate.inference.intervals import intervals
-from palpate.inference.measures import OBJECTIVES, check_indents, check_measurable
-from palpate.inference.observation import Observation
-from palpate.inference.on_finite_elements import Linearised, all_errors, estimated, known_errors
-from palpate.inference.recording_noise import complete_noise
-from palpate.inference.surrogate_fit import Predictor, WeightedFit
-from palpate.inference.surrogate_space import Space
+from palpate.inference.measures import OBJECTIVES, check_indents
+from palpate.inference.problem import Problem
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
-MOST_MISFIT = 3.0  # chosen, of chi-square per degree of freedom: above it what the model lacks outweighs the noise
+MOST_MISFIT = 1.5  # chosen, of chi-square per degree of freedom: above it the model lacks something
 
 
 @dataclass(frozen=True)
@@ -42,7 +38,7 @@ class CalibrationSettings:
         Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
-        `palpate.inference.recording_noise.model_covariance` says where the default comes from.
+        `palpate.inference.solver_error.model_covariance` says where the default comes from.
     """
 
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
@@ -62,167 +58,89 @@ class CalibrationSettings:
 
 
 def calibrate(
+    problem: Problem,
     surrogates: Mapping[str, Predictor],
-    observations: Mapping[str, Observation],
     bounds: Mapping[str, tuple[float, float]],
     *,
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
-    surrogate_error: Mapping[str, np.ndarray] | None = None,
-    forward: Forward | None = None,
     report: Callable[[str], None] = print,
 ) -> Calibration:
-    """Calibrate the parameters on all conditions whose role is ``calibrate``.
+    """Calibrate the parameters on the conditions of a problem.
 
-    The genetic search minimises the thesis' objectives on the mean curves. Its best points are polished by
-    generalised least squares with the noise of the recordings. With `forward`, least squares go on from there on the
-    forward model itself, beyond the bounds where that fits better; estimate and intervals rest on its curves and
-    derivatives. Without, they rest on the surrogates and their errors.
+    The genetic search minimises the thesis' objectives on the mean curves. From its best points, and from some places
+    scattered over the ranges, least squares go on, on the forward model itself and beyond the bounds where that fits
+    better; estimate and intervals rest on its curves and derivatives.
 
     Parameters
     ----------
+    problem
+        The recordings and the forward model. Conditions that take no part are only judged.
     surrogates
-        Predictor of each calibrated condition; columns in the order of `bounds`.
-    observations
-        What was measured. Conditions with the role ``validate`` are only judged, never fitted.
+        Predictor of each condition that takes part; columns in the order of `bounds`.
     bounds
         (lower, upper) of each parameter in its unit, within which the surrogates are searched; equal bounds hold it.
     rng
         Source of all randomness.
-    surrogate_error
-        Errors of the surrogate (k, n_points) of each condition, such as `PODRBF.loo_error_`; their second
-        moments join the noise where the estimate rests on the surrogates.
-    forward
-        The forward model, such as `palpate.inference.forward.FiniteElements`.
     report
-        Told how it goes on.
+        Called with one line on the progress.
 
     Raises
     ------
     InputError
-        When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
+        When no condition is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
         parameters, a mean depth is constant or nowhere positive, or the relative objective meets a depth that is not
         positive.
+    PalpateError
+        When the forward model fails wherever a search may begin.
     """
     settings = settings or CalibrationSettings()
-    space = Space(bounds)
-    fitted = {name: item for name, item in observations.items() if item.role == "calibrate"}
-    measured = {name: item.mean for name, item in fitted.items()}
-    check_consistent(space, surrogates, measured, settings.objective)
-    for name, item in observations.items():
+    for name, item in problem.recorded.items():
         check_indents(name, item)
-
-    evolution = evolve(objectives(space, surrogates, fitted, settings), space.dimensions, settings.genetic, rng)
-    starts = starting_points(evolution)
-    report(f"genetic search: {int(evolution.history[-1]['evaluations'])} evaluations")
-    plain = WeightedFit(space, surrogates, measured, np.eye(sum(map(len, measured.values()))))
-    rough = plain.curves(plain.solve(starts))
-    noise = complete_noise(fitted, rough, settings.site_scatter)
-    covariance = all_errors(fitted, noise, rough, settings.solver_error)
-    fit = WeightedFit(space, surrogates, measured, covariance + surrogate_covariance(measured, surrogate_error or {}))
-    u = fit.solve(starts)
-    own, iterations = space.named(u), []
-    curves, solved = predicted(surrogates, observations, space.physical(u)), {}
-    around: WeightedFit | Linearised = fit
-    coordinates: Space | Coordinates = space
-    settled: bool | None = None
-    if forward is not None:
-
-        def kept(line: str) -> None:
-            iterations.append(line)
-            report(line)
-
-        known = known_errors(fitted, noise, rough, settings.solver_error)
-        begin = [own, *(space.named(start) for start in starts)]
-        found_there, recorded = estimated(forward.under(list(fitted)), fitted, known, begin, rng, kept)
-        u, settled, coordinates = found_there.u, found_there.settled, forward.coordinates
-        noise = complete_noise(fitted, found_there.curves, settings.site_scatter)
-        errors = all_errors(fitted, noise, found_there.curves, settings.solver_error)
-        around = Linearised(measured, errors, found_there.curves, found_there.slopes, forward.coordinates)
-        others = [name for name in observations if name not in fitted]
-        solved = {**found_there.curves, **simulated(recorded, others, u, report)}
-    found = intervals(around, u, noise, fitted)
-    table = judged(observations, curves, solved)
-    explained = found.misfit_ratio < MOST_MISFIT and all(table[name]["r2"] > LEAST_R2 for name in fitted)
-    seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
+    fitted = {name: problem.recorded[name] for name in problem.names}
+    first = genetic_search(surrogates, fitted, bounds, rng, settings.genetic, settings.objective, settings.aggregated)
+    report(f"genetic search: {first.evaluations} evaluations")
+    fit = base_fit(problem, settings, first.starts, rng)
+    report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
+    found, solved = intervals(fit, rng), {}
+    for name, curve in fit.everywhere.items():
+        if isinstance(curve, str):
+            report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
+        else:
+            solved[name] = curve / problem.nm.get(name, 1.0)
+    table = condition_errors(problem.recorded, solved)
+    weighable = not problem.replicated or found.misfit_ratio < MOST_MISFIT
+    explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
     return Calibration(
-        parameters=estimates(coordinates, u, found, explained),
+        parameters=estimates(fit, found, explained),
         conditions=table,
-        surrogate_curves=curves,
-        fe_curves=solved,
-        confirmed_by="fe" if solved else "surrogate",
-        on_surrogates=own,
-        iterations=iterations,
-        settled=settled,
+        surrogate_curves=first.curves({name: surrogates[name] for name in problem.recorded if name in surrogates}),
+        simulated_curves=solved,
+        on_surrogates=first.values,
+        converged=fit.converged,
         misfit_ratio=found.misfit_ratio,
-        correlation=named_matrix(coordinates, found.correlation),
-        noise={name: described(noise[name], fitted[name]) for name in fitted},
-        pareto=front(space, evolution, ["sum"] if settings.aggregated else list(measured)),
-        history=[dict(entry) for entry in evolution.history],
-        evaluations=int(evolution.history[-1]["evaluations"]),
+        correlation=named_matrix(fit.coordinates, found.correlation),
+        noise=described(problem, fit.errors.noise),
+        pareto=first.front(["sum"] if settings.aggregated else list(fitted)),
+        history=[dict(entry) for entry in first.evolution.history],
+        evaluations=first.evaluations,
         settings=asdict(settings),
-        seed=seed,
+        seed=getattr(rng.bit_generator.seed_seq, "entropy", None),
     )
 
 
-def check_consistent(
-    space: Space, surrogates: Mapping[str, Predictor], measured: Mapping[str, np.ndarray], objective: str
-) -> None:
-    """Raise `InputError` where observations and surrogates do not fit together."""
-    if not measured:
-        raise InputError("no condition has the role calibrate", remedy="give at least one", place="conditions")
-    for name, mean in measured.items():
-        check_measurable(name, mean, objective)
-        if name not in surrogates:
-            raise InputError(f"condition {name} has no surrogate", remedy="fit one", place=name)
-        predicted_points = surrogates[name].predict(space.physical(np.full(space.dimensions, 0.5))).shape[1]
-        if predicted_points != len(mean):
-            raise InputError(
-                f"condition {name} was measured at {len(mean)} points, its surrogate has {predicted_points}",
-                remedy="resample the recordings on the sample times of the snapshots",
-                place=name,
-            )
-    points = sum(len(mean) for mean in measured.values())
-    if points < space.dimensions:
-        raise InputError(
-            f"{points} points cannot fix {space.dimensions} parameters", remedy="give more points or hold parameters"
-        )
+def base_fit(
+    problem: Problem, settings: CalibrationSettings, starts: Sequence[Mapping[str, float]], rng: np.random.Generator
+) -> Fit:
+    """Fit the base model from parameters by name, and from places scattered over the ranges.
 
-
-def objectives(
-    space: Space,
-    surrogates: Mapping[str, Predictor],
-    observations: Mapping[str, Observation],
-    settings: CalibrationSettings,
-) -> Evaluate:
-    """Objectives (n, m) of a whole generation (n, k): one for each condition, or their sum.
-
-    Loads count as depths, by `palpate.study.quantity.Quantity.nm`, so that the sum is one of like with like.
+    Without replicates the noise is what a first fit leaves beside slow trends, see
+    `palpate.inference.covariance.noise_of`.
     """
-    measure = OBJECTIVES[settings.objective]
-    measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}
-
-    def evaluate(u: np.ndarray) -> np.ndarray:
-        x = space.physical(u)
-        columns = np.column_stack(
-            [measure(nm * mean, nm * surrogates[name].predict(x)) for name, (mean, nm) in measured.items()]
-        )
-        return columns.sum(axis=1, keepdims=True) if settings.aggregated else columns
-
-    return evaluate
-
-
-def starting_points(evolution: Evolution) -> list[np.ndarray]:
-    """Where the polish starts: the best points by the sum of objectives and by each objective."""
-    chosen = {int(np.argmin(evolution.objectives.sum(axis=1)))} | {int(i) for i in evolution.objectives.argmin(axis=0)}
-    return [evolution.points[i] for i in sorted(chosen)]
-
-
-def surrogate_covariance(measured: Mapping[str, np.ndarray], errors: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Mean outer product of the error curves (k, n_points) of each condition; zero for a condition without."""
-    return block_diag(
-        *(
-            errors[name].T @ errors[name] / len(errors[name]) if name in errors else np.zeros((mean.size, mean.size))
-            for name, mean in measured.items()
-        )
-    )
+    fitter, coordinates = Fitter(problem, settings.site_scatter, settings.solver_error), problem.forward.coordinates
+    begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
+    fit = fitter.base([*begin, *fitter.scattered(rng)])
+    if problem.replicated:
+        return fit
+    fitter.use_residual_as_noise(fit.residual)
+    return fitter.fitted((), [fit.z], fit.curve)

@@ -18,13 +18,13 @@ class Estimate:
     estimate
         Best value.
     lower, upper
-        95 % interval, within the bounds.
+        95 % interval.
     identified
-        Whether the data fix it (see `palpate.inference.intervals`).
+        Whether the data determine it (see `palpate.inference.intervals`).
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound
-        Whether the estimate lies on a bound: of the surrogates', or a limit of the law.
+        Whether the estimate lies on a limit of the law.
     outside
         Whether it lies outside its range.
     """
@@ -47,26 +47,21 @@ class Calibration:
     parameters
         `Estimate` of each parameter.
     conditions
-        For each condition what `error_measures` returns, `role`, and `curve`: ``fe`` or
-        ``surrogate``, whichever the errors were taken of.
+        For each condition what `error_measures` returns of the forward model's curve, and `role`.
     surrogate_curves
         Curves (n_points,) of the surrogates at their own optimum, of depth [nm] or load [mN].
-    fe_curves
-        Curves of the forward model at the estimate; empty without one.
-    confirmed_by
-        ``fe`` when the estimate rests on the forward model, else ``surrogate``.
+    simulated_curves
+        Curves of the forward model at the estimate, of every condition under which it did not fail.
     on_surrogates
-        Parameters at the optimum of the genetic search, polished on the surrogates.
-    iterations
-        What the search on the forward model told.
-    settled
-        Whether that search arrived; None without a forward model.
+        Parameters at the optimum of the genetic search.
+    converged
+        Whether the search on the forward model converged.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     correlation
         Correlations of the free parameters, by name.
     noise
-        For each calibrated condition: sigma_nm (or sigma_mN, where the load answers), correlation, site_scatter,
+        For each calibrated condition: sigma_nm (or sigma_mN under displacement control), correlation, site_scatter,
         replicates.
     pareto
         `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.
@@ -83,11 +78,9 @@ class Calibration:
     parameters: Mapping[str, Estimate]
     conditions: Mapping[str, Mapping[str, Any]]
     surrogate_curves: Mapping[str, np.ndarray]
-    fe_curves: Mapping[str, np.ndarray]
-    confirmed_by: str
+    simulated_curves: Mapping[str, np.ndarray]
     on_surrogates: Mapping[str, float]
-    iterations: list[str]
-    settled: bool | None
+    converged: bool
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
@@ -113,10 +106,8 @@ class Calibration:
         return {
             "parameters": {name: vars(found).copy() for name, found in self.parameters.items()},
             "conditions": {name: dict(row) for name, row in self.conditions.items()},
-            "confirmed_by": self.confirmed_by,
             "on_surrogates": dict(self.on_surrogates),
-            "iterations": self.iterations,
-            "settled": self.settled,
+            "converged": self.converged,
             "misfit_ratio": self.misfit_ratio,
             "correlation": {name: dict(row) for name, row in self.correlation.items()},
             "noise": {name: dict(row) for name, row in self.noise.items()},

@@ -1,14 +1,14 @@
-r"""Parameters, the coordinates in which they are searched for, and what is known of them beforehand.
+r"""Parameters, the coordinates in which they are searched for, and their prior.
 
-A quantity with a unit that cannot be negative counts by its logarithm, an exponent or another pure number as it is:
+A quantity with a unit that cannot be negative is scaled by its logarithm, an exponent or another pure number linearly:
 laws of creep and flow are products of powers, whose valleys are straight in such coordinates. Where the range of a
 quantity begins at zero, a hundredth of its largest value is added first,
 
     g(x) = ln(x + s),    u = (g(x) - g(lower)) / (g(upper) - g(lower)).
 
-In the coordinate u the range of a parameter is 0 to 1. The prior is even within the range, and falls off outside as a
-Gaussian whose standard deviation is the range itself: a range is what is thought plausible and no wall. The limits of
-the law are walls.
+In the coordinate u the range of a parameter is 0 to 1. The prior is uniform within the range, and falls off outside as
+a Gaussian whose standard deviation is the range itself: a range is what is thought plausible, not a limit. Only the
+limits of the law are never exceeded.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Range, Scale
 
-BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which a parameter counts as it is
-AT_WALL = 1e-3  # of the range, within which an estimate lies on a limit
+BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which the scale is about linear
+AT_LIMIT = 1e-3  # of the range, within which an estimate lies on a limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Coordinate:
     least, largest
         Its limits, in its unit.
     logarithmic
-        Whether it counts by its logarithm.
+        Whether its logarithm is scaled.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Coordinate:
         return BEYOND_ZERO * self.upper if self.lower == 0.0 else 0.0
 
     def scaled(self, value: np.ndarray | float) -> np.ndarray:
-        """Return u of values in the parameter's unit; minus infinity for a zero whose logarithm counts."""
+        """Return u of values in the parameter's unit; minus infinity for a zero on a logarithmic scale."""
         first, last = self._measure(self.lower), self._measure(self.upper)
         return (self._measure(value) - first) / (last - first)
 
@@ -136,7 +136,7 @@ class Coordinates:
         return [each.name for each in self.free]
 
     @property
-    def walls(self) -> tuple[np.ndarray, np.ndarray]:
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Limits of the coordinates (k,) below and above; infinite where there are none."""
         return (
             np.array([each.scaled(each.least) for each in self.free]),
@@ -155,7 +155,7 @@ class Coordinates:
         """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
         return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
 
-    def at_wall(self, u: np.ndarray) -> np.ndarray:
+    def at_limit(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit."""
-        least, largest = self.walls
-        return (u < least + AT_WALL) | (u > largest - AT_WALL)
+        least, largest = self.limits
+        return (u < least + AT_LIMIT) | (u > largest - AT_LIMIT)

@@ -2,96 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from palpate.inference.calibration_result import Estimate
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Forward, under_each
-from palpate.inference.genetic import Evolution
+from palpate.inference.explanation import Fit
 from palpate.inference.intervals import Intervals
 from palpate.inference.measures import error_measures
+from palpate.inference.noise import NoiseModel
 from palpate.inference.observation import Observation
-from palpate.inference.recording_noise import Noise
-from palpate.inference.surrogate_fit import Predictor
-from palpate.inference.surrogate_space import Space
+from palpate.inference.problem import Problem
 
 
-def predicted(
-    surrogates: Mapping[str, Predictor], observations: Mapping[str, Observation], x: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Surrogate curves at parameters x (1, p) of all observed conditions that have a surrogate."""
-    return {name: surrogates[name].predict(x)[0] for name in observations if name in surrogates}
-
-
-def simulated(
-    forward: Forward, names: Sequence[str], u: np.ndarray, report: Callable[[str], None]
-) -> dict[str, np.ndarray]:
-    """Return the forward model's curves at coordinates u (k,) of conditions that took no part; failures are told."""
-    found: dict[str, np.ndarray] = {}
-    for name, curve in under_each(forward, names, u).items():
-        if isinstance(curve, str):
-            report(f"{name} is not judged: {curve.removeprefix(f'{name}: ')}")
-        else:
-            found[name] = curve
-    return found
-
-
-def judged(
-    observations: Mapping[str, Observation], curves: Mapping[str, np.ndarray], confirmed: Mapping[str, np.ndarray]
+def condition_errors(
+    observations: Mapping[str, Observation], curves: Mapping[str, np.ndarray]
 ) -> dict[str, dict[str, Any]]:
-    """Error table: of the forward model's curve where there is one, else of the surrogate's."""
-    table: dict[str, dict[str, Any]] = {}
-    for name, observation in observations.items():
-        source, curve = ("fe", confirmed[name]) if name in confirmed else ("surrogate", curves.get(name))
-        if curve is not None:
-            table[name] = error_measures(observation.mean, curve, observation.quantity) | {
-                "role": observation.role,
-                "curve": source,
-            }
-    return table
+    """Return the errors of simulated curves (n_points,), by condition."""
+    return {
+        name: error_measures(observations[name].mean, curve, observations[name].quantity)
+        | {"role": observations[name].role}
+        for name, curve in curves.items()
+    }
 
 
-def estimates(
-    coordinates: Space | Coordinates, u: np.ndarray, found: Intervals, explained: bool
-) -> dict[str, Estimate]:
-    """Physical estimates and intervals by name, these within what is plausible; none is identified in a failing fit."""
-    beyond = np.where(np.isinf(found.half_width), 0.0, float(isinstance(coordinates, Coordinates)))
-    first, last = np.minimum(u, 0.0) - beyond, np.maximum(u, 1.0) + beyond
-    ends = np.clip(u - found.half_width, first, last), np.clip(u + found.half_width, first, last)
-    low, high = map(coordinates.named, ends)
-    outside = np.abs(u - 0.5) > 0.5 + 1e-9
+def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate]:
+    """Return estimates and intervals in their units, by name; none is identified in a failing fit.
+
+    Parameters
+    ----------
+    fit
+        The fit of the base model.
+    found
+        Intervals and flags of its coordinates.
+    explained
+        Whether the fit explains the recordings.
+    """
+    coordinates, outside = fit.coordinates, np.abs(fit.z - 0.5) > 0.5 + 1e-9
+    low, high = coordinates.named(found.lower), coordinates.named(found.upper)
     places = {name: k for k, name in enumerate(coordinates.names)}
-    told = {}
-    for name, value in coordinates.named(u).items():
+    found_estimates = {}
+    for name, value in coordinates.named(fit.z).items():
         free, k = name in places, places.get(name, 0)
         flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
-        told[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
-    return told
+        found_estimates[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
+    return found_estimates
 
 
-def named_matrix(coordinates: Space | Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:
-    """Matrix (k, k) of the free parameters, by name."""
+def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:
+    """Return a matrix (k, k) of the free parameters, by name."""
     names = coordinates.names
     return {name: dict(zip(names, map(float, row), strict=True)) for name, row in zip(names, matrix, strict=True)}
 
 
-def described(noise: Noise, observation: Observation) -> dict[str, float]:
-    """Noise of a condition for the record."""
-    return {
-        f"sigma_{observation.quantity.unit}": noise.sigma,
-        "correlation": noise.correlation,
-        "site_scatter": noise.site_scatter,
-        "replicates": len(observation.response),
-    }
-
-
-def front(space: Space, evolution: Evolution, names: list[str]) -> dict[str, dict[str, list[float]]]:
-    """Pareto front in physical units."""
-    points = space.physical(evolution.points)
-    return {
-        "parameters": {name: points[:, i].tolist() for i, name in enumerate(space.bounds)},
-        "objectives": {name: evolution.objectives[:, i].tolist() for i, name in enumerate(names)},
-    }
+def described(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, float]]:
+    """Return the noise of each condition that takes part, for the record."""
+    told = {}
+    for k, name in enumerate(problem.names):
+        item = problem.recorded[name]
+        told[name] = {
+            f"sigma_{item.quantity.unit}": float(noise.sigma[k]) / problem.nm.get(name, 1.0),
+            "correlation": float(noise.autocorrelation[k]),
+            "site_scatter": float(np.sqrt(noise.variances["site"])) * abs(item.quantity.share),
+            "replicates": len(item.response),
+        }
+    return told

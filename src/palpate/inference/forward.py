@@ -1,4 +1,4 @@
-"""What answers under the conditions of a study, with its derivatives, at several parameters at once."""
+"""Forward models: responses under the conditions of a study, and their derivatives, at several parameters at once."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from palpate.study.specification import Specification, of_equivalent_cone
 
 Curves = Mapping[str, np.ndarray]
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
-THINNING = 4  # of the samples, where curves of another simulation say what lies between
-FEWEST = 25  # samples that are left
+THINNING = 4  # one of so many samples is kept where curves of another simulation interpolate the rest
+FEWEST = 25  # samples that are kept
 
 
 class Forward(typing.Protocol):
-    """A forward model, of which a search asks curves and tangents.
+    """A forward model, which gives a search curves and tangents.
 
-    Both are lists with one entry for each of the points (k,), which says why where a simulation failed.
+    Both are lists with one entry for each of the points (k,); where a simulation failed, it is the reason.
     """
 
     @property
@@ -46,19 +46,19 @@ class Forward(typing.Protocol):
         """Return the parameters of each mechanism at coordinates u (k,), by its key."""
 
     def of_record(self, u: np.ndarray) -> Forward:
-        """Return the most accurate model, which is known best near coordinates u (k,)."""
+        """Return the model of record, the most accurate one, with references near coordinates u (k,)."""
 
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
 
     def together(self, u: np.ndarray) -> int:
-        """Return how many points near coordinates u (k,) cost hardly more than one."""
+        """Return how many points near coordinates u (k,) are simulated in about the time of one."""
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
-        """Return what answers under each condition (n_points,)."""
+        """Return the response under each condition (n_points,), in nm or mN."""
 
     def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
-        """Return what answers, and its derivatives by the coordinates (n_points, k)."""
+        """Return the responses (n_points,) and their derivatives by the coordinates (n_points, k)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +136,8 @@ class FiniteElements:
         return found
 
     def _neighbours(self, u: np.ndarray) -> list[list[Variation]]:
-        """Return what differs a little from the place u (k,) in each coordinate, for each condition."""
-        largest = self.coordinates.walls[1]
+        """Return the specifications that differ a little from u (k,) in each coordinate, for each condition."""
+        largest = self.coordinates.limits[1]
         steps = np.where(u + NEAR <= largest, NEAR, -NEAR)
         moved = [self._specifications([place]) for place in u + np.diag(steps)]
         return [
@@ -156,7 +156,7 @@ class FiniteElements:
         return of_equivalent_cone(self.of_study(u, condition))
 
     def of_study(self, u: np.ndarray, condition: Condition) -> Specification:
-        """Return what the study says of coordinates u (k,) under a condition."""
+        """Return the study's specification at coordinates u (k,) under a condition."""
         named = self.coordinates.named(u)
         found = self.study.specification({name: named[name] for name in self.study.levels}, condition)
         return replace(found, mechanisms=self.amplitudes(u)) if self.mechanisms else found
@@ -188,9 +188,9 @@ def under_each(model: Forward, names: Sequence[str], u: np.ndarray) -> dict[str,
 
 
 def kept(protocol: Protocol) -> np.ndarray:
-    """Return which samples (n_points,) are enough for what changes slowly: a few, corners, and the last ones in full.
+    """Return which samples (n_points,) suffice for slowly varying curves: a few, corners, and all of the last ones.
 
-    Late in unloading effects change fastest.
+    Effects change fastest late in unloading.
     """
     keep = np.isclose(protocol.sample_time[:, None], protocol.knot_time, rtol=1e-9, atol=0.0).any(axis=1)
     every = min(THINNING, max(1, len(keep) // FEWEST))

@@ -26,7 +26,7 @@ class GeneticSettings:
     generations
         Largest number of generations.
     subpopulations
-        Number of equal parts that evolve side by side. The thesis does not tell it; with 1 nothing migrates.
+        Number of equal parts that evolve side by side. The thesis does not give it; with 1 there is no migration.
     tournament
         Number of entrants of a tournament.
     crossover_fraction
@@ -110,7 +110,19 @@ def operators(settings: GeneticSettings, rng: np.random.Generator) -> base.Toolb
 
 
 def breed(toolbox: base.Toolbox, parents: np.ndarray, crossovers: int, deviation: float) -> np.ndarray:
-    """As many children as there are parents (n, dimensions), which are sorted best first."""
+    """As many children as there are parents (n, dimensions), which are sorted best first.
+
+    Parameters
+    ----------
+    toolbox
+        Operators, see `operators`.
+    parents : ndarray, shape (n, dimensions)
+        Sorted best first.
+    crossovers
+        Number of children by crossover; the others are mutants.
+    deviation
+        Standard deviation of the mutation, in units of the range.
+    """
     n = len(parents)
     first, second = (parents[toolbox.select(n, crossovers)] for _ in range(2))
     mutants = parents[toolbox.select(n, n - crossovers)]
@@ -122,6 +134,12 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
 
     Parameters
     ----------
+    dimensions
+        Number of parameters.
+    settings
+        Numbers of the genetic algorithm.
+    rng
+        Source of randomness.
     evaluate
         Objectives (n, m) of points (n, dimensions) in [0, 1]; called once for each generation.
     """
@@ -170,7 +188,7 @@ def record(history: tools.Logbook, objectives: np.ndarray) -> None:
 
 
 def stalled(history: tools.Logbook, settings: GeneticSettings) -> bool:
-    """Whether the best values have stood still for long enough."""
+    """Whether the best values have not changed for `stall_generations`."""
     if settings.tolerance == 0 or len(history) <= settings.stall_generations:
         return False
     now, then = (np.append(history[i]["best"], history[i]["best_sum"]) for i in (-1, -1 - settings.stall_generations))

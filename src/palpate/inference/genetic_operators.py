@@ -15,12 +15,34 @@ def uniform(rng: np.random.Generator, size: int, dimensions: int) -> np.ndarray:
 
 
 def tournament(rng: np.random.Generator, size: int, count: int, entrants: int) -> np.ndarray:
-    """Rows (count,) of the winners among `size` individuals that are sorted best first."""
+    """Rows (count,) of the winners among `size` individuals that are sorted best first.
+
+    Parameters
+    ----------
+    rng
+        Source of randomness.
+    size
+        Number of individuals.
+    count
+        Number of tournaments.
+    entrants
+        Number of individuals in each.
+    """
     return rng.integers(size, size=(count, entrants)).min(axis=1)
 
 
 def intermediate(rng: np.random.Generator, first: np.ndarray, second: np.ndarray, ratio: float) -> np.ndarray:
-    """Children first + rand * ratio * (second - first), a random number for each coordinate; all (n, dimensions)."""
+    """Children first + rand * ratio * (second - first), a random number for each coordinate; all (n, dimensions).
+
+    Parameters
+    ----------
+    rng
+        Source of randomness.
+    first, second : ndarray, shape (n, dimensions)
+        Parents.
+    ratio
+        Ratio of the intermediate crossover.
+    """
     return reflect(first + rng.random(first.shape) * ratio * (second - first))
 
 
@@ -30,7 +52,15 @@ def gaussian(rng: np.random.Generator, parents: np.ndarray, deviation: float) ->
 
 
 def deviation(generation: int, generations: int, scale: float, shrink: float) -> float:
-    """Return the standard deviation of the mutation: from `scale`, linearly, to scale * (1 - shrink) at the end."""
+    """Return the standard deviation of the mutation: from `scale`, linearly, to scale * (1 - shrink) at the end.
+
+    Parameters
+    ----------
+    generation, generations
+        Number of the generation, and of the last one.
+    scale, shrink
+        Standard deviation of the first mutation in units of the range, and the share it has lost at the last one.
+    """
     return scale * (1.0 - shrink * generation / generations)
 
 

@@ -1,100 +1,56 @@
-r"""95 % intervals of the calibrated parameters, and whether the data fix them.
+r"""95 % intervals of the parameters of a fit, and whether the recordings fix them.
 
-With the whitened Jacobian J in coordinates scaled to the bounds, the information of the data is J^T J. What is known
-beforehand is that each parameter lies within its bounds, taken as a Gaussian of the same variance, 1/12. The covariance
-is P = (J^T J + 12 I)^-1, and for the parameter's own interval its own bounds are taken out again,
+They are quantiles of the posterior, see `palpate.inference.posterior`: of curves to second order about the estimate,
+with the noise of the recordings, the error of the solver, and the prior of `palpate.inference.coordinates`. Where the
+model does not explain the recordings to these errors, chi-square is divided by its ratio to the degrees of freedom
+(R. T. Birge, Phys. Rev. 40 (1932) 207-227), so that the intervals are wider by the root of that.
 
-    v_k = 1 / (1 / P_kk - 12),
-
-so an interval rests on the data and on the bounds of the *other* parameters: one that the data leave free does
-not blow up the intervals of those it is correlated with beyond what its bounds allow. The interval is
-estimate +- t sqrt(v_k), with Student's t for Satterthwaite's degrees of freedom, since the scatter between sites rests
-on a handful of recordings; v_k is multiplied by chi^2 per degree of freedom where that exceeds 1 (Birge's ratio).
-
-A parameter is identified when its interval is narrower than half the range between its bounds and its estimate does
-not lie on one of them: an interval that fills most of the range says little more than the range did. On a bound the
-least sum of squares lies outside, the quadratic approximation does not hold, and the interval is the whole range. An
-estimate on surrogates ends at the bounds of their snapshots; one on the finite elements at the limits of the law.
+A parameter is identified when its interval is narrower than half its range and the estimate lies on no limit of the
+law: an interval that fills most of the range says little more than the range did.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
 
-from palpate.inference.observation import Observation
-from palpate.inference.on_finite_elements import Linearised
-from palpate.inference.recording_noise import Noise
-from palpate.inference.surrogate_fit import WeightedFit
+from palpate.inference.explanation import Fit
+from palpate.inference.posterior import posterior_draws
 
-PRIOR_INFORMATION = 12.0
 WIDEST_IDENTIFIED = 0.5
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Uncertainty of the free parameters, in coordinates scaled to the bounds.
+    """Uncertainty of the coordinates of a fit.
 
     Attributes
     ----------
-    half_width : ndarray, shape (k,)
-        t sqrt(v_k), before anything is cut off at the bounds; infinite where the data say nothing.
+    lower, upper : ndarray, shape (k,)
+        Ends of the intervals.
     at_bound, identified : ndarray of bool, shape (k,)
         See the module.
     correlation : ndarray, shape (k, k)
-        Of P.
+        Of the posterior.
     misfit_ratio
-        chi^2 per degree of freedom; well above 1 the model does not explain the recordings to their noise.
+        Chi-square per degree of freedom; well above 1 the model does not explain the recordings to their noise.
     """
 
-    half_width: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
     at_bound: np.ndarray
     identified: np.ndarray
     correlation: np.ndarray
     misfit_ratio: float
 
 
-def intervals(
-    fit: WeightedFit | Linearised,
-    u: np.ndarray,
-    noise: Mapping[str, Noise],
-    observations: Mapping[str, Observation],
-    confidence: float = 0.95,
-) -> Intervals:
-    """Intervals about the estimate u (k,) of a weighted fit."""
-    jacobian = fit.jacobian(u)
-    size, k = jacobian.shape
-    information = jacobian.T @ jacobian
-    covariance = np.linalg.inv(information + PRIOR_INFORMATION * np.eye(k))
-    spread = np.sqrt(np.diag(covariance))
-    own = 1.0 / np.diag(covariance) - PRIOR_INFORMATION
-    ratio = float(np.sum(fit.residual(u) ** 2)) / max(size - k, 1)
-    with np.errstate(divide="ignore", over="ignore"):
-        variance = max(ratio, 1.0) / np.maximum(own, 0.0)
-        half_width = student.ppf(0.5 + confidence / 2, freedom(fit, jacobian, covariance, noise, observations))
-        half_width = half_width * np.sqrt(variance)
-    at_bound = fit.at_bound(u)
-    half_width = np.where(at_bound, np.inf, half_width)
-    correlation = covariance / np.outer(spread, spread)
-    return Intervals(half_width, at_bound, (2 * half_width < WIDEST_IDENTIFIED) & ~at_bound, correlation, ratio)
-
-
-def freedom(
-    fit: WeightedFit | Linearised,
-    jacobian: np.ndarray,
-    covariance: np.ndarray,
-    noise: Mapping[str, Noise],
-    observations: Mapping[str, Observation],
-) -> np.ndarray:
-    """Satterthwaite's degrees of freedom (k,): the share of the site scatter in each variance decides."""
-    site = np.zeros(len(covariance))
-    for name in fit.measured:
-        tau, count = noise[name].site_scatter, len(observations[name].response)
-        factor = {n: tau / np.sqrt(count) * mean * (n == name) for n, mean in fit.measured.items()}
-        site += (covariance @ jacobian.T @ fit.whiten(factor)) ** 2
-    total = np.einsum("ij,jk,ki->i", covariance, jacobian.T @ jacobian, covariance)
-    share = np.divide(site, total, out=np.zeros_like(site), where=total > 0).clip(0.0, 1.0 - 1e-9)
-    return 1.0 / (share**2 / max(n.site_freedom for n in noise.values()) + (1.0 - share) ** 2 / len(jacobian))
+def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
+    """Return the intervals about a fit; `rng` draws from its posterior."""
+    draws = posterior_draws(fit, rng)
+    lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
+    lower, upper = np.minimum(lower, fit.z), np.maximum(upper, fit.z)
+    at_bound = fit.coordinates.at_limit(fit.z)
+    identified = (upper - lower < WIDEST_IDENTIFIED) & ~at_bound
+    return Intervals(lower, upper, at_bound, identified, np.atleast_2d(np.corrcoef(draws.T)), fit.misfit_ratio)

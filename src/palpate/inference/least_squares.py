@@ -7,9 +7,9 @@ What is minimised, in coordinates u with the prior of `palpate.inference.coordin
 with the covariance C of the errors that are known: noise of the recordings and error of the solver. A model that does
 not explain the recordings to these errors departs from them by more; that discrepancy is taken to be the same at all
 points, with the variance d^2 that makes chi^2 of the curves equal to its degrees of freedom (method of moments). It is
-zero for a model that explains them. Weighing what a model lacks by the noise alone would sacrifice the level of a curve
-to its smallest details. What is measured of the parameters apart from the curves, such as the rate of drift in a hold
-at low load, joins with its departures in standard deviations.
+zero for a model that explains them. Weighting a model's discrepancy by the noise alone would sacrifice the level of a
+curve to its smallest details. Independent measurements of the parameters, such as the drift rate in a hold at low load,
+join with their departures in standard deviations.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves
 
-STEP = 1e-4  # of a range, over which what is measured apart is differenced
+STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
 NO_MORE = 1e6  # times the mean square of the residual, above any discrepancy
 
 
@@ -35,26 +35,27 @@ class Misfit:
     Parameters
     ----------
     measured
-        Mean recorded curve (n_points,) of each condition, in the unit of what answers.
+        Mean recorded curve (n_points,) of each condition, in the unit of the response (nm, or mN where the displacement
+        is prescribed).
     covariance : ndarray, shape (n, n)
         Of the errors that are known, one condition after the other.
     nm
-        For each condition the depth that a unit of what answers amounts to, see `palpate.study.quantity`.
+        For each condition the depth [nm] to which a unit of the response amounts, see `palpate.study.quantity`.
     coordinates
         Of the parameters.
-    apart
-        Returns by how many standard deviations coordinates u (k,) depart from each amplitude that was measured apart
-        from the curves (m,).
-    lacking
-        Whether the model may lack something: else the discrepancy is zero.
+    independent
+        Returns the departures (m,) [standard deviations] of coordinates u (k,) from independent measurements of
+        amplitudes.
+    allow_discrepancy
+        Whether a discrepancy of the model is estimated; else it is zero.
     """
 
     measured: Mapping[str, np.ndarray]
     covariance: np.ndarray
     nm: Mapping[str, float]
     coordinates: Coordinates
-    apart: Callable[[np.ndarray], np.ndarray] = lambda u: np.empty(0)
-    lacking: bool = True
+    independent: Callable[[np.ndarray], np.ndarray] = lambda u: np.empty(0)
+    allow_discrepancy: bool = True
 
     @cached_property
     def scale(self) -> np.ndarray:
@@ -76,20 +77,20 @@ class Misfit:
         return self.stacked({name: curves[name] - recorded for name, recorded in self.measured.items()})
 
     def discrepancy(self, residual: np.ndarray) -> float:
-        """Return the variance [nm^2] of what the model lacks, see the module."""
-        if not self.lacking:
+        """Return the variance d^2 [nm^2] of the model's discrepancy, see the module."""
+        if not self.allow_discrepancy:
             return 0.0
         variances, directions = self.principal
         squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - len(self.coordinates.free), 1)
         largest = NO_MORE * float(np.mean(residual**2))
 
-        def excess(more: float) -> float:
+        def above_freedom(more: float) -> float:
             return float(np.sum(squares / (np.maximum(variances, 0.0) + more))) - freedom
 
         least = 1e-12 * largest
-        if largest == 0.0 or excess(least) <= 0.0:
+        if largest == 0.0 or above_freedom(least) <= 0.0:
             return 0.0
-        return float(brentq(excess, least, largest, rtol=1e-10))
+        return float(brentq(above_freedom, least, largest, rtol=1e-10))
 
     def weights(self, discrepancy: float) -> np.ndarray:
         """Return the matrix (n, n) that whitens residuals and derivatives in nm."""
@@ -102,12 +103,12 @@ class Misfit:
         return float(np.sum((weights @ self.residual(curves)) ** 2) + np.sum(self.of_parameters(u) ** 2))
 
     def of_parameters(self, u: np.ndarray) -> np.ndarray:
-        """Return the departures (k + m,) from the prior and from what is measured apart, standard deviations."""
-        return np.append(self.coordinates.beyond(u), self.apart(u))
+        """Return the departures (k + m,) [standard deviations] from the prior and from independent measurements."""
+        return np.append(self.coordinates.beyond(u), self.independent(u))
 
     def slopes_of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return their derivatives (k + m, k) by the coordinates."""
-        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.apart, u)])
+        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.independent, u)])
 
 
 def central_slopes(values: Callable[[np.ndarray], np.ndarray], u: np.ndarray) -> np.ndarray:

@@ -34,13 +34,13 @@ def check_measurable(name: str, measured: np.ndarray, objective: str) -> None:
 
 
 def check_indents(name: str, item: Observation) -> None:
-    """Raise `InputError` where what answers never changes or is nowhere positive: nothing is measured against it."""
-    measured, answer = item.mean, item.quantity
+    """Raise `InputError` where the response is constant or nowhere positive: errors relative to it are undefined."""
+    measured, response = item.mean, item.quantity
     if np.ptp(measured) == 0.0 or measured.max() <= 0.0:
         raise InputError(
-            f"the mean {answer.name} of {name} is {measured.min():g} to {measured.max():g} {answer.unit}, which is no "
-            "indentation",
-            remedy=f"check the column {answer.name}_{answer.unit} of its recordings, and its sign",
+            f"the mean {response.name} of {name} is {measured.min():g} to {measured.max():g} {response.unit}, which is "
+            "no indentation",
+            remedy=f"check the column {response.name}_{response.unit} of its recordings, and its sign",
             place=name,
         )
 
@@ -52,9 +52,9 @@ def error_measures(measured: np.ndarray, simulated: np.ndarray, quantity: Quanti
     -------
     dict
         `rmse_nm`; `r2`, 1 - sum of squared errors / sum of squares about the mean; `mean_abs_error_nm`;
-        `percent_error`, the mean of 100 |error| / value over points above 1 % of the largest value. Where the load
-        answers, `rmse_mN` and `mean_abs_error_mN`, too, and the errors in nm are those changed into depths under the
-        same load, see `palpate.study.quantity`.
+        `percent_error`, the mean of 100 |error| / value over points above 1 % of the largest value. Under displacement
+        control also `rmse_mN` and `mean_abs_error_mN`; the errors in nm are then the equivalent depths under the same
+        load, see `palpate.study.quantity`.
     """
     error = simulated - measured
     deep = measured > 0.01 * measured.max()

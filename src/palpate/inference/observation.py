@@ -1,4 +1,4 @@
-"""What was measured in one condition: replicate curves of what answers, on the sample times of its simulation."""
+"""What was measured in one condition: replicate curves of the response, at the sample times of its simulation."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Observation:
     response : ndarray, shape (n_replicates, n_points)
         One curve for each recording, of depth [nm] or load [mN].
     role
-        ``calibrate``, or ``validate``: never enters the fit, judges it.
+        ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
         What the curves are of.
     """
@@ -62,6 +62,17 @@ class Observation:
         quantity: str = "depth",
     ) -> Observation:
         """Resample depths or loads of recordings on the sample times, see `palpate.base.interpolation`.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n_points,)
+            Sample times [s].
+        recordings
+            Replicates of one condition.
+        role
+            ``calibrate`` or ``validate``.
+        quantity
+            The response: ``depth`` or ``load``.
 
         Raises
         ------

@@ -1,13 +1,13 @@
-"""A fast model in place of an accurate one: curves of the accurate one at one place, carried to others by the fast one.
+"""Space mapping: curves of an accurate model at one point, scaled to others by a fast model.
 
 The accurate model's curve h at some parameters u_0 and all samples, and the fast one's f at few samples, give
 
     h(u, t) = h(u_0, t) f(u, t) / f(u_0, t),
 
-where the ratio of the fast curves varies slowly in time, so that few samples are enough for it, and what both models
-differ by hardly changes with u (space mapping; Bakr, Bandler et al., Optim. Eng. 1 (2000) 241-276). What the instrument
-adds to the depth of the body is added last: neither model errs in it. A pyramid is such an accurate model, and the cone
-whose sections are as large the fast one.
+where the ratio of the fast curves varies slowly in time, so that few samples suffice, and the ratio of both models
+hardly changes with u (space mapping; Bakr, Bandler et al., Optim. Eng. 1 (2000) 241-276). What the instrument adds to
+the depth of the body is added last, since both models treat it exactly. With a pyramid as the accurate model, the cone
+of equal cross-sections is the fast one.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 RECORD = "medium"  # accuracy of the model of record; the curves of `fine` differ from it by 0.1 % at most
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
-CLOSE = 0.1  # of a range, within which a reference serves as well as one at the place itself
-PYRAMID_SERVES = 0.5  # of a range, over which the ratio of pyramid and cone serves with what an instrument adds, too
+CLOSE = 0.1  # of a range, within which a reference is as good as one at the point itself
+PYRAMID_NEAR = 0.5  # of a range, the same for the ratio of pyramid and cone when mechanisms only add to the depth
 NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
 
 
@@ -53,7 +53,7 @@ class Reference:
     kept: np.ndarray
 
     def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Return what the accurate model makes (n_points, ...) of the fast one's values (n_kept, ...), at all times."""
+        """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
         deep = np.abs(self.fast) > NO_DEPTH * np.abs(self.fast).max()
         knots = time[self.kept][deep]
         columns = (fast[deep].T / self.fast[deep]).reshape(-1, len(knots))
@@ -70,7 +70,7 @@ class SpaceMapped:
     full
         The fast model with all samples.
     references
-        For each condition; where there is none, the fast model's curve counts.
+        For each condition; where there is none, the fast model's curve is taken.
     place : ndarray, shape (k,)
         Coordinates at which they were simulated.
     """
@@ -133,15 +133,15 @@ class SpaceMapped:
     def of_record(self, u: np.ndarray) -> SpaceMapped:
         """See `Forward`; the same where the references lie near.
 
-        Those of a pyramid, whose curves cost as much as fifty of the cone, serve also where a mechanism joins that the
-        body does not feel. Friction and rounded tips change the ratio of pyramid and cone by 0.1 to 0.2 %.
+        Those of a pyramid, whose curves cost as much as fifty of the cone, are also kept where a mechanism joins that
+        only adds to the depth. Friction and rounded tips change the ratio of pyramid and cone by 0.1 to 0.2 %.
         """
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
-        felt = any(mechanism.acts_on_body for mechanism in self.full.mechanisms)
+        on_body = any(mechanism.acts_on_body for mechanism in self.full.mechanisms)
         if len(u) == len(self.place):
             near = CLOSE
         else:
-            near = 0.0 if felt or self.full.study.indenter.of_revolution else PYRAMID_SERVES
+            near = 0.0 if on_body or self.full.study.indenter.of_revolution else PYRAMID_NEAR
         if moved < near:
             return self
         return SpaceMapped.of(self.full, u)

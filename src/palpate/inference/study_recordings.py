@@ -106,7 +106,8 @@ def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[
 def check_given(study: Study) -> None:
     """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file.
 
-    Replicates that are copies of one another are refused: as if sites never differed, and noise did not exist.
+    Replicates that are copies of one another are refused: they would suggest that sites never differ and noise does not
+    exist.
     """
     remedy = "remove one of them: each replicate is a test of its own"
     for name in study.recordings:
@@ -171,7 +172,7 @@ def _checked(study: Study, condition: Condition, recording: Recording) -> Record
 
 
 def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
-    """Check what is prescribed, duration and depth.
+    """Check drive, duration and depth.
 
     No body is shallower than an elastic one of its modulus, and soft metals in long creep lie within about ten times
     that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
@@ -202,12 +203,12 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
 
 
 def check_drive(protocol: Protocol, recording: Recording) -> None:
-    """Check that what was prescribed in a recording is what a protocol prescribes, to a twentieth of the largest.
+    """Check that the drive of a recording agrees with its protocol, to a twentieth of the largest value.
 
     Raises
     ------
     InputError
-        When the largest load or displacement, the duration, or that at some time is another.
+        When the largest load or displacement, the duration, or the history differs.
     """
     control, unit = protocol.control, protocol.unit
     drive = protocol.drive_of(recording.load, recording.depth)
@@ -288,5 +289,5 @@ def convert_source(study: Study, folder: Path) -> None:
         old.unlink()
     for condition, tests in read_source(source).items():
         for number, test in enumerate(tests, 1):
-            said = (*test.recording.notes, *test.warnings, *notes)
-            replace(test.recording, notes=said).write_apart(folder / f"{condition}_{number}.csv")
+            notes_of_test = (*test.recording.notes, *test.warnings, *notes)
+            replace(test.recording, notes=notes_of_test).write_apart(folder / f"{condition}_{number}.csv")

@@ -1,16 +1,17 @@
 r"""Least squares on a forward model with derivatives: Levenberg and Marquardt's method, several steps at a time.
 
-About the coordinates u with the residual r and its derivatives J, weighed, steps of several lengths are tried at once,
+About the coordinates u with the weighted residual r and its derivatives J, steps of several lengths are tried at once,
 
     (J^T J + m I) s = -J^T r,    each with the damping m that keeps max |s| to its length,
 
 and the best is taken (K. Levenberg, Quart. Appl. Math. 2 (1944) 164-168; D. Marquardt, J. SIAM 11 (1963) 431-441).
-Simulations that run in lanes cost hardly more for several steps than for one. Of each length there is a step that
-also follows how the curves bent over the last one (geodesic acceleration; Transtrum & Sethna, arXiv:1207.4999), since
-valleys are bent. Exact derivatives cost more than several curves: after a step that kept at least the part `KEPT` of
-what it promised they are corrected by its secant (C.G. Broyden, Math. Comp. 19 (1965) 577-593), else computed anew. A
-search has settled when no step promises to lower chi^2 by more than a little, or none of those tried does. Several
-searches advance together; one that falls behind is given up.
+Simulations in parallel lanes cost hardly more for several steps than for one. For each length there is also a step with
+the second-order correction from the curvature along the last step (geodesic acceleration; Transtrum & Sethna,
+arXiv:1207.4999), because the valleys of chi^2 are curved. Exact derivatives cost more than several curves: after a step
+that lowers chi^2 by at least the part `LINEAR_ENOUGH` of the predicted decrease they are updated by its secant (C.G.
+Broyden, Math. Comp. 19 (1965) 577-593), else computed anew. A search has converged when the predicted decrease of every
+step is below the tolerance, or none of those tried exceeds it. Several searches advance together; one that falls behind
+is given up.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ LARGEST_STEP, SHORTEST_STEP = 1.0, 1e-3  # of the range of a parameter
 GROWTH = 2.0  # of the length of the next steps over that of the last
 LEAST_STEPS = 2  # tried at once by each search
 BENDINGS = 3  # times that a bent step is found from the last one
-KEPT = 0.6  # of what a step promised, from which the curves count as straight enough
-SETTLED = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
+LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
+TOLERANCE = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 
 
@@ -42,16 +43,16 @@ class Descent:
     u : ndarray, shape (k,)
         Where it is.
     curves, slopes
-        Of each condition there, in the unit of what answers, by coordinates.
+        Of each condition there, in the unit of the response, and their derivatives by the coordinates.
     exact
-        Whether the slopes are those of the model there, and not corrected by secants.
+        Whether the slopes are the model's derivatives there, and not updated by secants.
     last
-        The last step (k,) that was tried, and by how much the curves there departed from the straight lines of the
-        slopes; none before.
+        The last step (k,) that was tried, and the departure of the curves there from their linear prediction; None
+        before.
     length
-        Of the longest step that it tries next.
-    settled
-        Whether it arrived.
+        Length of the longest step that it tries next.
+    converged
+        Whether its predicted or actual decrease of chi^2 has fallen below the tolerance.
     path
         Where it was before (k,).
     active
@@ -64,12 +65,12 @@ class Descent:
     exact: bool = True
     last: tuple[np.ndarray, Curves] | None = None
     length: float = LARGEST_STEP
-    settled: bool = False
+    converged: bool = False
     active: bool = True
     path: list[np.ndarray] = field(default_factory=list)
 
     def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
-        """Return the step to coordinates u (k,), and the departure of the curves there from straight lines."""
+        """Return the step to coordinates u (k,), and the departure of the curves there from their linear prediction."""
         step = u - self.u
         return step, {name: curves[name] - self.curves[name] - slopes @ step for name, slopes in self.slopes.items()}
 
@@ -87,28 +88,34 @@ def descend(
     starts: Sequence[np.ndarray | Descent],
     iterations: int,
     report: Callable[[str], None] = lambda line: None,
-    settled: float = SETTLED,
+    tolerance: float = TOLERANCE,
     exact: bool = True,
 ) -> Descent:
     """Return the search that ends at the least misfit.
 
     Parameters
     ----------
+    misfit
+        The least-squares problem.
+    model
+        Gives curves and derivatives.
+    report
+        Called with one line for each iteration.
     starts
         Coordinates (k,), or searches that have ended.
     iterations
         Largest number of iterations.
-    settled
-        Change of chi^2 below which a search has settled.
+    tolerance
+        Change of chi^2 below which a search has converged.
     exact
-        Whether it settles only with exact derivatives.
+        Whether it converges only with exact derivatives.
 
     Raises
     ------
     PalpateError
         When the model fails at all starts.
     """
-    searches = [replace(s, length=LARGEST_STEP, settled=False, active=True) for s in starts if isinstance(s, Descent)]
+    searches = [replace(s, length=LARGEST_STEP, converged=False, active=True) for s in starts if isinstance(s, Descent)]
     points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
     outcomes = model.tangents(points) if points else []
     searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
@@ -118,7 +125,7 @@ def descend(
         going = [search for search in searches if search.active]
         if not going:
             break
-        _advance(misfit, model, going, settled, exact)
+        _advance(misfit, model, going, tolerance, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least = min(rms.values())
         report(f"iteration {iteration + 1}: residual {least:.4g} nm")
@@ -134,22 +141,29 @@ def resumed(
     way: Descent,
     iterations: int,
     report: Callable[[str], None] = lambda line: None,
-    settled: float = SETTLED,
+    tolerance: float = TOLERANCE,
     exact: bool = True,
 ) -> Descent:
-    """Return the search with another model that goes on where one ended, or where it last was without failing there.
+    """Continue a search with another model from its end, or from the last place where that model does not fail.
 
     Parameters and errors are those of `descend`.
+
+    Parameters
+    ----------
+    way
+        The search that ended.
+    misfit, model, iterations, report, tolerance, exact
+        See `descend`.
     """
     for start in [way.u, *reversed(way.path)]:
         try:
-            return descend(misfit, model, [start], iterations, report, settled, exact)
+            return descend(misfit, model, [start], iterations, report, tolerance, exact)
         except PalpateError as error:
             failed = error
     raise failed
 
 
-def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], settled: float, exact: bool) -> None:
+def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
     """Move all searches by one iteration."""
     count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
     tried: list[tuple[Descent, np.ndarray, float]] = []
@@ -157,11 +171,11 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], settle
     outdated: list[Descent] = []
     for search in searches:
         steps = Steps.of(misfit, search)
-        if steps.promise(steps.end(LARGEST_STEP)) < settled:
+        if steps.predicted_decrease(steps.end(LARGEST_STEP)) < tolerance:
             if exact and not search.exact:
                 outdated.append(search)
             else:
-                search.settled, search.active = True, False
+                search.converged, search.active = True, False
             continue
         ways[search] = steps
         tried += [(search, *trial) for trial in steps.trials(search, count)]
@@ -183,17 +197,17 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], settle
             continue
         u, curves, length = chosen
         search.length = min(GROWTH * length, LARGEST_STEP)
-        straight = here - best >= KEPT * steps.promise(u)
+        straight = here - best >= LINEAR_ENOUGH * steps.predicted_decrease(u)
         search.move(u, curves)
-        search.settled = here - best < settled and (straight or not exact)
-        search.active = not search.settled
-        if not (straight or search.settled):
+        search.converged = here - best < tolerance and (straight or not exact)
+        search.active = not search.converged
+        if not (straight or search.converged):
             outdated.append(search)
     _renew(model, outdated)
 
 
 def _renew(model: Forward, searches: Sequence[Descent]) -> None:
-    """Give searches the exact derivatives where they are; one whose are unknown there goes on with what it has."""
+    """Compute the exact derivatives at the searches' places; where the model fails, a search keeps those it has."""
     outcomes = model.tangents([search.u for search in searches]) if searches else []
     for search, found in zip(searches, outcomes, strict=True):
         search.exact = True
@@ -213,9 +227,9 @@ class Steps:
     misfit
     u : ndarray, shape (k,)
     weights : ndarray, shape (n, n)
-        That whiten curves.
+        Matrix that whitens curves.
     residual, slopes : ndarray, shape (n + k + m,) and (n + k + m, k)
-        Weighed, those of the prior and of what is measured apart among them.
+        Weighted; they include those of the prior and of independent measurements.
     """
 
     misfit: Misfit
@@ -233,9 +247,9 @@ class Steps:
         return cls(misfit, search.u, weights, residual, slopes)
 
     def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
-        """Return so many places (k,) to try, and the lengths of the steps there.
+        """Return `count` places (k,) to try, and the lengths of the steps there.
 
-        Of each length a step along the slopes, and one that also follows how the curves bent over the last step.
+        For each length a linear step, and one with the second-order correction from the last step.
         """
         lengths = search.length * 0.5 ** np.arange(count if search.last is None else -(-count // 2))
         places = [(self.end(length), length) for length in lengths]
@@ -247,20 +261,20 @@ class Steps:
         return [p for end, length in places for p in ((end, length), (self._followed(bent, step, end, length), length))]
 
     def _followed(self, bent: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
-        """Return where a step to an `end` leads once curves depart as the square of its part along the last `step`."""
+        """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""
         for _ in range(BENDINGS):
             end = self.end(length, (step @ (end - self.u)) ** 2 * bent)
         return end
 
     def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
-        """Return the coordinates (k,) at the end of the step of this length, within the walls.
+        """Return the coordinates (k,) at the end of the step of this length, within the limits.
 
         Parameters
         ----------
         departure : ndarray, shape (n + k + m,)
-            Of the weighed curves there from straight lines.
+            Of the weighted curves there from their linear prediction.
         """
-        least, largest = self.misfit.coordinates.walls
+        least, largest = self.misfit.coordinates.limits
         free = np.ones(len(self.u), dtype=bool)
         while True:
             step = np.zeros(len(self.u))
@@ -272,8 +286,8 @@ class Steps:
             if not free.any():
                 return self.u
 
-    def promise(self, end: np.ndarray) -> float:
-        """Return by how much the step to these coordinates (k,) should lower chi^2."""
+    def predicted_decrease(self, end: np.ndarray) -> float:
+        """Return the decrease of chi^2 that the linear model predicts for a step to coordinates (k,)."""
         left = self.residual + self.slopes @ (end - self.u)
         return float(self.residual @ self.residual - left @ left)
 
@@ -296,6 +310,6 @@ def _limited(slopes: np.ndarray, residual: np.ndarray, length: float) -> np.ndar
 
 
 def _inside(misfit: Misfit, u: np.ndarray) -> np.ndarray:
-    """Return coordinates (k,) a little within the walls."""
-    least, largest = misfit.coordinates.walls
+    """Return coordinates (k,) a little within the limits."""
+    least, largest = misfit.coordinates.limits
     return np.clip(u, least + 1e-6, largest - 1e-6)

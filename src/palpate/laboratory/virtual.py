@@ -30,12 +30,26 @@ DENSER = 4
 SHIFTS = (0.5, 1 / 6, 5 / 6)  # of a ring's spacing, off the mesh of a fit; the further ones where plasticity fails
 
 
-def correlated_noise(time: np.ndarray, deviation: float, memory: float, rng: np.random.Generator) -> np.ndarray:
-    """Return a stationary Gaussian process with covariance deviation^2 exp(-|t - t'| / memory) at `time` (n,)."""
+def correlated_noise(
+    time: np.ndarray, deviation: float, correlation_time: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Return a stationary Gaussian process at `time` (n,), covariance deviation^2 exp(-|t - t'| / correlation_time).
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        [s], increasing.
+    deviation
+        Standard deviation, in the unit of the result.
+    correlation_time
+        Time over which the correlation falls to 1/e [s].
+    rng
+        Source of randomness.
+    """
     shocks = rng.standard_normal(len(time))
     noise = np.empty(len(time))
     noise[0] = shocks[0]
-    decay = np.exp(-np.diff(time) / memory)
+    decay = np.exp(-np.diff(time) / correlation_time)
     for i, keep in enumerate(decay, 1):
         noise[i] = keep * noise[i - 1] + np.sqrt(1 - keep**2) * shocks[i]
     return deviation * noise
@@ -86,13 +100,25 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
 def disturbed(
     study: Study, condition: Condition, simulation: Simulation, site: float, noise: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return load [mN] and depth [nm] (n,) as recorded where a `site` is so much deeper, under `noise` (n,) [nm]."""
+    """Return load [mN] and depth [nm] (n,) as recorded where a `site` is so much deeper, under `noise` (n,) [nm].
+
+    Parameters
+    ----------
+    study, condition
+        The study, and the condition of the test.
+    simulation
+        The exact curve.
+    site
+        Relative change of the depth at the site [-].
+    noise : ndarray, shape (n,)
+        Noise of the depth [nm].
+    """
     protocol = replace(condition.protocol, sample_time=simulation.time)
     quantity = Quantity.of(protocol, study.indenter, simulation.response)
-    answer = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
+    response = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
     if quantity.name == "depth":
-        return simulation.load, answer
-    return answer, simulation.depth - protocol.compliance * (answer - simulation.load)
+        return simulation.load, response
+    return response, simulation.depth - protocol.compliance * (response - simulation.load)
 
 
 def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:

@@ -14,7 +14,10 @@ PLASTIC = (YIELD_STRESS, HARDENING)
 
 @strength
 def linear_hardening(law, at, alpha, pressure):
-    """Return sigma_Y + H alpha [GPa] and its derivatives."""
+    """Return sigma_Y + H alpha [GPa] and its derivatives.
+
+    Arguments and result are those of `palpate.materials.flow.registry.strength`.
+    """
     sigma_y, hardening = entry(law, at), entry(law, at + 1)
     return sigma_y + hardening * alpha, hardening, constant(alpha, 0.0)
 

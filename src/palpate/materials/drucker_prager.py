@@ -25,7 +25,10 @@ LEAST = 0.01  # of sigma_Y
 
 @strength
 def pressed_hardening(law, at, alpha, pressure):
-    """Return sigma_Y + H alpha + mu p [GPa] and its derivatives."""
+    """Return sigma_Y + H alpha + mu p [GPa] and its derivatives.
+
+    Arguments and result are those of `palpate.materials.flow.registry.strength`.
+    """
     sigma_y, hardening, mu = entry(law, at), entry(law, at + 1), entry(law, at + 2)
     stress, least, none = sigma_y + hardening * alpha + mu * pressure, LEAST * sigma_y, constant(alpha, 0.0)
     return (

@@ -29,7 +29,10 @@ SMALL = 0.5
 
 @fluidity
 def sinh_of_stress(law, at, q, log_q, pressure):
-    """Return (sqrt(3)/2) r_0 sinh(z) exp(-mu p / sigma_0) / q with z = sqrt(3) q / sigma_0, and its derivatives."""
+    """Return (sqrt(3)/2) r_0 sinh(z) exp(-mu p / sigma_0) / q with z = sqrt(3) q / sigma_0, and its derivatives.
+
+    Arguments and result are those of `palpate.materials.flow.registry.fluidity`.
+    """
     rate, sigma_0, mu = entry(law, at), entry(law, at + 1), entry(law, at + 2)
     inverse = 1.0 / sigma_0
     none, small, steepest = constant(q, 0.0), constant(q, SMALL), constant(q, STEEPEST)

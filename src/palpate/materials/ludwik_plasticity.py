@@ -23,7 +23,10 @@ SMALLEST = 1e-300  # of alpha that is not zero
 
 @strength
 def power_hardening(law, at, alpha, pressure):
-    """Return sigma_Y + K alpha^n [GPa] and its derivatives."""
+    """Return sigma_Y + K alpha^n [GPa] and its derivatives.
+
+    Arguments and result are those of `palpate.materials.flow.registry.strength`.
+    """
     sigma_y, k, n = entry(law, at), entry(law, at + 1), entry(law, at + 2)
     none, least = constant(alpha, 0.0), constant(alpha, SMALLEST)
     strain = where_less(alpha, least, least, alpha)

@@ -28,7 +28,10 @@ VOIGT = (
 
 @fluidity
 def power_of_stress(law, at, q, log_q, pressure):
-    """Return C J2^m = C q^(2 m), its derivatives by ln q, and none by the pressure."""
+    """Return C J2^m = C q^(2 m), its derivatives by ln q, and none by the pressure.
+
+    Arguments and result are those of `palpate.materials.flow.registry.fluidity`.
+    """
     coefficient, exponent = entry(law, at), entry(law, at + 1)
     power, lowest = exponent * log_q, constant(q, -700.0)
     value = coefficient * exponential(where_less(power, lowest, lowest, power))

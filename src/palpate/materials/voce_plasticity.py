@@ -25,7 +25,10 @@ FLOW = (
 
 @strength
 def saturating_hardening(law, at, alpha, pressure):
-    """Return the yield stress [GPa] and its derivatives."""
+    """Return the yield stress [GPa] and its derivatives.
+
+    Arguments and result are those of `palpate.materials.flow.registry.strength`.
+    """
     sigma_y, sigma_s, eps_c = entry(law, at), entry(law, at + 1), entry(law, at + 2)
     decay, most = alpha / eps_c, constant(alpha, 700.0)
     rest = (sigma_s - sigma_y) * exponential(constant(alpha, 0.0) - where_less(decay, most, decay, most))

@@ -38,5 +38,5 @@ MECHANISM = Mechanism(
     simulate=simulate,
     solver_scatter=0.015,
     breaks=frozenset({Assumption.UNIFORM}),
-    hides_at_one_load=True,
+    unidentifiable_at_one_load=True,
 )

@@ -10,7 +10,10 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add compliance * load."""
+    """Add compliance * load.
+
+    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
+    """
     return depth + values["compliance"] * load
 
 
@@ -27,6 +30,6 @@ MECHANISM = Mechanism(
     plausible=lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
     concealed=lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
     record=record,
-    hides_at_one_load=True,
+    unidentifiable_at_one_load=True,
     remedy="four or more unloadings from loads that span a factor of ten, within each test",
 )

@@ -1,7 +1,7 @@
-"""What a mechanism of missing physics declares, and where it acts: before the simulation or on what is recorded.
+"""What a mechanism of missing physics declares: its effect on the simulated body or on the recorded signal.
 
-A mechanism is one file of this folder. Simulation, diagnosis, blind trial and documents take all that they know of it
-from its declaration.
+A mechanism is one file of this folder. Simulation, diagnosis, blind trial and documents take everything about it from
+its declaration.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ class Scale:
 
 @dataclass(frozen=True)
 class Range:
-    """Amplitudes that a diagnosis looks at, spread evenly; with `log`, their logarithms are.
+    """Amplitudes that a diagnosis considers, uniform between the ends; with `log`, their logarithms are.
 
     Parameters
     ----------
     lower, upper
         In the unit of the parameter.
     least, largest
-        Limits, where they are narrower than those of the parameter, or the quantity is none.
+        Limits, where they are narrower than those of the parameter, or the quantity is not a parameter.
     unit, meaning
-        Of a quantity that is no parameter.
+        Of a quantity that is not a parameter.
     """
 
     lower: float
@@ -79,7 +79,15 @@ def same_values(values: Values, scale: Scale) -> Values:
 
 
 def unchanged_depth(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Record the depth as it is."""
+    """Record the depth as it is.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        Time [s], recorded load [mN] and true depth [nm].
+    values
+        Parameters of the mechanism by name.
+    """
     return depth
 
 
@@ -96,44 +104,44 @@ class Mechanism:
     parameters
         Its amplitudes, and what else its effect depends on.
     neutral
-        Values, or limits of values, at which it does nothing.
+        Values, or limits of values, at which it has no effect.
     example
-        Values that show plainly in a test of a polymer under 1 mN.
+        Values with a clear effect in a test of a polymer under 1 mN.
     source
         Where the effect is described.
     plausible
-        Ranges, for a study of a given scale, within which a diagnosis looks unless the study states others.
+        Ranges that a diagnosis searches for a study of a given scale, unless the study states others.
     concealed
         Draws values for a recording of the blind trial that conceals it: a polymer under a cone, 0.1 to 10 mN.
     simulate
         Changes what is simulated: tip, material, load that acts.
     record
-        Changes the depth (n,) [nm] that the instrument writes, from time [s], recorded load [mN] and true depth.
+        Gives the recorded depth (n,) [nm] from time [s], recorded load [mN] and true depth [nm].
     varies
         Whether each recording has amplitudes of its own; further parameters are the same in all.
     from_search
-        Makes its parameters of the quantities that `plausible` spreads, where these are not the parameters themselves
-        but others on which the curve depends more simply.
+        Gives its parameters from the quantities of `plausible`, where these are not the parameters themselves but
+        others on which the curve depends more simply.
     solver_scatter
-        Error of its simulated effect, relative to the effect and the same part of it everywhere: root mean square of
-        what `standard` differs from `fine`, for some materials and amplitudes.
+        Relative error of its simulated effect, common to the whole effect: root mean square difference of `standard`
+        and `fine` accuracy, over some materials and amplitudes.
     background
         Standard deviation between recordings of an amplitude that every instrument has, in the amplitude's unit: so
         much counts as noise, not as the effect.
     breaks
-        What exact laws assume and is not so where it acts: they say nothing about an explanation that holds it.
-    hides_at_one_load
-        Whether the material's parameters can take its place in tests that all reach the same load.
+        Assumptions of exact laws that do not hold where it acts: those laws do not apply to an explanation with it.
+    unidentifiable_at_one_load
+        Whether the material's parameters can compensate its effect in tests that all reach the same load.
     of_the_tip
-        Whether it stays behind when the tip is exchanged.
+        Whether it belongs to the tip, so that a test with another tip is free of it.
     remedy
-        The test that measures its amplitude apart from the material, in words; empty where none does.
+        The test that measures its amplitude independently of the material, in words; empty where there is none.
     includes
-        Keys of its special cases: mechanisms whose parameters it has, too, and which it equals where its others do
-        nothing. It fits whatever they fit, and is named only where they do not suffice.
+        Keys of its special cases: mechanisms whose parameters it has, too, and which it equals where its other
+        parameters have no effect. It fits whatever they fit, and is identified only where they do not suffice.
     by_default
         Whether a diagnosis considers it where the study names no mechanisms. One that includes another differs little
-        from it in most recordings: it costs a fit where the other one acts, and makes more tests of the same residuals.
+        from it in most recordings: it costs a fit where the other one acts, and adds tests of the same residuals.
     """
 
     key: str
@@ -152,7 +160,7 @@ class Mechanism:
     solver_scatter: float = 0.0
     background: float = 0.0
     breaks: frozenset[Assumption] = frozenset()
-    hides_at_one_load: bool = False
+    unidentifiable_at_one_load: bool = False
     of_the_tip: bool = False
     remedy: str = ""
     includes: tuple[str, ...] = ()
@@ -160,23 +168,23 @@ class Mechanism:
 
     @property
     def amplitudes(self) -> tuple[str, ...]:
-        """Names of the parameters that are zero where it does nothing; what it adds to a depth is linear in them."""
+        """Names of the parameters that are zero where it has no effect; what it adds to a depth is linear in them."""
         return tuple(p.name for p in self.parameters if self.neutral[p.name] == 0.0)
 
     @property
     def acts_on_body(self) -> bool:
-        """Whether it changes what is simulated, and not only what is recorded of it."""
+        """Whether it changes what is simulated, not only what is recorded."""
         return self.simulate is not unchanged_specification
 
-    def felt_under(self, control: str) -> bool:
-        """Return whether the body feels it, so that its effect must be simulated.
+    def is_simulated_under(self, control: str) -> bool:
+        """Return whether its effect changes the simulation of a test under this control.
 
-        What it adds to the depth is missing from a prescribed displacement.
+        Where a displacement is prescribed, what it adds to the depth reduces the displacement of the body.
         """
         return self.acts_on_body or (control != LOAD and self.record is not unchanged_depth)
 
     def searched(self, scale: Scale) -> dict[str, Range]:
-        """Return the ranges within which a diagnosis looks: what the study states, and what is plausible else."""
+        """Return the ranges that a diagnosis searches: those that the study states, else the plausible ones."""
         ranges = dict(self.plausible(scale))
         for name, (lower, upper) in scale.stated.get(self.key, {}).items():
             ranges[name] = replace(ranges[name], lower=lower, upper=upper)

@@ -15,7 +15,10 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add compliance * load."""
+    """Add compliance * load.
+
+    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
+    """
     return depth + values["compliance"] * load
 
 
@@ -32,7 +35,7 @@ MECHANISM = Mechanism(
     record=record,
     varies=True,
     breaks=frozenset({Assumption.ONE_COMPLIANCE}),
-    hides_at_one_load=True,
+    unidentifiable_at_one_load=True,
     remedy="four or more unloadings from loads that span a factor of ten, within each test",
     includes=("frame_compliance",),
     by_default=False,

@@ -19,7 +19,10 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add rate * t + amplitude * (1 - exp(-t / time))."""
+    """Add rate * t + amplitude * (1 - exp(-t / time)).
+
+    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
+    """
     return depth + values["rate"] * time - values["amplitude"] * np.expm1(-time / values["time"])
 
 

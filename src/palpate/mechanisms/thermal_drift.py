@@ -15,7 +15,10 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add rate * t."""
+    """Add rate * t.
+
+    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
+    """
     return depth + values["rate"] * time
 
 

@@ -39,6 +39,6 @@ MECHANISM = Mechanism(
     concealed=lambda rng: {"radius": log_uniform(rng, 10.0, 400.0)},
     simulate=simulate,
     solver_scatter=0.06,
-    hides_at_one_load=True,
+    unidentifiable_at_one_load=True,
     of_the_tip=True,
 )

@@ -10,7 +10,10 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add the offset."""
+    """Add the offset.
+
+    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
+    """
     return depth + values["offset"]
 
 

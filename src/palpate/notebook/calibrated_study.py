@@ -16,7 +16,7 @@ from palpate.inference.calibration_result import Calibration
 from palpate.inference.study_recordings import resampled
 from palpate.notebook.notebook_study import NotebookStudy, study_of
 from palpate.notebook.session import kept_results
-from palpate.notebook.shown import axes_for, composed, page, text_table
+from palpate.notebook.shown import Shown, axes_for, composed
 from palpate.notebook.study_tests import Given, StudyTests
 from palpate.output import html_report
 from palpate.output.figures import fitted_curves
@@ -26,7 +26,7 @@ from palpate.workflow_support.steps import calibrate_study, curves_beside, error
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CalibratedStudy:
+class CalibratedStudy(Shown):
     """What a calibration found.
 
     Parameters
@@ -62,8 +62,8 @@ class CalibratedStudy:
         Returns
         -------
         DataFrame
-            parameter, unit, estimate, lower and upper (95 % interval), identified (whether the data fix it), held,
-            at_bound, outside (whether it lies beyond its range).
+            parameter, unit, estimate, lower and upper (95 % interval), identified (whether the data determine it),
+            held, at_bound, outside (whether it lies beyond its range).
         """
         declared = self.study.declared
         return pd.DataFrame(
@@ -71,20 +71,17 @@ class CalibratedStudy:
             for name, found in self.calibration.parameters.items()
         )
 
-    def summary(self) -> str:
-        """Say what the parameters are, how well the curves agree, and what to make of it."""
-        tables = [text_table(self._estimates()), text_table(self.errors)]
-        return "\n\n".join([repr(self), *tables, *self._sentences()])
-
-    def _estimates(self) -> pd.DataFrame:
-        return self.to_frame()[["parameter", "unit", "estimate", "lower", "upper", "identified"]]
+    def _tables(self) -> list[pd.DataFrame]:
+        return [self.to_frame()[["parameter", "unit", "estimate", "lower", "upper", "identified"]], self.errors]
 
     def _sentences(self) -> list[str]:
         content = self.calibration.to_mapping()
-        said = [html_report.misfit_sentence(content), html_report.bound_sentence(content)]
-        if self.calibration.settled is False:
-            said.append("The search has not settled: hold what the data cannot tell apart, or narrow the ranges.")
-        return [sentence for sentence in said if sentence]
+        lines = [html_report.misfit_sentence(content), html_report.bound_sentence(content)]
+        if self.calibration.converged is False:
+            lines.append(
+                "The search has not converged: hold parameters that the data cannot separate, or narrow the ranges."
+            )
+        return [sentence for sentence in lines if sentence]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw recorded and simulated curves.
@@ -114,9 +111,6 @@ class CalibratedStudy:
             "identified>"
         )
 
-    def _repr_html_(self) -> str:
-        return page(repr(self).strip("<>"), self._sentences(), self._estimates(), self.errors)
-
 
 def calibrate(
     study: Study | Mapping[str, Any] | str | Path,
@@ -128,8 +122,7 @@ def calibrate(
     """Calibrate the parameters of a study's law on recordings.
 
     The snapshots are simulated, POD-RBF surrogates fitted to them and searched by a genetic algorithm, and least
-    squares go on from there on the finite elements themselves; docs/inference.md tells how, and where intervals come
-    from.
+    squares continue from there on the finite elements themselves; docs/inference.md explains how, and the intervals.
 
     Parameters
     ----------
@@ -143,7 +136,7 @@ def calibrate(
         Folder in whose ``store`` simulated curves are kept and looked for, such as ``results`` of the workflow; when
         not given, they are kept until Python ends.
     report
-        Told how it goes on, such as ``print``; silent when not given.
+        Called with one line on the progress, such as ``print``; silent when not given.
 
     Returns
     -------
@@ -152,7 +145,7 @@ def calibrate(
     Raises
     ------
     InputError
-        When the study or a recording is not sound.
+        When the study or a recording is invalid.
     PalpateError
         When too many simulations fail.
     """
@@ -180,4 +173,4 @@ def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> d
 
 
 def _silent(line: str) -> None:
-    """Tell nobody."""
+    """Drop a line on the progress."""

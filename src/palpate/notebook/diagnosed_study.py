@@ -1,4 +1,4 @@
-"""A study diagnosed in one process: is the law enough, and if not, what is missing."""
+"""A study diagnosed in one process: does the law explain the recordings, and if not, what is missing."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from palpate.diagnosis.study_diagnosis import diagnosed
 from palpate.errors import InputError
 from palpate.notebook.calibrated_study import CalibratedStudy, calibrate
 from palpate.notebook.notebook_study import NotebookStudy, study_of
-from palpate.notebook.shown import composed, page, text_table
+from palpate.notebook.shown import Shown, composed
 from palpate.notebook.study_tests import Given, StudyTests
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosedStudy:
+class DiagnosedStudy(Shown):
     """What a diagnosis found.
 
     Parameters
@@ -75,10 +75,12 @@ class DiagnosedStudy:
         """
         return diagnosis_page.explanations(self.content)
 
-    def summary(self) -> str:
-        """Say the verdict as a colleague would, with the candidates and what the recordings cannot say."""
-        candidates = [text_table(self.to_frame())] if len(self.to_frame()) else []
-        return "\n\n".join([repr(self), self.content["sentence"], *candidates, *self.content["limits"]])
+    def _sentences(self) -> list[str]:
+        return [self.content["sentence"], *self.content["limits"]]
+
+    def _tables(self) -> list[pd.DataFrame]:
+        candidates = self.to_frame()
+        return [candidates, self.tried] if len(candidates) else [self.tried]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw what was found.
@@ -104,10 +106,6 @@ class DiagnosedStudy:
         named = f", {' + '.join(self.mechanisms)}" if self.mechanisms else ""
         return f"<DiagnosedStudy {self.study.name!r}, recordings {self.tests.name!r}: {self.verdict}{named}>"
 
-    def _repr_html_(self) -> str:
-        frames = [self.to_frame()] if len(self.to_frame()) else []
-        return page(repr(self).strip("<>"), [self.content["sentence"], *self.content["limits"]], *frames, self.tried)
-
 
 def diagnose(
     study: Study | Mapping[str, Any] | str | Path,
@@ -119,7 +117,7 @@ def diagnose(
 ) -> DiagnosedStudy:
     """Say whether the law of a study explains recordings to their noise, and if not, which physics is missing.
 
-    docs/inference.md tells how it is decided. Whether the study enables its diagnosis is for the workflow alone.
+    docs/inference.md explains how it is decided. The study's key ``diagnosis.enabled`` is for the workflow only.
 
     Parameters
     ----------
@@ -128,11 +126,11 @@ def diagnose(
     recordings
         As for `calibrate`; when not given, those of the calibration, or else the only set of the study.
     calibration
-        Where the diagnosis begins; when not given, the study is calibrated first.
+        From which the diagnosis starts; when not given, the study is calibrated first.
     results
         As for `calibrate`.
     report
-        Told how it goes on, such as ``print``; silent when not given.
+        Called with one line on the progress, such as ``print``; silent when not given.
 
     Returns
     -------
@@ -141,9 +139,9 @@ def diagnose(
     Raises
     ------
     InputError
-        When the study or a recording is not sound, or the calibration is of other parameters.
+        When the study or a recording is invalid, or the calibration is of other parameters.
     PalpateError
-        When a simulation fails without which nothing can be said.
+        When a simulation fails without which nothing can be lines.
     """
     chosen = study_of(study)
     if calibration is None:
@@ -157,5 +155,5 @@ def diagnose(
             remedy="give the calibration of this study, or leave it out",
             place="calibration",
         )
-    content, curves = diagnosed(chosen, tests.by_condition, [calibration.values], report or (lambda line: None))
+    content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or (lambda line: None))
     return DiagnosedStudy(chosen, tests, content, curves)

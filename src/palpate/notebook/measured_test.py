@@ -1,4 +1,4 @@
-"""One test from a file of any instrument: what was recorded, and what the file says of it."""
+"""One test from a file of any instrument: the recording and the file's metadata."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError
-from palpate.notebook.shown import axes_for, page
+from palpate.notebook.shown import Shown, axes_for
 from palpate.output.figures.recorded_test import COLOURS
 from palpate.recordings.readers import (
     CORRECTIONS,
@@ -32,7 +32,7 @@ from palpate.recordings.segments import Segment, segments
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredTest:
+class MeasuredTest(Shown):
     """A test that was read from a file.
 
     Parameters
@@ -44,7 +44,7 @@ class MeasuredTest:
     corrections
         Which of the vendor's corrections the depth has; None for those of the vendor.
     remarks
-        What was wrong with other tests of the file.
+        Problems of other tests of the file.
     """
 
     file: Path
@@ -79,31 +79,27 @@ class MeasuredTest:
 
     @property
     def metadata(self) -> Mapping[str, Any]:
-        """What the file says of instrument, tip, method and results, by the vendor's names."""
+        """Instrument, tip, method and results as the file states them, by the vendor's names."""
         return self.source.metadata
 
     @property
     def segments(self) -> list[Segment]:
-        """Loading, hold, unloading and so on, in the order of time; empty where the test is too short to tell."""
+        """Loading, hold, unloading and so on, in the order of time; empty where the test is too short to find them."""
         with suppress(InputError):
             return segments(self.time, self.load)
         return []
 
-    def summary(self) -> str:
-        """Say how large and how long the test is, what it consists of, and what is odd about it."""
-        return "\n".join([repr(self), *self._sentences()])
-
     def _sentences(self) -> list[str]:
         peak = int(np.argmax(self.load))
-        said = [
+        lines = [
             f"{len(self.time)} points in {np.ptp(self.time):.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
         ]
         parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
-        said.insert(1, "; ".join(parts) or "too short to tell its segments")
-        return [*said, *self.recording.notes, *self.source.warnings, *self.remarks]
+        lines.insert(1, "; ".join(parts) or "too short to find its segments")
+        return [*lines, *self.recording.notes, *self.source.warnings, *self.remarks]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
@@ -132,9 +128,6 @@ class MeasuredTest:
 
     def __repr__(self) -> str:
         return f"<MeasuredTest {self.name!r} of {self.file.name}>"
-
-    def _repr_html_(self) -> str:
-        return page(f"{self.file.name}, {self.name}", self._sentences())
 
 
 def read_recording(
@@ -198,10 +191,15 @@ def read_recordings(
 ) -> list[MeasuredTest]:
     """Read all tests of a file; arguments as for `read_recording`.
 
+    Parameters
+    ----------
+    path, contact, corrections, columns, units
+        See `read_recording`.
+
     Returns
     -------
     list of MeasuredTest
-        Those that can be read; the remarks of the first say what is wrong with the others.
+        Those that can be read; the remarks of the first list the problems of the others.
 
     Raises
     ------

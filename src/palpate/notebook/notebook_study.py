@@ -18,7 +18,7 @@ from palpate.draft import Drafted, readable, study_name, write_study
 from palpate.errors import InputError
 from palpate.notebook.measured_test import MeasuredTest
 from palpate.notebook.session import new_folder
-from palpate.notebook.shown import axes_for, page, text_table
+from palpate.notebook.shown import Shown, axes_for
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
 from palpate.recordings.readers import VendorTest
@@ -26,22 +26,22 @@ from palpate.study.protocol import LOAD
 
 
 @dataclass(frozen=True, repr=False)
-class NotebookStudy(Study):
-    """A checked study that shows itself; ``from palpate import Study`` names this class.
+class NotebookStudy(Shown, Study):
+    """A checked study with a summary, a table and a plot; ``from palpate import Study`` names this class.
 
     It has the attributes of `palpate.configuration.study_file.Study` and is taken wherever that is.
 
     Parameters
     ----------
     remarks
-        What a draft wants people to look at.
+        Remarks of a draft that a person should look at.
     """
 
     remarks: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, study: Study, remarks: Iterable[str] = ()) -> NotebookStudy:
-        """Return a study that shows itself."""
+        """Return a study as one of a notebook."""
         return cls(**{each.name: getattr(study, each.name) for each in fields(Study)}, remarks=tuple(remarks))
 
     @classmethod
@@ -50,10 +50,8 @@ class NotebookStudy(Study):
 
         Parameters
         ----------
-        path
-            The file; relative paths in it count from the folder in which Python runs.
-        data
-            The vendor's file in place of the one that ``source`` names, or a folder that holds one of that name.
+        path, data
+            See `palpate.configuration.study_file.load_study`; relative paths count from the present folder.
 
         Raises
         ------
@@ -86,7 +84,7 @@ class NotebookStudy(Study):
         """Make a first study of recordings, as ``palpate draft`` does.
 
         Tests of one load history are replicates of one condition; of three conditions or more that in the middle
-        judges, the others calibrate. Ranges of the parameters are guessed from the curves.
+        validates, the others calibrate. Ranges of the parameters are guessed from the curves.
 
         Parameters
         ----------
@@ -97,20 +95,20 @@ class NotebookStudy(Study):
         sphere
             Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
         folder
-            Where ``study.yaml`` and ``recordings`` are written, to be looked at, changed and read again; when not
-            given, they are gone when Python ends.
+            Where ``study.yaml`` and ``recordings`` are written, to be inspected, changed and read again; when not
+            given, they are removed when Python ends.
         report
-            Told of files and tests that are left out, and why.
+            Called with one line for each file or test that is left out, and why.
 
         Raises
         ------
         InputError
             When no recording can be used, a unit looks mistaken, or the folder holds a study already.
         """
-        told: list[str] = []
+        messages: list[str] = []
 
         def say(line: str) -> None:
-            told.append(line)
+            messages.append(line)
             if report:
                 report(line)
 
@@ -121,20 +119,14 @@ class NotebookStudy(Study):
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
         study, remarks = write_study(drafted, output, name, say, law, sphere)
-        return cls.of(study, [*told, *remarks])
-
-    def summary(self) -> str:
-        """Say which law is asked for, within which ranges, and under which conditions."""
-        return "\n".join(
-            [repr(self), *self._sentences(), "", text_table(self._parameters()), "", text_table(self.to_frame())]
-        )
+        return cls.of(study, [*messages, *remarks])
 
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
-        said = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
-        return [f"study: {self.file}", *said, *self.remarks]
+        lines = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
+        return [f"study: {self.file}", *lines, *self.remarks]
 
-    def _parameters(self) -> pd.DataFrame:
+    def _tables(self) -> list[pd.DataFrame]:
         rows: list[dict[str, Any]] = [
             {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(levels), "to": max(levels)}
             for name, levels in self.levels.items()
@@ -143,7 +135,7 @@ class NotebookStudy(Study):
             {"parameter": in_words(name), "unit": self.declared[name].unit, "from": value, "to": value}
             for name, value in self.fixed.items()
         ]
-        return pd.DataFrame(rows)
+        return [pd.DataFrame(rows), self.to_frame()]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a condition: name, role, drive with its largest value and unit, duration_s, points."""
@@ -162,7 +154,7 @@ class NotebookStudy(Study):
         return pd.DataFrame(rows)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw what is prescribed in time, dashed where it only judges, on `ax` or new axes, and return them."""
+        """Draw the drive over time, dashed for validation, on `ax` or new axes, and return them."""
         ax = axes_for(ax)
         for condition, colour in zip(self.conditions, cycle(SERIES)):
             protocol, style = condition.protocol, "-" if condition.role == "calibrate" else "--"
@@ -177,9 +169,6 @@ class NotebookStudy(Study):
         names = ", ".join(condition.name for condition in self.conditions)
         return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, conditions {names}>"
 
-    def _repr_html_(self) -> str:
-        return page(repr(self).strip("<>"), self._sentences(), self._parameters(), self.to_frame())
-
 
 def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
     """Return the study that is meant by a study, a mapping or a YAML file.
@@ -187,7 +176,7 @@ def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
     Raises
     ------
     InputError
-        When it is none of these, or not sound.
+        When it is none of these, or invalid.
     """
     if isinstance(given, NotebookStudy):
         return given
@@ -215,7 +204,7 @@ def _drafted(given: OneTest, report: Callable[[str], None]) -> list[Drafted]:
 
 
 def _origin(given: OneTest) -> str:
-    """Return what a drafted study is called after: the name of a file without its ending, or of a recording."""
+    """Return the name of a drafted study: that of the file without its ending, or of the recording."""
     if isinstance(given, str | Path):
         return Path(given).stem
     return given.file.stem if isinstance(given, MeasuredTest) else recording_of(given).name or "recording"

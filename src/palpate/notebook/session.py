@@ -1,4 +1,4 @@
-"""A folder for what nobody asked to keep: drafts and simulated curves, until the process ends."""
+"""A temporary folder for drafts and simulated curves, until the process ends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How results show themselves: tables as text, HTML for a notebook, and axes of Matplotlib."""
+"""How results are shown: tables as text, HTML for a notebook, and axes of Matplotlib."""
 
 from __future__ import annotations
 
@@ -15,15 +15,30 @@ from palpate.output import html_report
 from palpate.output.figures.style import styled
 
 
+class Shown:
+    """A result of the front door: a summary and a view in a notebook from its sentences and tables."""
+
+    def _sentences(self) -> Sequence[str]:
+        """Return what to know of it."""
+        raise NotImplementedError
+
+    def _tables(self) -> Sequence[pd.DataFrame]:
+        """Return the tables that belong to it."""
+        return ()
+
+    def summary(self) -> str:
+        """Return what it is and what to know of it as text: sentences, then tables."""
+        return "\n\n".join(["\n".join([repr(self), *self._sentences()]), *map(text_table, self._tables())])
+
+    def _repr_html_(self) -> str:
+        head = f"<p><strong>{html.escape(repr(self).strip('<>'))}</strong></p>"
+        tables = map(html_report.table, self._tables())
+        return "\n".join([head, *map(html_report.paragraph, self._sentences()), *tables])
+
+
 def text_table(frame: pd.DataFrame) -> str:
     """Return a table as text, with numbers and headings as the report writes them."""
     return frame.astype(object).map(html_report.cell).rename(columns=html_report.heading).to_string(index=False)
-
-
-def page(title: str, sentences: Sequence[str], *frames: pd.DataFrame) -> str:
-    """Return a title, sentences and tables as HTML for a notebook."""
-    head = f"<p><strong>{html.escape(title)}</strong></p>"
-    return "\n".join([head, *map(html_report.paragraph, sentences), *map(html_report.table, frames)])
 
 
 def axes_for(ax: Axes | None) -> Axes:
@@ -33,7 +48,7 @@ def axes_for(ax: Axes | None) -> Axes:
 
 @styled
 def composed(compose: Callable[[Figure], None]) -> np.ndarray:
-    """Let `compose` draw a whole figure, as the report has it, and return its visible axes (n,)."""
+    """Draw a whole figure of the report with `compose`, and return its visible axes (n,)."""
     figure = plt.figure()
     compose(figure)
     return np.array([ax for ax in figure.axes if ax.axison])

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError
-from palpate.notebook.shown import axes_for, page
+from palpate.notebook.shown import Shown, axes_for
 from palpate.output.figures.style import RECORDED
 from palpate.recordings.recording import Recording
 from palpate.solver import simulation
@@ -21,13 +21,13 @@ from palpate.study.specification import Specification
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SimulatedCurve:
+class SimulatedCurve(Shown):
     """A simulated test.
 
     Parameters
     ----------
     specification
-        Everything that decides it.
+        Everything on which the curve depends.
     time, load, depth : ndarray, shape (n,)
         [s], [mN], [nm].
     solver_seconds
@@ -46,19 +46,15 @@ class SimulatedCurve:
         notes = ("SYNTHETIC: simulated by palpate",)
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
 
-    def summary(self) -> str:
-        """Say what was simulated, how large and how long the test is, and what it cost."""
-        return "\n".join([repr(self), *self._sentences()])
-
     def _sentences(self) -> list[str]:
         peak, spec = int(np.argmax(self.load)), self.specification
-        said = [
+        lines = [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
             f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
             f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.2g} s in the solver",
         ]
-        return [*said, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
+        return [*lines, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm."""
@@ -74,9 +70,6 @@ class SimulatedCurve:
 
     def __repr__(self) -> str:
         return f"<SimulatedCurve of {self.specification.model} under {self.specification.indenter.shape}>"
-
-    def _repr_html_(self) -> str:
-        return page(f"{self.specification.model} under {self.specification.indenter.shape}", self._sentences())
 
 
 def simulate(

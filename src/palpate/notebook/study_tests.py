@@ -42,7 +42,7 @@ class StudyTests:
 
     @classmethod
     def of(cls, study: Study, recordings: Given) -> StudyTests:
-        """Return the recordings that are meant, checked against the study.
+        """Return the chosen recordings, checked against the study.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The page of a diagnosis: what a colleague would say, the picture, and the numbers behind it."""
+"""The page of a diagnosis: the verdict in words, the figure, and the numbers behind them."""
 
 from __future__ import annotations
 
@@ -14,78 +14,78 @@ from palpate.mechanisms import MECHANISMS
 from palpate.output import html_report
 
 MOST_PARTS = 12
+TABLES = {
+    "similarity": (
+        "Scaling law of a sharp tip",
+        "For a sharp tip on a homogeneous body, depth / sqrt(load) at equal times cannot depend on the largest load, "
+        "whatever the material's law. Where it does, the model lacks a length scale or an effect of the instrument.",
+    ),
+    "undetected_effects": (
+        "Undetected effects",
+        "The amplitude of each effect on the recorded depth outside the explanation, if it were added to it. A wide "
+        "interval means that these recordings neither show the effect nor rule it out.",
+    ),
+    "joint_intervals": (
+        "Joint intervals of all effects",
+        "The amplitude of each effect on the recorded depth if all effects considered act at once. Where its interval "
+        "is much wider than under one explanation, these recordings do not determine the amplitude.",
+    ),
+    "laws": (
+        "Amplitudes from exact laws",
+        "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the shape of "
+        "the tip. Where the solid creeps, the amplitudes that these laws give for the base model's own curves are "
+        "subtracted, and widen the interval by as much on both sides. A law without a lower end is an upper bound. The "
+        "amplitudes are data beside the curves: an explanation whose amplitude from the curves contradicts them is not "
+        "accepted. They do not apply to explanations with a mechanism of the last column, which breaks their "
+        "assumptions.",
+    ),
+    "zero_points": (
+        "Zero points by the law of a sharp tip",
+        "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
+        "with frame_off, after the compliance that the unloadings give is subtracted. Creep and a blunt tip shift it, "
+        "too, which the interval does not include: use differences between tests as offsets, not the values.",
+    ),
+}  # heading and explanation of the table that shows each of these entries of `diagnosis.json`
 
 
 def sections(
     content: Mapping[str, Any], declared: Mapping[str, Parameter], figure: str | Path
 ) -> list[tuple[str, list[str]]]:
-    """Return headings and pieces of HTML, from the content of `diagnosis.json`; the law has `declared` parameters."""
-    found: list[tuple[str, list[str]]] = [
-        (
-            "What the recordings say",
-            [html_report.paragraph(content["sentence"]), html_report.image(figure, "diagnosis")],
-        )
-    ]
+    """Return headings and pieces of HTML.
+
+    Parameters
+    ----------
+    content
+        Content of `diagnosis.json`.
+    declared
+        Parameters of the law by name.
+    figure
+        The diagnosis as a PNG file.
+    """
+    verdict = [html_report.paragraph(content["sentence"]), html_report.image(figure, "diagnosis")]
+    found: list[tuple[str, list[str]]] = [("Verdict", verdict)]
     if content["candidates"]:
         found.append(("Accepted explanations", [html_report.table(explanations(content))]))
     found.append(_material(content, declared))
-    if content["discriminating_test"]:
-        test = content["discriminating_test"]
-        words = (
-            f"{test['test']} (expected power {test['expected_power']:.0%}) separates {' and '.join(test['separates'])}"
-        )
-        found.append(("What to measure next", [html_report.paragraph(words)]))
+    if test := content["discriminating_test"]:
+        power = f"expected power {test['expected_power']:.0%}"
+        words = f"{test['test']} ({power}) separates {' and '.join(test['separates'])}"
+        found.append(("Next test", [html_report.paragraph(words)]))
     if content["limits"]:
-        found.append(
-            ("What these recordings cannot say", [html_report.paragraph(words) for words in content["limits"]])
-        )
-    if content["similarity"]:
-        words = (
-            "For a sharp tip on a homogeneous body, depth / sqrt(load) at equal times cannot depend on the largest "
-            "load, whatever the material's law. Where it does, a length or the instrument is missing."
-        )
-        rows = [{**row, "conditions": " and ".join(row["conditions"])} for row in content["similarity"]]
-        found.append(
-            ("The law of the sharp tip", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))])
-        )
-    if content["may_hide"]:
-        words = (
-            "What each effect on the recorded depth that is not named would amount to if it joined. Where the interval "
-            "is wide, these recordings neither show the effect nor rule it out."
-        )
-        rows = [effect(name) | values for name, values in content["may_hide"].items()]
-        found.append(("What may still hide", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))]))
-    if content["open_amplitudes"]:
-        words = (
-            "What each effect on the recorded depth, named or not, may amount to if all effects considered act at "
-            "once. Where this is much wider than under one explanation, these recordings do not fix the amplitude."
-        )
-        rows = [effect(name) | values for name, values in content["open_amplitudes"].items()]
-        found.append(
-            ("If all effects act at once", [html_report.paragraph(words), html_report.table(pd.DataFrame(rows))])
-        )
-    if content["laws"]:
-        words = (
-            "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the shape "
-            "of the tip. Where the solid creeps, what these laws say of the base model's own curves is taken off, and "
-            "makes the interval wider by as much both ways. A law without a lower end is a bound. They are data "
-            "beside the curves, and an explanation to which the curves give an amplitude that contradicts them is "
-            "not accepted. They say nothing about explanations with a mechanism of the last column, which breaks what "
-            "they assume."
-        )
-        found.append(
-            ("What exact laws say", [html_report.paragraph(words), html_report.table(pd.DataFrame(content["laws"]))])
-        )
-    if content["zero_points"]:
-        words = (
-            "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
-            "with frame_off, once the frame that the unloadings show is taken off. Creep and a blunt tip shift it too, "
-            "which the interval does not hold: take differences between tests for offsets, not the values."
-        )
-        table = html_report.table(pd.DataFrame(content["zero_points"]))
-        found.append(("Zero points by the law of the sharp tip", [html_report.paragraph(words), table]))
-    found.append(("Where the base model fails", [located(content["location"])]))
+        found.append(("Limits of these recordings", [html_report.paragraph(words) for words in content["limits"]]))
+    for key, (heading, words) in TABLES.items():
+        if content[key]:
+            table = html_report.table(pd.DataFrame(_rows(key, content[key])))
+            found.append((heading, [html_report.paragraph(words), table]))
+    found.append(("Misfit of the base model by parts of the tests", [located(content["location"])]))
     return found
+
+
+def _rows(key: str, entry: Any) -> list[dict[str, Any]]:
+    """Return the rows of the table that shows an entry of `diagnosis.json`."""
+    if key == "similarity":
+        return [{**row, "conditions": " and ".join(row["conditions"])} for row in entry]
+    return [effect(name) | values for name, values in entry.items()] if isinstance(entry, Mapping) else entry
 
 
 def explanations(content: Mapping[str, Any]) -> pd.DataFrame:
@@ -105,7 +105,7 @@ def explanations(content: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> tuple[str, list[str]]:
-    """Return the section on the material's parameters; before and after where anything joined the base model."""
+    """Return the section on the material's parameters, before and after where an explanation was accepted."""
     before, after = content["parameters"]["before"], content["parameters"]["after"]
     table = pd.DataFrame(
         {"parameter": name, "unit": declared[name].unit, "before": before[name]["estimate"]}
@@ -115,7 +115,7 @@ def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> 
     if content["candidates"]:
         return "Material parameters before and after", [html_report.table(table)]
     alone = html_report.table(table.drop(columns="before").rename(columns={"after": "estimate"}))
-    words = "The intervals hold if the base model is right, which it is not."
+    words = "The intervals assume that the base model is right, which it is not."
     warning = [html_report.paragraph(words)] if content["verdict"] == "unexplained" else []
     return "Material parameters of the base model", [*warning, alone]
 
@@ -128,18 +128,28 @@ def effect(name: str) -> dict[str, str]:
 
 
 def located(rows: list[dict[str, Any]]) -> str:
-    """Return the parts of tests where the misfit is no chance, or a sentence that there is none."""
+    """Return the parts of tests with a significant misfit, or a sentence that there is none."""
     clearest = [row for row in rows if row["q_value"] < CERTAIN]
     if clearest:
         return html_report.table(pd.DataFrame(clearest[:MOST_PARTS]))
     return html_report.paragraph(
-        "No part of a test sticks out by itself. Whether the base model explains the recordings is judged by all parts "
-        "together, and by what each mechanism would do to them."
+        "No part of a test has a significant misfit by itself. The test of the base model uses all parts together, and "
+        "the effect of each mechanism on them."
     )
 
 
 def write(
     content: Mapping[str, Any], declared: Mapping[str, Parameter], figure: str | Path, path: str | Path, title: str
 ) -> None:
-    """Write `diagnosis.html`."""
+    """Write `diagnosis.html`.
+
+    Parameters
+    ----------
+    content, declared, figure
+        See `sections`.
+    path
+        File that is written.
+    title
+        Title of the study.
+    """
     html_report.build(f"Diagnosis of {title}", sections(content, declared, figure), [], path)

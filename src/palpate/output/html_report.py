@@ -65,6 +65,10 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
     Parameters
     ----------
+    title
+        Title of the page.
+    path
+        File that is written.
     sections
         Heading and pieces of HTML of each section.
     notes
@@ -77,26 +81,26 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
 
 def misfit_sentence(calibration: Mapping) -> str:
-    """Say how far simulation and recordings agree, and how much can be known of it."""
+    """Say how far simulation and recordings agree, and what that means."""
     errors = [entry["rmse_nm"] for entry in calibration["conditions"].values()]
     loads = [entry["rmse_mN"] for entry in calibration["conditions"].values() if "rmse_mN" in entry]
     span = f"Root mean square misfit {_span(errors)} nm over the conditions."
     if loads:
         span = (
-            f"{span} Under displacement control the load answers, {_span(loads)} mN from the "
-            "recorded one; in nm it is what the tip would lie deeper or less deep under the same load."
+            f"{span} Under displacement control the misfit of the load is {_span(loads)} mN; "
+            "in nm it is the equivalent difference of depth under the same load."
         )
     if all(entry["replicates"] == 1 for entry in calibration["noise"].values()):
         return (
             f"{span} There are no replicates, so the noise of the recordings is not known: it was taken from the "
-            "misfit itself, which therefore cannot judge the model. Look at the misfit in time: a smooth pattern, "
+            "misfit itself, which therefore cannot test the model. Look at the misfit in time: a smooth pattern, "
             "rather than noise, means that the model lacks something."
         )
     ratio = calibration["misfit_ratio"]
     if ratio < 1.5:
         return (
             f"{span} Taken as a whole that is about the noise of the recordings (chi-square per degree of freedom: "
-            f"{ratio:.2f}); a small effect may hide in it, which the diagnosis looks for."
+            f"{ratio:.2f}); a small effect may still be present, which the diagnosis tests."
         )
     return (
         f"{span} The model does not explain the recordings to their noise: chi-square per degree of freedom is "
@@ -113,23 +117,20 @@ def bound_sentence(calibration: Mapping) -> str:
     """Say which estimates lie outside their range, or at a limit of the law."""
     names = {key: [n for n, e in calibration["parameters"].items() if e[key]] for key in ("at_bound", "outside")}
     beyond = [name for name in names["outside"] if name not in names["at_bound"]]
-    said = []
+    sentences = []
     if names["at_bound"]:
-        said.append(f"At a limit: {', '.join(names['at_bound'])}; the other estimates may make up for it.")
+        sentences.append(f"At a limit: {', '.join(names['at_bound'])}; the other estimates may compensate for it.")
     if beyond:
-        said.append(f"Outside the range that was thought plausible: {', '.join(beyond)}. Is the law the right one?")
-    return " ".join(said)
+        sentences.append(f"Outside the plausible range: {', '.join(beyond)}. Is the law the right one?")
+    return " ".join(sentences)
 
 
 def search_sentences(calibration: Mapping) -> str:
     """Say how the estimate was found, and whether the search for it arrived."""
-    lines = calibration["iterations"]
-    if not lines:
-        return ""
-    said = (
-        "The estimate rests on the finite elements themselves, on which least squares went on from the optimum of the "
-        f"surrogates in {len(lines)} iterations; the surrogates' own optimum is in calibration.json."
+    found = (
+        "The estimate is that of the finite elements themselves, by least squares from the optimum of the genetic "
+        "search on surrogates, which is in calibration.json, and from points scattered over the ranges."
     )
-    if calibration["settled"]:
-        return said
-    return f"{said} The search has not settled: hold what the data cannot tell apart, or narrow the ranges."
+    if calibration["converged"]:
+        return found
+    return f"{found} The search has not converged: hold parameters that the data cannot separate, or narrow the ranges."

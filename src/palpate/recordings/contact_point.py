@@ -140,6 +140,13 @@ def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> floa
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of contact at a depth that the user gives; the load there is the median of ten points before.
 
+    Parameters
+    ----------
+    contact
+        Depth of the contact [nm].
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm].
+
     Raises
     ------
     InputError

@@ -67,6 +67,13 @@ def fastest_in(
 
     Under a constant load creep only adds to the depth, so no drift is faster than what is recorded late in a hold: in
     its second half. What a falling load gives back is allowed for, at most depth / load for each mN.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm].
+    segments
+        Segments of the test.
     """
     found = []
     for part in segments:

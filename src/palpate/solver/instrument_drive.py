@@ -1,4 +1,4 @@
-"""What an instrument's own errors make of a displacement that it prescribes.
+"""The effect of an instrument's own errors on a displacement that it prescribes.
 
 Recorded depth h_r and load F belong to the prescribed displacement, z = h_r + C F. Where the instrument adds g(t, F) to
 the depth, such as drift or the frame's compliance, the body's depth h = h_r - g meets another displacement,
@@ -6,8 +6,8 @@ the depth, such as drift or the frame's compliance, the body's depth h = h_r - g
     h + C F + g(t, F) = z(t).
 
 With g = g_0(t) + c F that is a drive of z - g_0 through a compliance of C + c: what disturbs the depth at a given load
-changes the load that answers. Where the body is touched before the clock starts, as contact was found too late, the
-drive rises to where it is then within a fifth of the time to the first sample.
+changes the load in response. Where contact was found too late, so that the body is touched before time zero, the drive
+rises to its initial value within a fifth of the time to the first sample.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ AT_ONCE = 0.2  # of the time to the first sample
 
 
 def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values) -> Protocol:
-    """Return the drive that the body feels where a mechanism adds to the recorded depth.
+    """Return the drive applied to the body where a mechanism adds to the recorded depth.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, r
 from palpate.solver.pyramid.fields_3d import fields_of
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.solver.pyramid.indent_3d import indent_3d
-from palpate.solver.variation import Variation, acting, recorded
+from palpate.solver.variation import Variation, applied_to_body, applied_to_signal
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import LOAD, Protocol
@@ -71,7 +71,7 @@ class Simulation:
     Attributes
     ----------
     time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; what answers is NaN from a failure on, under displacement control load and depth.
+        [s], [mN], [nm]; from a failure on the response is NaN, under displacement control load and depth.
     status
         ``ok`` or ``failed``.
     reason
@@ -79,7 +79,7 @@ class Simulation:
     solver_seconds
         Wall time spent in the solver [s].
     quantity
-        What answers to the drive: ``depth`` or ``load``.
+        What the response to the drive is: ``depth`` or ``load``.
     """
 
     time: np.ndarray
@@ -92,7 +92,7 @@ class Simulation:
 
     @property
     def response(self) -> np.ndarray:
-        """What answers to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
+        """Response to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
         return self.load if self.quantity == LOAD else self.depth
 
 
@@ -110,7 +110,7 @@ def simulate(specification: Specification, radii: np.ndarray | None = None) -> S
     InputError
         When a mechanism cannot act on this material or indenter.
     """
-    solid = acting(specification)
+    solid = applied_to_body(specification)
     if solid.indenter.of_revolution:
         return _simulation(specification, indent_batch([_case(solid, radii)])[0])
     return _simulation(specification, _pyramid(solid, radii))
@@ -138,7 +138,7 @@ def _simulation(specification: Specification, history: History) -> Simulation:
         )
         depth = np.where(sunk, np.nan, depth)
         load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
-    depth = recorded(specification, depth, load)
+    depth = applied_to_signal(specification, depth, load)
     return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
 
 
@@ -152,7 +152,7 @@ def sensitivities(
 def sensitivities_batch(
     specifications: Sequence[Specification], parameters: Sequence[str], radii: np.ndarray | None = None
 ) -> list[tuple[Simulation, np.ndarray]]:
-    """Simulate several indentations together with the derivatives of what answers to their drives.
+    """Simulate several indentations together with the derivatives of their responses.
 
     They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`.
 
@@ -204,8 +204,8 @@ def differentiated(
     """
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
-    solids = [acting(specification) for specification in specifications]
-    others = [[acting(variation.neighbour) for variation in row] for row in beside]
+    solids = [applied_to_body(specification) for specification in specifications]
+    others = [[applied_to_body(variation.neighbour) for variation in row] for row in beside]
     felt = [
         [k for k, other in enumerate(row) if not _same_body(solid, other)]
         for solid, row in zip(solids, others, strict=True)
@@ -240,15 +240,7 @@ def _same_body(solid: Specification, other: Specification) -> bool:
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
-    """Simulate one indentation for displacement and stress at some times [s].
-
-    Raises
-    ------
-    InputError
-        When a time lies outside the test.
-    PalpateError
-        When the solver fails.
-    """
+    """Simulate one indentation for displacement and stress at some times [s]; errors are those of `states_at`."""
     if not specification.indenter.of_revolution:
         problem, states = states_at(specification, times)
         return [fields_of(problem, state) for state in states]
@@ -296,7 +288,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
 
 def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[Specification, np.ndarray]:
     """Return what is simulated, with some times [s] among those of its samples, and these in order."""
-    solid = acting(specification)
+    solid = applied_to_body(specification)
     wanted, protocol = np.unique(np.asarray(list(times), dtype=float)), solid.protocol
     if not np.all((wanted > 0) & (wanted <= protocol.knot_time[-1])):
         raise InputError(
@@ -329,7 +321,7 @@ def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) 
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(specification) for specification in specifications]
-    histories = indent_distinct([replace(_case(acting(each)), shift=shift) for each in specifications])
+    histories = indent_distinct([replace(_case(applied_to_body(each)), shift=shift) for each in specifications])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
@@ -337,7 +329,7 @@ def together(specifications: Sequence[Specification]) -> int:
     """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
     if not all(specification.indenter.of_revolution for specification in specifications):
         return 1
-    return room([_case(acting(each)) for each in specifications])
+    return room([_case(applied_to_body(each)) for each in specifications])
 
 
 def alike(specification: Specification, other: Specification) -> bool:
@@ -346,7 +338,7 @@ def alike(specification: Specification, other: Specification) -> bool:
         return True
     if not (specification.indenter.of_revolution and other.indenter.of_revolution):
         return False
-    return length_ratio(_case(acting(specification)), _case(acting(other))) is not None
+    return length_ratio(_case(applied_to_body(specification)), _case(applied_to_body(other))) is not None
 
 
 def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:

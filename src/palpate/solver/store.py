@@ -79,9 +79,9 @@ class Batch:
 
     @functools.cached_property
     def snapshots(self) -> list[Snapshot]:
-        """What is simulated; what is alike stands together.
+        """What is simulated; similar indentations are neighbours in the list.
 
-        Under a pyramid that is the equivalent cone's: on its surrogate a search begins, and ends on the pyramid.
+        Under a pyramid it is the equivalent cone: a search begins on its surrogate, and ends on the pyramid.
         """
         return [self._snapshot(cell, condition) for cell in self.cells for condition in self.conditions]
 
@@ -118,10 +118,10 @@ def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
-    """Return the calibrate conditions, together those that differ in size alone.
+    """Return the calibrate conditions in groups of those that differ in size alone.
 
-    Under a sharp tip a body without a length knows no size but that of the contact, so that one simulation serves them
-    all, see `palpate.solver.axisymmetric.similar`.
+    Under a sharp tip a body without a length scale has no size but that of the contact, so that one simulation serves
+    all of a group, see `palpate.solver.axisymmetric.similar`.
     """
     groups: list[list[Condition]] = []
     for condition in study.conditions:
@@ -150,6 +150,17 @@ def computed(
     """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
 
     They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
+
+    Parameters
+    ----------
+    snapshots
+        What is needed.
+    store
+        Folder of the curves.
+    report
+        Called with one line on the progress.
+    solve
+        Simulates specifications.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
     missing = [snapshot for snapshot in snapshots if found[snapshot.address] is None]
@@ -168,7 +179,19 @@ def computed(
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
-    """Write one snapshot; the file appears whole or not at all."""
+    """Write one snapshot; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    path
+        File that is written.
+    simulation
+        The curve.
+    cell
+        Parameters of the material by name.
+    condition
+        Name of the condition.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_suffix(f".{os.getpid()}.partial")
     try:
@@ -214,9 +237,9 @@ def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) 
 
 
 def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Return parameters (n, d) and answers (n, points) of the snapshots that succeeded, and the reasons of the others.
+    """Return parameters (n, d) and responses (n, points) of the snapshots that succeeded, and why others failed.
 
-    What answers is the depth [nm], or under displacement control the load [mN].
+    The response is the depth [nm], or under displacement control the load [mN].
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What acts on the body, what the instrument records of it, and a specification with one parameter changed a little."""
+"""Mechanisms applied to the body and to the recorded signal; a specification with one parameter changed a little."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from palpate.study.specification import Specification
 STEP = 3e-5  # of the value, or of one unit, or of the test where a time is zero: derivatives err by about as much
 
 
-def acting(specification: Specification) -> Specification:
-    """Return what is simulated: the specification as its mechanisms change it.
+def applied_to_body(specification: Specification) -> Specification:
+    """Return the specification that is simulated, after its mechanisms have changed it.
 
-    Under displacement control what the instrument adds to the depth is taken from what the body feels.
+    Under displacement control, what the instrument adds to the depth is subtracted from the displacement of the body.
 
     Raises
     ------
@@ -37,15 +37,15 @@ def acting(specification: Specification) -> Specification:
     return specification
 
 
-def recorded(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Return what the instrument writes at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
+def applied_to_signal(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return the recorded depth (n,) [nm] at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
     return _written(specification.mechanisms, specification.protocol.sample_time, load, depth)
 
 
 def added_by_instrument(mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol) -> np.ndarray:
-    """Return what mechanisms add to the depth that the instrument writes (n_points,) [nm].
+    """Return what mechanisms add to the recorded depth (n_points,) [nm].
 
-    Nothing where a displacement is prescribed, in which the body feels it.
+    Zero where a displacement is prescribed: there it changes the displacement of the body.
     """
     none = np.zeros(len(protocol.sample_time))
     return none if protocol.control != LOAD else _written(mechanisms, protocol.sample_time, protocol.sample_load, none)

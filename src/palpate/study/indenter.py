@@ -78,12 +78,12 @@ class Indenter:
 
     @property
     def of_revolution(self) -> bool:
-        """Whether the indenter looks the same from all sides."""
+        """Whether the indenter is axisymmetric."""
         return self.shape != "berkovich"
 
     @property
     def sharp(self) -> bool:
-        """Whether the tip has no length of its own."""
+        """Whether the tip has no length scale of its own."""
         return self.radius == 0.0 and not self.area
 
     @property

@@ -1,4 +1,4 @@
-"""What is prescribed, by the words of a configuration: a trapezoid, a constant strain rate, or cycles.
+"""The prescribed history from the keys of a configuration: a trapezoid, a constant strain rate, or cycles.
 
 - ``max_load, loading_time, hold_time, unloading_time``: linear loading, hold, linear unloading.
 - ``max_load, strain_rate, hold_time, unloading_time``: loading at a constant indentation strain rate. Under a sharp
@@ -11,8 +11,8 @@
 - ``times, loads``: corners of any piecewise linear history, such as several cycles; it begins at zero time and load,
   whether that corner is listed or not.
 
-With ``drive: displacement`` the same is said of the displacement of a transducer, with ``max_displacement`` in place of
-``max_load`` and ``displacements`` in place of ``loads``; ``spring`` is the transducer's stiffness, and it is rigid
+With ``drive: displacement`` the same keys describe the displacement of a transducer, with ``max_displacement`` in place
+of ``max_load`` and ``displacements`` in place of ``loads``; ``spring`` is the transducer's stiffness, and it is rigid
 without.
 """
 

@@ -1,4 +1,4 @@
-"""What the instrument imposes, a load or a displacement, and the times at which the answer is recorded."""
+"""What the instrument imposes, a load or a displacement, and the times at which the response is recorded."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from o
 class Protocol:
     """A piecewise linear history of what is prescribed, the drive, with its sampling times.
 
-    Under load control the drive is the load, and the depth answers to it. Under displacement control it is the
-    displacement z of a transducer of finite stiffness, whose compliance C shares it with the body, and load F and depth
-    h answer to it together:
+    Under load control the drive is the load, and the depth is the response. Under displacement control it is the
+    displacement z of a transducer of compliance C in series with the body, and load F and depth h are the response
+    together:
 
         z(t) = h + C F.
 
@@ -90,7 +90,7 @@ class Protocol:
 
     @property
     def response(self) -> str:
-        """What answers to the drive: ``depth`` or ``load``."""
+        """Name of the response to the drive: ``depth`` or ``load``."""
         return "depth" if self.control == LOAD else LOAD
 
     @property
@@ -200,10 +200,9 @@ def recorded(
 ) -> Protocol:
     """History taken from a recording, sampled at `points` times.
 
-    They are spread evenly in t/T + s/S, with s(t) the way that the drive has gone up and down by then; so that neither
-    a hold of many minutes nor a load that grows exponentially is left without points. The first sample is where the
-    load reaches a hundredth of its maximum, or the displacement a tenth: below, contact lies on too few elements to
-    count.
+    They are spread evenly in t/T + s/S, with s(t) the total variation of the drive up to t, so that neither a hold of
+    many minutes nor a load that grows exponentially is left without points. The first sample is where the load reaches
+    a hundredth of its maximum, or the displacement a tenth: below, the contact covers too few elements.
 
     The history is thinned to the corners that keep it within `tolerance` of the largest drive everywhere (Douglas and
     Peucker's rule, with the distance measured along the drive), so that a long recording costs no more steps than its

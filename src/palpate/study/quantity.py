@@ -1,8 +1,8 @@
-r"""What answers to the drive of a test, in its own unit, and what a change of it means as a change of depth.
+r"""The response to the drive of a test, in its own unit, and the change of depth that corresponds to a change of it.
 
-Under load control the depth answers. Under displacement control the load F answers, at a displacement z = h + C F of a
-transducer of compliance C. A body that answers with dF more at the same displacement would under the same load be less
-deep by
+Under load control the response is the depth. Under displacement control it is the load F, at a displacement z = h + C F
+of a transducer of compliance C. Where the load is larger by dF at the same displacement, the depth under the same load
+would be smaller by
 
     dh = dF (1 / S + C),    S = n F / h,
 
@@ -23,7 +23,7 @@ from palpate.study.protocol import LOAD, Protocol
 
 @dataclass(frozen=True)
 class Quantity:
-    """What answers to the drive.
+    """The response to the drive.
 
     Parameters
     ----------
@@ -32,10 +32,10 @@ class Quantity:
     unit
         ``nm`` or ``mN``.
     nm
-        Change of depth under the same load for a unit of it [nm].
+        Change of depth under the same load that corresponds to one unit [nm].
     share
-        Its relative change for a relative change of depth under the same load, at the largest load; a load falls where
-        the depth would rise.
+        Relative change of the response that corresponds to a relative change of depth under the same load, at the
+        largest load; negative for a load.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Quantity:
 
     @classmethod
     def of(cls, protocol: Protocol, indenter: Indenter, response: np.ndarray) -> Quantity:
-        """Return what answers in a test in which the `response` (n,) was found at the sampling times."""
+        """Return the quantity of a test whose `response` (n,) is known at the sampling times."""
         if protocol.control == LOAD:
             return DEPTH
         peak = int(np.argmax(response))

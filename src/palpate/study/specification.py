@@ -1,4 +1,4 @@
-"""Everything that decides a simulated curve, checked."""
+"""Everything on which a simulated curve depends, checked."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINEMATICS = ("small", "large")
 
 @dataclass(frozen=True, eq=False)
 class Specification:
-    """Everything that decides a simulated curve.
+    """Everything on which a simulated curve depends.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def of_equivalent_cone(specification: Specification) -> Specification:
 
 
 def axisymmetric_only(lacking: str, place: str) -> InputError:
-    """Return the error that tells what is known for axisymmetric indenters only."""
+    """Return the error for a feature that exists for axisymmetric indenters only."""
     return InputError(
         f"a berkovich pyramid does not go with {lacking}",
         remedy="leave it out, or use the equivalent cone of half-angle 70.3",

@@ -27,8 +27,8 @@ class Specimen:
     adhesion
         Work that separates its surface from the tip [mJ/m^2]; zero for none.
     shallowest
-        Depth [nm] below which the resistance rises no further: what a mesh does not resolve, or a first step that
-        begins at no depth would meet a resistance without bounds, and the next one the stresses it left.
+        Depth [nm] below which the resistance rises no further: a first step that begins at zero depth would otherwise
+        meet an unbounded resistance, and the next one the stresses that remain from it.
     """
 
     coefficients: np.ndarray

@@ -75,6 +75,17 @@ def choose_shape(points: np.ndarray, data: np.ndarray, kernel: str, max_conditio
 
     Twenty-five lengths from `shortest` to 20 (of parameters scaled to [0, 1]) are tried, evenly on a logarithmic scale.
 
+    Parameters
+    ----------
+    points : ndarray, shape (n, p)
+        Centres, scaled to [0, 1].
+    data : ndarray, shape (n, k)
+        Values at the centres.
+    kernel
+        Key of `palpate.surrogate.kernels.KERNELS`.
+    max_condition
+        Largest condition number allowed.
+
     Raises
     ------
     ConditionError
@@ -101,6 +112,11 @@ def shortest(points: np.ndarray) -> float:
 
 def choose_lengths(points: np.ndarray, data: np.ndarray, kernel: str, max_condition: float) -> np.ndarray:
     """Length (p,) for each parameter of least leave-one-out error, by Nelder and Mead from the best common length.
+
+    Parameters
+    ----------
+    points, data, kernel, max_condition
+        See `choose_shape`.
 
     Raises
     ------

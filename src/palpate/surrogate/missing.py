@@ -1,4 +1,4 @@
-"""Snapshots that failed: how many a surrogate can do without, and where they lie."""
+"""Failed snapshots: how many a surrogate tolerates, and where they lie."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.errors import PalpateError
 
-MOST = 0.2  # of all snapshots; chosen: with more, leave-one-out errors no longer tell what is missed in the gaps
+MOST = 0.2  # of all snapshots; chosen: with more, leave-one-out errors do not show the errors in the gaps
 END = 0.2  # of a range
 MOST_AT_ONE_END = 0.5  # of those in the outer fifth of a parameter's range; chosen: beyond, it is no interpolation
 

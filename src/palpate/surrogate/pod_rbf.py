@@ -41,8 +41,8 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ``inverse_multiquadric`` 1/sqrt(r^2 + c^2). A linear polynomial goes with cubic, a constant with the others.
     shape
         Length c in scaled parameters; ``"loo"``: the length of least leave-one-out error; or ``"loo_each"``: a length
-        for each parameter, likewise, where some matter more than others; not for a grid of few levels, between which
-        leave-one-out sees nothing.
+        for each parameter, likewise, where some matter more than others; not for a grid of few levels, where
+        leave-one-out errors do not show the error between them.
     energy
         Fraction of the energy that the modes must keep, in (0, 1].
     n_modes
@@ -63,8 +63,8 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
     energy_ : ndarray
         Cumulative energy of all modes.
     loo_error_ : ndarray, shape (n_snapshots, n_points)
-        Curve less its prediction from all other snapshots [nm], in closed form, the modes kept. Of a grid it tells
-        nothing of what is missed between the levels, which may be several times as much.
+        Curve less its prediction from all other snapshots [nm], in closed form, the modes kept. On a grid it does not
+        show the error between the levels, which may be several times larger.
     loo_rms_ : ndarray, shape (n_points,)
         Root mean square of `loo_error_` over the snapshots [nm].
 

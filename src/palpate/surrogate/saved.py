@@ -23,6 +23,10 @@ def save(model: PODRBF, parameters: np.ndarray, curves: np.ndarray, path: str | 
 
     Parameters
     ----------
+    model
+        The fitted surrogate.
+    path
+        File that is written.
     parameters : ndarray, shape (n_snapshots, n_parameters)
     curves : ndarray, shape (n_snapshots, n_points)
     """

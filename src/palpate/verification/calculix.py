@@ -11,6 +11,7 @@ import os
 import re
 import subprocess
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,12 +23,12 @@ from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Plot, PlottedSeries, Row, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, depth, worst
 from palpate.verification.reference_materials import CONE
 
 TIME_LIMIT = 1800.0
 WITHIN, LOADED_FROM = 0.01, 0.15
-FRICTION = 0.25
+FRICTIONS = (0.0, 0.25)
 PRINTED = re.compile(r"REFERENCE and time\s+(\S+)\s+\d+\s+\S+\s+(\S+)\s+\S+")
 NOT_RUN = "CalculiX (ccx) was not run: it is not on the PATH, or a quick run was asked for."
 RULE = (
@@ -35,6 +36,24 @@ RULE = (
     "where that is larger."
 )
 STEPS = "Extrapolated to no step; the refinement error is that of the mesh and that of the shorter steps together."
+
+
+def with_and_without_friction(
+    settings: Settings, compare: Callable[[Path, float], tuple[list[Row], Plot]], notes: Sequence[str]
+) -> Outcome:
+    """Compare palpate and CalculiX without and with friction, or say why there is nothing to compare.
+
+    Parameters
+    ----------
+    compare
+        Returns rows and plot of one comparison, from the program and Coulomb's coefficient.
+    notes
+        What a reader needs to know of it.
+    """
+    if settings.calculix is None:
+        return Outcome([], notes=[NOT_RUN])
+    rows, plots = zip(*(compare(settings.calculix, friction) for friction in FRICTIONS), strict=True)
+    return Outcome([row for found in rows for row in found], plots, notes)
 
 
 def printed(program: Path, text: str) -> str:
@@ -160,6 +179,8 @@ def refined(
 
     Parameters
     ----------
+    specification
+        The test.
     long, short, fine : ndarray, shape (n,)
         Depth on a coarse mesh in long and in half as long steps, and on a fine mesh in long ones.
     ripples

@@ -10,8 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from palpate.output.export.quadratic import RESOLUTIONS
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, Comparison, compared, refined, run_deck
-from palpate.verification.case import Outcome, Settings, Verification
+from palpate.verification.calculix import (
+    RULE,
+    STEPS,
+    Comparison,
+    compared,
+    refined,
+    run_deck,
+    with_and_without_friction,
+)
+from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import STEADY_CREEP
 
 CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
@@ -26,18 +34,15 @@ def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
     return refined(tests[0], long, short[1::2], fine)
 
 
+def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
+    """Compare creep under a cone with this friction."""
+    theirs, own_error = extrapolated(program, friction)
+    return compared(CREEP.titled(friction), CREEP.specification(POINTS, friction=friction), theirs, own_error)
+
+
 def run(settings: Settings) -> Outcome:
     """Compare both, or say why there is nothing to compare."""
-    if settings.calculix is None:
-        return Outcome([], notes=[NOT_RUN])
-    rows, plots = [], []
-    for friction in (0.0, FRICTION):
-        theirs, own_error = extrapolated(settings.calculix, friction)
-        test = CREEP.specification(POINTS, friction=friction)
-        found, plot = compared(CREEP.titled(friction), test, theirs, own_error)
-        rows += found
-        plots.append(plot)
-    return Outcome(rows, plots, [RULE, STEPS])
+    return with_and_without_friction(settings, compare, [RULE, STEPS])
 
 
 CASE = Verification("calculix_creep", "CalculiX: steady creep", run)

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from palpate.output.export.quadratic import RESOLUTIONS
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, Comparison, compared, refinement_error, run_deck
-from palpate.verification.case import Outcome, Settings, Verification
+from palpate.verification.calculix import (
+    RULE,
+    Comparison,
+    compared,
+    refinement_error,
+    run_deck,
+    with_and_without_friction,
+)
+from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import HOOKE
 
 ELASTIC = Comparison("elastic", "elastic", HOOKE, 1.0, 1.0)
 
 
+def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
+    """Compare elasticity under a cone with this friction."""
+    test = ELASTIC.specification(20, friction=friction)
+    coarse, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
+    return compared(ELASTIC.titled(friction), test, fine, refinement_error(test, fine, coarse))
+
+
 def run(settings: Settings) -> Outcome:
     """Compare both, or say why there is nothing to compare."""
-    program = settings.calculix
-    if program is None:
-        return Outcome([], notes=[NOT_RUN])
-    rows, plots = [], []
-    for friction in (0.0, FRICTION):
-        test = ELASTIC.specification(20, friction=friction)
-        coarse, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
-        found, plot = compared(ELASTIC.titled(friction), test, fine, refinement_error(test, fine, coarse))
-        rows += found
-        plots.append(plot)
-    return Outcome(rows, plots, [RULE])
+    return with_and_without_friction(settings, compare, [RULE])
 
 
 CASE = Verification("calculix_elastic", "CalculiX: elasticity", run)

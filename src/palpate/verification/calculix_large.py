@@ -18,8 +18,17 @@ from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.calculix import FRICTION, NOT_RUN, PRINTED, RULE, STEPS, compared, printed, refined, table
-from palpate.verification.case import Outcome, Settings, Verification
+from palpate.verification.calculix import (
+    PRINTED,
+    RULE,
+    STEPS,
+    compared,
+    printed,
+    refined,
+    table,
+    with_and_without_friction,
+)
+from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
@@ -61,7 +70,19 @@ def specification(protocol: Protocol, friction: float) -> Specification:
 
 
 def moved(program: Path, friction: float, points: int, resolution: Resolution) -> Curve:
-    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops before it turns back."""
+    """Run CalculiX with so many samples from knot to knot; raises `PalpateError` when it stops before it turns back.
+
+    Parameters
+    ----------
+    program
+        CalculiX.
+    friction
+        Coulomb coefficient.
+    points
+        Number of samples from knot to knot.
+    resolution
+        Of the mesh.
+    """
     ends = np.arange(float(len(KNOTS)))
     times = np.arange(1, points * (len(KNOTS) - 1) + 1) / points
     asked = specification(Protocol(ends, 4.9 * (KNOTS / KNOTS.max()) ** 2, times), friction)
@@ -75,24 +96,21 @@ def moved(program: Path, friction: float, points: int, resolution: Resolution) -
     return Curve(time[bears], 1e3 * (mesh.overlap + rise[bears]), load[bears])
 
 
+def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
+    """Compare aluminium under a cone with this friction."""
+    long, short, fine = (
+        moved(program, friction, points, SHEARED[mesh])
+        for points, mesh in ((POINTS, "standard"), (2 * POINTS, "standard"), (POINTS, "fine"))
+    )
+    test = specification(fine.protocol, friction)
+    in_long, in_short = (curve.depth_under(fine.load) for curve in (long, short))
+    name = "aluminium, large strains" + (f", friction {friction:g}" if friction else "")
+    return compared(name, test, *refined(test, in_long, in_short, fine.depth, ripples=True))
+
+
 def run(settings: Settings) -> Outcome:
     """Compare both, or say why there is nothing to compare."""
-    if settings.calculix is None:
-        return Outcome([], notes=[NOT_RUN])
-    rows, plots = [], []
-    for friction in (0.0, FRICTION):
-        long, short, fine = (
-            moved(settings.calculix, friction, points, SHEARED[mesh])
-            for points, mesh in ((POINTS, "standard"), (2 * POINTS, "standard"), (POINTS, "fine"))
-        )
-        test = specification(fine.protocol, friction)
-        in_long, in_short = (curve.depth_under(fine.load) for curve in (long, short))
-        theirs, own_error = refined(test, in_long, in_short, fine.depth, ripples=True)
-        name = "aluminium, large strains" + (f", friction {friction:g}" if friction else "")
-        found, plot = compared(name, test, theirs, own_error)
-        rows += found
-        plots.append(plot)
-    return Outcome(rows, plots, [RULE, STEPS])
+    return with_and_without_friction(settings, compare, [RULE, STEPS])
 
 
 CASE = Verification("calculix_large", "CalculiX: aluminium at large strains", run)

@@ -7,14 +7,15 @@ with the load.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.calculix import FRICTION, NOT_RUN, RULE, STEPS, compared, refined, run_deck
-from palpate.verification.case import Outcome, Settings, Verification
+from palpate.verification.calculix import RULE, STEPS, compared, refined, run_deck, with_and_without_friction
+from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
@@ -28,22 +29,18 @@ def specification(points: int, friction: float) -> Specification:
     return Specification("bilinear_plasticity", ALUMINIUM, replace(CONE, friction=friction), protocol, accuracy="fine")
 
 
+def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
+    """Compare aluminium under a cone with this friction."""
+    test, halved = (specification(points, friction) for points in (POINTS, 2 * POINTS))
+    long, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
+    short = run_deck(program, halved, RESOLUTIONS["standard"])[1::2]
+    name = "aluminium, small strains" + (f", friction {friction:g}" if friction else "")
+    return compared(name, test, *refined(test, long, short, fine, ripples=True))
+
+
 def run(settings: Settings) -> Outcome:
     """Compare both, or say why there is nothing to compare."""
-    program = settings.calculix
-    if program is None:
-        return Outcome([], notes=[NOT_RUN])
-    rows, plots = [], []
-    for friction in (0.0, FRICTION):
-        test, halved = (specification(points, friction) for points in (POINTS, 2 * POINTS))
-        long, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
-        short = run_deck(program, halved, RESOLUTIONS["standard"])[1::2]
-        theirs, own_error = refined(test, long, short, fine, ripples=True)
-        name = "aluminium, small strains" + (f", friction {friction:g}" if friction else "")
-        found, plot = compared(name, test, theirs, own_error)
-        rows += found
-        plots.append(plot)
-    return Outcome(rows, plots, [RULE, STEPS])
+    return with_and_without_friction(settings, compare, [RULE, STEPS])
 
 
 CASE = Verification("calculix_plastic", "CalculiX: aluminium at small strains", run)

@@ -51,6 +51,21 @@ def depth_at_one(
 
     The indenter is moved to a `guess` [nm]; depth grows as the root of the load.
 
+    Parameters
+    ----------
+    program
+        CalculiX.
+    indenter
+        The pyramid.
+    law
+        Parameters of the elastic law.
+    guess
+        Depth to which the indenter is moved [nm].
+    resolution
+        Of the mesh.
+    increments
+        Number of increments.
+
     Raises
     ------
     PalpateError

@@ -113,14 +113,32 @@ def depth(specification: Specification) -> np.ndarray:
 
 
 def worst(quantity: str, expected: np.ndarray, found: np.ndarray, allowed: float | None, note: str = "") -> Row:
-    """Return the row of the sample where `found` departs most from `expected`; a failed sample is the worst of all."""
+    """Return the row of the sample where `found` departs most from `expected`; a failed sample is the worst of all.
+
+    Parameters
+    ----------
+    quantity
+        What is compared, with its unit.
+    expected, found : ndarray, shape (n,)
+        Reference values and those of palpate.
+    allowed
+        Largest relative deviation; None where it is reported only.
+    note
+        Shown beside the row.
+    """
     deviation = np.abs(found / expected - 1)
     k = int(np.argmax(np.where(np.isnan(deviation), np.inf, deviation)))
     return Row(quantity, float(expected[k]), float(found[k]), allowed, note)
 
 
 def rms(quantity: str, expected: np.ndarray, found: np.ndarray, allowed: float | None, note: str = "") -> Row:
-    """Return the row of a curve's root mean square relative deviation; the values shown are at the largest depth."""
+    """Return the row of a curve's root mean square relative deviation; the values shown are at the largest depth.
+
+    Parameters
+    ----------
+    quantity, expected, found, allowed, note
+        See `worst`.
+    """
     k = int(np.argmax(expected))
     measure = float(np.sqrt(np.mean((found / expected - 1) ** 2)))
     return Row(quantity, float(expected[k]), float(found[k]), allowed, note, measure)

@@ -1,4 +1,4 @@
-"""A study held to all that can be known before anything is simulated; the command line and the workflow begin here."""
+"""Checks of a study before anything is simulated; the command line and the workflow begin with them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given, written_by_workflow
-from palpate.solver.variation import acting
+from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import AreaFunction
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
@@ -80,12 +80,12 @@ def _check_folders(study: Study) -> None:
 
 
 def _check_concealed(study: Study) -> None:
-    """Refuse what a virtual laboratory conceals where it cannot act; raises `InputError`."""
+    """Refuse mechanisms of a virtual laboratory that cannot act; raises `InputError`."""
     for name, settings in study.laboratory.items():
         for condition in study.conditions:
             specification = study.specification(settings["parameters"], condition)
             try:
-                acting(replace(specification, mechanisms=settings.get("mechanisms", {})))
+                applied_to_body(replace(specification, mechanisms=settings.get("mechanisms", {})))
             except InputError as error:
                 where = ".".join(filter(None, (f"laboratory.{name}", error.place or "mechanisms")))
                 problem = f"{error.problem} ({condition.name})"

@@ -1,4 +1,4 @@
-"""What is odd about recordings that are sound: said before anything is simulated, and left to the user."""
+"""Data quality: anomalies of valid recordings, reported before anything is simulated and left to the user."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording, recording_files
 
-APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is told
-LONGER = 1.05  # ratio of durations beyond which something of a test is left out
+APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
+LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
-def doubts(study: Study, name: str) -> Iterator[str]:
-    """Say what is odd about set `name`.
+def data_quality(study: Study, name: str) -> Iterator[str]:
+    """Report the anomalies of set `name`.
 
     Files that are not read; tests much deeper or shallower than the others of their condition, that begin elsewhere
     than at contact, or in air, or last longer than the load that is followed.
@@ -34,15 +34,15 @@ def doubts(study: Study, name: str) -> Iterator[str]:
             yield from (f"{test.name}.csv: {said}" for said in air_at_start(test))
         for test in filter(begins_off_contact, tests):
             yield (
-                f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
-                "(`palpate read --contact auto` finds the touch)"
+                f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of this depth is "
+                "counted (`palpate read --contact auto` finds the contact point)"
             )
         if study.condition(condition).follows:
             yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
 
 
 def _apart(tests: Sequence[Recording]) -> Iterator[str]:
-    """Say which test of a condition is much deeper or shallower than the others."""
+    """Report tests that are much deeper or shallower than the others of their condition."""
     depths = np.array([test.depth.max() for test in tests])
     usual = float(np.median(depths))
     for test, depth in zip(tests, depths, strict=True):
@@ -54,14 +54,14 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
 
 
 def _passed_over(folder: Path) -> Iterator[str]:
-    """Say which files of a folder of recordings are not read."""
+    """Report files of a folder of recordings that are not read."""
     visible = {file for file in folder.iterdir() if file.is_file() and not file.name.startswith(".")}
     for file in sorted(visible.difference(recording_files(folder))):
         yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 
 def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
-    """Say which tests go on after the load history has ended that their condition follows, after a `duration` [s]."""
+    """Report tests that last longer than the load history of their condition, of a `duration` [s]."""
     for test in tests:
         lasts = float(test.from_contact().time[-1])
         if lasts > LONGER * duration:

@@ -1,4 +1,4 @@
-"""A job of the workflow: its study, a log that tells how it ended, and one line for what palpate refuses."""
+"""A job of the workflow: its study, a log of how it ended, and one line for an error of the input."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def study(snakemake: Any) -> Study:
 
 
 def plain(config: Any) -> Any:
-    """Return what a configuration says of a study.
+    """Return the part of a configuration that describes a study.
 
     Snakemake reads 1e9 as text, where a study's file means a number. What is only for the command line is left out, and
     so is the place of vendors' files where the study at hand has none.

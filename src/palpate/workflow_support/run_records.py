@@ -25,7 +25,7 @@ ERRORS = ("rmse_nm", "r2", "mean_abs_error_nm", "percent_error")
 
 @dataclass
 class Run:
-    """What MLflow is told of one surrogate, fit or explanation.
+    """The record for MLflow of one surrogate, fit or explanation.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Run:
 
 
 @contextmanager
-def recorded(study: str, file: str | Path, answer: Mapping[str, Any] | None = None) -> Iterator[list[Run]]:
+def tracked_runs(study: str, file: str | Path, answer: Mapping[str, Any] | None = None) -> Iterator[list[Run]]:
     """Collect the runs of one job, and write them to a file when it has ended well.
 
     Parameters
@@ -92,7 +92,19 @@ def git_commit() -> str:
 def of_surrogate(
     condition: str, settings: Mapping[str, Any], levels: Mapping[str, Iterable[float]], summary: Mapping[str, Any]
 ) -> Run:
-    """Return the run of a surrogate: its settings, the levels of the grid, its figures of merit."""
+    """Return the run of a surrogate: its settings, the levels of the grid, its figures of merit.
+
+    Parameters
+    ----------
+    condition
+        Name of the condition.
+    settings
+        Settings of the surrogate.
+    levels
+        Levels of the grid for each parameter.
+    summary
+        Figures of merit, see `palpate.workflow_support.steps.fit_surrogate`.
+    """
     params = dict(settings) | {
         f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in levels.items()
     }
@@ -103,9 +115,7 @@ def of_surrogate(
 
 def of_calibration(result: Mapping[str, Any], settings: Mapping[str, Any], files: Sequence[str | Path]) -> Run:
     """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence."""
-    metrics: dict[str, float] = {"misfit_ratio": result["misfit_ratio"]}
-    if result["settled"] is not None:
-        metrics["settled"] = float(result["settled"])
+    metrics = {"misfit_ratio": result["misfit_ratio"], "converged": float(result["converged"])}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
@@ -152,7 +162,7 @@ def _of_explanation(row: Mapping[str, Any], content: Mapping[str, Any], of: Mapp
 
 
 def answer_of(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return what an execution's own run says of a diagnosis: verdict, names and sentence; held-out error and noise."""
+    """Return a diagnosis for an execution's own run: verdict, names and sentence; held-out error and noise."""
     of, names = content["recordings"], "+".join(content["mechanisms"]) or "none"
     tags = {"verdict": content["verdict"], "mechanisms": names, "answer": content["sentence"]}
     errors = {f"validate.{k}": v for k, v in content["fit"]["validate"].items() if v is not None}

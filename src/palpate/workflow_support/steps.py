@@ -17,9 +17,9 @@ from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
-from palpate.inference.forward import FiniteElements
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.observation import Observation
+from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.output import html_report
 from palpate.solver import store
@@ -79,9 +79,9 @@ def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
     error, curves : ndarray, shape (n_snapshots, n_points)
     """
     deep = curves > 0.01 * curves.max(axis=1, keepdims=True)
-    told = deep.any(axis=0)
-    squares = np.divide(error, curves, out=np.zeros_like(curves), where=deep)[:, told] ** 2
-    return float(100 * np.sqrt(squares.sum(axis=0) / deep[:, told].sum(axis=0)).mean())
+    counted = deep.any(axis=0)
+    squares = np.divide(error, curves, out=np.zeros_like(curves), where=deep)[:, counted] ** 2
+    return float(100 * np.sqrt(squares.sum(axis=0) / deep[:, counted].sum(axis=0)).mean())
 
 
 def settings_of(study: Study) -> CalibrationSettings:
@@ -103,15 +103,25 @@ def calibrate_study(
     observed: Mapping[str, Observation],
     report: Callable[[str], None] = print,
 ) -> Calibration:
-    """Calibrate a study's parameters: on its surrogates first, then on the finite elements."""
+    """Calibrate a study's parameters: on its surrogates first, then on the finite elements.
+
+    Parameters
+    ----------
+    study
+        The study.
+    models
+        Surrogate of each calibrated condition.
+    observed
+        Recordings of every condition.
+    report
+        Called with one line on the progress.
+    """
     return calibrate(
+        Problem.of(study, observed),
         models,
-        observed,
         {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
         rng=np.random.default_rng(study.seed),
         settings=settings_of(study),
-        surrogate_error={name: model.loo_error_ for name, model in models.items()},
-        forward=FiniteElements.of(study, list(observed)),
         report=report,
     )
 
@@ -119,27 +129,37 @@ def calibrate_study(
 def run_calibration(
     study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
 ) -> tuple[Calibration, pd.DataFrame]:
-    """Calibrate one condition set on one set of recordings, judged by the solver on every condition.
+    """Calibrate one condition set on one set of recordings, and compute its errors with the solver on every condition.
 
-    The estimate rests on the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
+    The estimate is that of the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
+
+    Parameters
+    ----------
+    study
+        The study.
+    recordings, condition_set
+        Names of the set of recordings and of the conditions.
+    surrogate_files
+        File of each condition's surrogate.
 
     Returns
     -------
     calibration, curves
         The outcome, and a table of all curves: condition, role, time_s, load_mN, recorded_nm (mean), spread_nm
         (standard deviation over replicates), surrogate_nm, simulated_nm. Under displacement control displacement_nm
-        takes the place of load_mN, and what is recorded, surrogate's and simulated is a load, such as recorded_mN.
+        takes the place of load_mN, and the recorded, the surrogate's and the simulated curves are loads, such as
+        recorded_mN.
     """
     members = study.condition_sets[condition_set]
     models: dict[str, PODRBF] = {name: load(surrogate_files[name]) for name in members}
     measured = observations(study, recordings)
-    judged = {
+    roles = {
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
         for name, item in measured.items()
     }
 
-    result = calibrate_study(study, models, judged, lambda said: print(f"{recordings}, {condition_set}: {said}"))
-    return result, curves_beside(study, judged, result)
+    result = calibrate_study(study, models, roles, lambda line: print(f"{recordings}, {condition_set}: {line}"))
+    return result, curves_beside(study, roles, result)
 
 
 def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
@@ -148,7 +168,7 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
     Returns
     -------
     DataFrame
-        Columns as `run_calibration` tells them.
+        Columns as in `run_calibration`.
     """
     tables = []
     for condition in study.conditions:
@@ -165,7 +185,7 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
                     f"recorded_{unit}": item.mean,
                     f"spread_{unit}": item.response.std(axis=0, ddof=1) if count > 1 else blank,
                     f"surrogate_{unit}": result.surrogate_curves.get(condition.name, blank),
-                    f"simulated_{unit}": result.fe_curves.get(condition.name, blank),
+                    f"simulated_{unit}": result.simulated_curves.get(condition.name, blank),
                 }
             )
         )
@@ -210,7 +230,19 @@ def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
 
 
 def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
-    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`."""
+    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`.
+
+    Parameters
+    ----------
+    study
+        The study.
+    folder
+        Its results.
+    path
+        File that is written.
+    made_from
+        See `palpate.workflow_support.manifest.of`.
+    """
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
     summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"
@@ -222,9 +254,7 @@ def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str,
     for recordings in study.recordings:
         found = folder / recordings
         if recordings in study.laboratory:
-            notes.append(
-                f"Recordings “{recordings}” are synthetic: a virtual laboratory wrote them, nobody measured them."
-            )
+            notes.append(f"Recordings “{recordings}” are synthetic: written by a virtual laboratory, not measured.")
         calibration = read_json(found / "calibration.json")
         pieces = [
             f"<p>{html_report.misfit_sentence(calibration)}</p>",
@@ -242,9 +272,9 @@ def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str,
             diagnosis = read_json(found / "diagnosis.json")
             link = f'<p>More in <a href="{recordings}/diagnosis.html">the diagnosis</a>.</p>'
             picture = html_report.image(found / "figures/diagnosis.png", "diagnosis")
-            without = "What follows is the base model's fit, without what the diagnosis found."
-            apart = [html_report.paragraph(without)] if diagnosis["candidates"] else []
-            pieces = [html_report.paragraph(diagnosis["sentence"]), picture, link, *apart, *pieces]
+            without = "Below is the base model's fit, without the mechanisms that the diagnosis found."
+            warning = [html_report.paragraph(without)] if diagnosis["candidates"] else []
+            pieces = [html_report.paragraph(diagnosis["sentence"]), picture, link, *warning, *pieces]
         sections.append((f"Recordings: {recordings}", pieces))
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
@@ -252,7 +282,7 @@ def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str,
     libraries = ", ".join(f"{name} {number}" for name, number in made_from["libraries"].items())
     versions = f"Python {made_from['python']}, {libraries}; commit {made_from['git_commit']}; seed {made_from['seed']}."
     table = pd.DataFrame({"file": made_from["files"].keys(), "SHA-256": made_from["files"].values()})
-    sections.append(("What this was made from", [html_report.paragraph(versions), html_report.table(table)]))
+    sections.append(("Inputs and versions", [html_report.paragraph(versions), html_report.table(table)]))
     html_report.build(study.title, sections, notes, path)
 
 

@@ -1,4 +1,4 @@
-"""Sending to MLflow what jobs wrote to disk (`run_records`): short time-outs, and what could not be sent stays.
+"""Sending the records of jobs (`run_records`) to MLflow, with short time-outs; those that cannot be sent stay on disk.
 
 The store is a local SQLite file unless ``MLFLOW_TRACKING_URI`` names another. A fresh one is made once, under a lock
 that lies beside it, so that several folders may share one file. What was sent is listed in ``sent.json`` of the study's

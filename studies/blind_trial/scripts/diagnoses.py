@@ -3,20 +3,18 @@
 import time
 from pathlib import Path
 
-from palpate.surrogate.saved import load
 from palpate.workflow_support import job
 from palpate.workflow_support.steps import write_json
 from studies.blind_trial.trial import diagnose_case
 
 
 def main(snakemake):
-    study, names = job.study(snakemake), snakemake.params.conditions
-    surrogates = dict(zip(names, map(load, snakemake.input.surrogates), strict=True))
+    study = job.study(snakemake)
     with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
         for folder in map(Path, snakemake.input.recordings):
             begin = time.process_time()
             print(folder.name, file=log)
-            content, _ = diagnose_case(study, folder, surrogates, lambda line: print(line, file=log))
+            content, _ = diagnose_case(study, folder, lambda line: print(line, file=log))
             content["cpu_seconds"] = time.process_time() - begin
             write_json(Path(snakemake.output[0]) / f"{folder.name}.json", content)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.run_records import recorded
+from palpate.workflow_support.run_records import tracked_runs
 from studies import thesis
 
 
@@ -18,7 +18,7 @@ def main(snakemake):
     )
     fitted = Path(snakemake.output.fitted)
     fitted.mkdir(parents=True, exist_ok=True)
-    with recorded("thesis", snakemake.output.record) as runs:
+    with tracked_runs("thesis", snakemake.output.record) as runs:
         outcome = thesis.STUDIES[key].run(context)
         runs += [each.run(fitted, key) for each in outcome.fitted]
     seconds = {"seconds": time.perf_counter() - began}

@@ -16,6 +16,17 @@ def secant_compliance(row: np.ndarray, q: float, pressure: float, duration: floa
     """Return the deviatoric strain over the stress q = sqrt(s:s/2) [1/GPa] after it has acted for a `duration` [s].
 
     Voigt elements count as fully retarded, and plastic flow not at all.
+
+    Parameters
+    ----------
+    row : ndarray, shape (c,)
+        The law, see `palpate.materials.flow.row`.
+    q
+        Invariant of the stress [GPa].
+    pressure
+        [GPa], positive in compression.
+    duration
+        [s].
     """
     flow = 0.0
     for term in blocks_of(row):

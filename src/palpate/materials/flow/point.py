@@ -3,6 +3,14 @@
 Tensors are stored as normal components, then tensor (not engineering) shear: (rr, zz, tt, rz) in an axisymmetric body,
 (xx, yy, zz, xy, yz, zx) in a general one. The state holds the stress deviator, the creep and plastic strain, the
 equivalent plastic strain, the pressure, and the strain of each Voigt element.
+
+Arguments of the functions:
+
+- `law`, `weights`: row of the law, and its weights in the time step, see `palpate.materials.flow.row`
+- `at`: where the block of a term begins in the row
+- `state` (k,): state variables; `commit` advances them in place
+- `rho`, `q`: invariants of the trial strain R [-] and of the stress [GPa]
+- `alpha`, `pressure`: equivalent plastic strain at the start of the step, and pressure [GPa], positive in compression
 """
 
 from __future__ import annotations

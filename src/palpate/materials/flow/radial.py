@@ -23,6 +23,14 @@ z = (V - rho)/(V + rho), and no logarithm is needed. With plastic flow the unkno
 may begin with an infinite slope or end with none; brackets guard Newton's method.
 
 Source: radial return after Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6.
+
+Arguments of the functions, scalars or vectors of lanes:
+
+- `rho`, `q`, `log_q`: invariants of the trial strain R [-] and of the stress [GPa], and the logarithm of q
+- `order`, `push`: d ln q / d ln rho, and dq/dp at constant rho
+- `least`: the q at which plastic flow begins [GPa]
+- `alpha`, `pressure`: equivalent plastic strain at the start of the step, and pressure at its end [GPa]
+- `law`, `step`: row of the law, and its weights in the time step, see `palpate.materials.flow.row`
 """
 
 from __future__ import annotations

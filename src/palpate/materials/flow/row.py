@@ -33,6 +33,10 @@ def packed(shear: float, bulk: float, blocks: Iterable[list[float]], pressed: bo
 
     Parameters
     ----------
+    shear, bulk
+        Shear and bulk modulus [GPa].
+    blocks
+        See `block`.
     pressed
         Whether any term depends on the pressure.
     """
@@ -47,7 +51,19 @@ def packed(shear: float, bulk: float, blocks: Iterable[list[float]], pressed: bo
 
 
 def block(kind: int, function: int, time: float, numbers: Iterable[float]) -> list[float]:
-    """Return the block of a term."""
+    """Return the block of a term.
+
+    Parameters
+    ----------
+    kind
+        Such as `CREEP` or `PLASTIC`.
+    function
+        Number of the function, see `palpate.materials.flow.registry`.
+    time
+        Retardation time [s]; zero for other kinds.
+    numbers
+        Parameters of the function.
+    """
     numbers = [float(number) for number in numbers]
     return [float(kind), float(function), float(NUMBERS + len(numbers)), time, *numbers]
 

@@ -70,6 +70,8 @@ def step_cards(
 
     Parameters
     ----------
+    protocol
+        The load history.
     header, procedure
         Cards that begin a step; the onset is always static.
     output

@@ -25,6 +25,12 @@ def draw(
 
     Parameters
     ----------
+    path
+        File that is written.
+    title
+        Title of the figure.
+    synthetic
+        Whether the figure is marked as one of synthetic recordings.
     table
         From `palpate.workflow_support.steps.parameter_table`.
     ranges

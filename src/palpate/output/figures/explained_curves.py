@@ -20,7 +20,15 @@ CERTAIN = 0.05
 
 @styled
 def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Write the map, the misfits and the candidates as a figure; the arguments are those of `compose`."""
+    """Write the map, the misfits and the candidates as a figure; the arguments are those of `compose`.
+
+    Parameters
+    ----------
+    path
+        File that is written.
+    content, curves, title, synthetic
+        See `compose`.
+    """
     figure = Figure()
     compose(figure, content, curves, title, synthetic)
     save(figure, path)
@@ -31,6 +39,12 @@ def compose(figure: Figure, content: Mapping[str, Any], curves: pd.DataFrame, ti
 
     Parameters
     ----------
+    figure
+        An empty figure.
+    title
+        Title of the figure.
+    synthetic
+        Whether the figure is marked as one of synthetic recordings.
     content
         Of `diagnosis.json`.
     curves

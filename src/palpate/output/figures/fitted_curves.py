@@ -1,6 +1,6 @@
 """Curves of every condition, recorded against simulated, with the misfit in time underneath.
 
-Under load control the load is drawn over the depth; under displacement control, where the load answers, over the time.
+Under load control the load is drawn over the depth; under displacement control over the time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,15 @@ from palpate.output.figures.style import (
 
 @styled
 def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Write a figure with one column a condition; `curves` as for `compose`."""
+    """Write a figure with one column a condition; `curves` as for `compose`.
+
+    Parameters
+    ----------
+    path
+        File that is written.
+    curves, title, synthetic
+        See `compose`.
+    """
     figure = Figure()
     compose(figure, curves, title, synthetic)
     save(figure, path)
@@ -39,6 +47,8 @@ def compose(figure: Figure, curves: pd.DataFrame, title: str, synthetic: bool) -
 
     Parameters
     ----------
+    figure, title, synthetic
+        See `palpate.output.figures.explained_curves.compose`.
     curves
         Table of `palpate.workflow_support.steps.curves_beside`.
     """
@@ -111,5 +121,5 @@ def _condition(curve, upper, lower) -> None:
 
 
 def unit_of(curve: pd.DataFrame) -> str:
-    """Return the unit of what answers in a condition's part of a table of curves."""
+    """Return the unit of the response in a condition's part of a table of curves."""
     return "mN" if "recorded_mN" in curve and curve["recorded_mN"].notna().any() else "nm"

@@ -18,6 +18,13 @@ def draw(calibrations: Mapping[str, Mapping[str, Any]], path: str | Path, title:
     """Draw the smallest sum of objectives in each generation, for every condition set.
 
     Of several objectives a whole front survives, so that the smallest sum in it may rise again.
+
+    Parameters
+    ----------
+    calibrations
+        Content of each condition set's calibration JSON.
+    path, title, synthetic
+        See `palpate.output.figures.estimates_figure.draw`.
     """
     figure, axis = subplots(figsize=(4.4, 2.8))
     for name, calibration in calibrations.items():

@@ -61,6 +61,8 @@ def read_vendor_file(
 
     Parameters
     ----------
+    path
+        The file.
     sha256
         Expected checksum; not checked when None.
     corrections
@@ -215,6 +217,15 @@ def select(
     tests: Sequence[VendorTest | Unreadable], wanted: str, path: str | Path, place: str = "--test"
 ) -> VendorTest:
     """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
+
+    Parameters
+    ----------
+    tests
+        Tests of the file.
+    wanted
+        Name or number.
+    path, place
+        The file, and where the choice was made, for messages.
 
     Raises
     ------

@@ -51,6 +51,8 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
 
     Parameters
     ----------
+    key
+        ``time``, ``load`` or ``depth``.
     column
         What the user calls the column, for messages.
     heading

@@ -85,7 +85,15 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
 def applied(
     depth: np.ndarray, volts: np.ndarray, load: np.ndarray, time: np.ndarray, source: Source
 ) -> tuple[float, float]:
-    """Return the drift [nm/s] and compliance [nm/mN] that make a linear sensor's `volts` (n,) into `depth` (n,)."""
+    """Return the drift [nm/s] and compliance [nm/mN] that make a linear sensor's `volts` (n,) into `depth` (n,).
+
+    Parameters
+    ----------
+    depth, volts, load, time : ndarray, shape (n,)
+        [nm], [V], [mN], [s].
+    source
+        The file, for messages.
+    """
     terms = np.column_stack([np.ones_like(volts), volts, load, time])
     solution = np.linalg.lstsq(terms, depth, rcond=None)[0]
     misfit = float(np.sqrt(np.mean((terms @ solution - depth) ** 2)))

@@ -35,6 +35,12 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
 
     Parameters
     ----------
+    lines
+        Lines of text.
+    columns
+        Number of columns.
+    path
+        The file, for messages.
     first_line
         Number of the first of `lines` in the file, for messages.
 
@@ -70,7 +76,15 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
 
 
 def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
-    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``."""
+    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``.
+
+    Parameters
+    ----------
+    lines, first_line, columns, path
+        See `table`.
+    announced
+        Number of rows that the header announces, as text.
+    """
     count = re.sub(r"(?<=\d)[,.](?=\d{3})", "", announced.strip())
     if not count.isdecimal():
         raise InputError(

@@ -84,6 +84,12 @@ def attraction(specimen: Specimen, resolution: Resolution, largest: float, area:
 
     Parameters
     ----------
+    specimen
+        The body.
+    resolution
+        Of the mesh.
+    largest
+        Largest contact radius [um].
     area : ndarray, shape (k,)
         Undeformed area of each surface node [um^2].
     """

@@ -24,6 +24,15 @@ sharp tips hold exactly. At given a and p the force has a potential, so the stif
 
 Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels
 of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
+
+Arguments of several functions:
+
+- `large`: whether strains are large, so that the profile of the tip is taken where a node has moved to
+- `body`: surface nodes and their unknowns, see `palpate.solver.axisymmetric.element.Body`
+- `contact`, `state`: `Contact` and `ContactState`
+- `displacement` (size + 1, LANES), `depth` (LANES,): of the body and of the tip, in the lanes' units of length
+- `k`, `lane`: number of a surface node, and of a lane
+- `done` (LANES,): lanes that are left as they are
 """
 
 from __future__ import annotations
@@ -47,7 +56,6 @@ LEAST_AREA = 0.05  # of the largest, below which the pressure falls
 LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the contact counts as that stiff
 NARROWING = 0.5  # of the pressure at the largest load, below which the contact becomes narrower
 WIDER = 1e-6  # of the area, for derivatives by it
-LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
 FAR = -8.0  # widths, beyond which a node bears nothing
 
 
@@ -175,7 +183,15 @@ def pull_on(contact, area, lane):
 
 @njit(cache=True, error_model="numpy")
 def fitted(contact, state, borne, area, lane):
-    """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls."""
+    """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls.
+
+    Parameters
+    ----------
+    borne
+        Load of the contact.
+    area
+        Area of the contact.
+    """
     pull = pull_on(contact, area, lane)
     push = max(borne + pull, LEAST_PRESSURE * pull)
     edge, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
@@ -220,39 +236,6 @@ def end_step(large, body, contact, state, displacement, depth):
             share, place = share_of(large, body, contact, state, displacement, depth, k, lane)
             slip = 2.0 * contact.slip[k, lane]
             state.anchor[k, lane] = min(max(anchored(state, place, share, k, lane), place - slip), place + slip)
-
-
-class Coupling(NamedTuple):
-    """How forces and area of the contact depend on where its nodes are, and on each other.
-
-    Attributes
-    ----------
-    tangent : ndarray, shape (k, 2, 4, LANES)
-        Derivatives of a node's radial residual by u_r and by u_z, and those of its vertical one; by the depth they are
-        those by u_z. The second of the two leaves out what keeps a matrix from being positive definite: the rise of
-        the force where b < 1 makes it fall, attraction that decays, and a tip that curves away.
-    by_area : ndarray, shape (k, 2, LANES)
-        Derivatives of its radial and its vertical residual by the area, at the same load.
-    touching : ndarray, shape (k, 2, LANES)
-        Derivatives of the sum of A Phi(2 x + 2) by u_r and by u_z.
-    area, feedback : ndarray, shape (LANES,)
-        That sum, and its derivative by the area that the width belongs to.
-    """
-
-    tangent: np.ndarray
-    by_area: np.ndarray
-    touching: np.ndarray
-    area: np.ndarray
-    feedback: np.ndarray
-
-
-@njit(cache=True)
-def no_coupling(count):
-    """Return storage for the coupling of so many nodes."""
-    return Coupling(
-        np.zeros((count, 2, 4, LANES)), np.zeros((count, 2, LANES)), np.zeros((count, 2, LANES)), np.zeros(LANES),
-        np.zeros(LANES),
-    )  # fmt: skip
 
 
 @njit(cache=True, error_model="numpy")
@@ -312,63 +295,3 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
                 coupling.tangent[k, part, 1, lane] = by_gap
                 coupling.tangent[k, part, 2, lane] = m_r * push * slope - vertical * slope + m * push * curvature
                 coupling.tangent[k, part, 3, lane] = vertical
-
-
-@njit(cache=True, error_model="numpy")
-def spread(body, coupling, widening, swelling, growth):
-    """Write the derivatives of the area, of the residual by it (size + 1, LANES), and of the load by it (LANES,).
-
-    Those of the area are by the displacements, and by the depth in the last row.
-    """
-    size = widening.shape[0] - 1
-    widening[:], swelling[:], growth[:] = 0.0, 0.0, 0.0
-    for k in range(body.radial.shape[0]):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            rate = coupling.touching[k, 1, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
-            widening[z, lane] += rate
-            widening[size, lane] += rate
-            swelling[z, lane] += coupling.by_area[k, 1, lane]
-            growth[lane] += coupling.by_area[k, 1, lane]
-            if r >= 0:
-                widening[r, lane] += coupling.touching[k, 0, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
-                swelling[r, lane] += coupling.by_area[k, 0, lane]
-
-
-@njit(cache=True)
-def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
-    """Add the tangent of the contact to the band; write column and row (size + 1, LANES) and diagonal of the depth.
-
-    Without friction the matrix is symmetric: `upper` is empty, see `palpate.solver.axisymmetric.banded`, and the `row`
-    the `column`. `geometric` (LANES,) is zero where the matrix is to be positive definite.
-    """
-    symmetric = len(upper) == 0
-    column[:] = 0.0
-    corner[:] = 0.0
-    if not symmetric:
-        upper[:] = lower
-        row[:] = 0.0
-    for k in range(body.radial.shape[0]):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            part = 0 if geometric[lane] > 0.0 else 1
-            vertical = tangent[k, part, 3, lane]
-            lower[entry(z, z, body.width), lane] += vertical
-            column[z, lane] += vertical
-            corner[lane] += vertical
-            if not symmetric:
-                row[z, lane] += vertical
-            if r >= 0:
-                by_gap, across = tangent[k, part, 1, lane], tangent[k, part, 2, lane]
-                lower[entry(r, r, body.width), lane] += tangent[k, part, 0, lane]
-                lower[entry(z, r, body.width), lane] += by_gap
-                column[r, lane] += by_gap
-                if not symmetric:
-                    upper[entry(z, r, body.width), lane] += across
-                    row[r, lane] += across
-
-
-@njit(cache=True, inline="always")
-def entry(i, j, width):
-    """Return where the band holds the entry (i, j)."""
-    return min(i, j) * width + abs(i - j)

@@ -144,6 +144,15 @@ def plane_strain_modulus(coefficients: np.ndarray) -> float:
 def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:
     """Refuse what the mesh for a largest contact radius [um] cannot hold.
 
+    Parameters
+    ----------
+    specimen, indenter
+        Body and tip.
+    resolution
+        Of the mesh.
+    largest
+        Largest contact radius [um].
+
     Raises
     ------
     InputError

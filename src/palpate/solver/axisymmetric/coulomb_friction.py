@@ -14,6 +14,15 @@ anchor is the mean over all that touches: with the shares S_0 and S_1 > S_0 that
     A_1 = (S_0 A_0 + (S_1 - S_0) (R_0 + R_1) / 2) / S_1.
 
 Source: return mapping after Wriggers, Computational Contact Mechanics, 2nd ed. (2006), chapter 5.
+
+Arguments of the functions:
+
+- `contact`, `state`: see `palpate.solver.axisymmetric.contact`
+- `k`, `lane`: number of a surface node, and of a lane
+- `place`: distance R of the node from the axis
+- `share`, `density`, `width`: share of the node that touches, its density and the width of `contact`
+- `displacement` (size + 1, LANES): of the body
+- `done` (LANES,): lanes that are left as they are
 """
 
 from __future__ import annotations

@@ -21,7 +21,15 @@ GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
 def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
-    """Return the radii [um] of the rings of the mesh that an indentation needs."""
+    """Return the radii [um] of the rings of the mesh that an indentation needs.
+
+    Parameters
+    ----------
+    specimen, indenter, protocol
+        Body, tip and load history.
+    resolution
+        See `RESOLUTIONS`.
+    """
     return ring_radii(*contact_range(specimen, indenter, protocol), resolution, not indenter.sharp)
 
 

@@ -50,6 +50,17 @@ class Drives:
         """Return the drives of histories whose largest loads are `expected` to be so much [mN]; `units` in um.
 
         Where the contact is `adhesive` (LANES,) it bears no load at a depth of its own.
+
+        Parameters
+        ----------
+        protocols
+            History of each lane.
+        expected
+            Largest load of each [mN].
+        adhesive : ndarray of bool, shape (LANES,)
+            Whether tip and body attract each other.
+        units : ndarray, shape (LANES,)
+            Unit of length of each lane [um].
         """
         loads = np.array(expected)
         free = np.array([protocol.control == LOAD for protocol in protocols])

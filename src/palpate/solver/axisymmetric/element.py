@@ -2,6 +2,14 @@
 
 The bodies differ in size: lengths are measured in units of one's own, forces in GPa times its square. Then they share
 all that the mesh decides.
+
+Arguments of the kernels:
+
+- `body`: `Body`; `points`: state of the Gauss points, see `palpate.solver.axisymmetric.law_lanes.Points`
+- `laws`, `weights` (regions, rows, LANES): laws and their weights in the time step, see `palpate.materials.flow.row`
+- `displacement`, `forces` (size + 1, LANES): nodal displacements, and internal forces; the last row belongs to held
+  nodes
+- `band` (size * width + 1, LANES): lower half of the matrix, see `palpate.solver.axisymmetric.banded`
 """
 
 from __future__ import annotations

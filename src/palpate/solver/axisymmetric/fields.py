@@ -56,7 +56,21 @@ class Moment:
 
     @classmethod
     def of(cls, mesh: Mesh, large: bool, states: States, time: float, unit: float) -> Moment:
-        """Return the body of the first lane, whose unit of length is so many um."""
+        """Return the body of the first lane, whose unit of length is so many um.
+
+        Parameters
+        ----------
+        mesh
+            Mesh of the lane.
+        large
+            Whether strains are large.
+        states
+            The bodies at that time.
+        time
+            [s].
+        unit
+            Unit of length of the lane [um].
+        """
         points, count = states.points, len(mesh.elements)
         displacement = states.displacement[mesh.equations, 0]  # those that are held share the last row, which is zero
         stress = (points.rho * points.secant)[:, None, 0] * points.direction[:, :, 0]

@@ -30,6 +30,17 @@ def merged(radii: np.ndarray, resolution: Resolution, rounded: bool, times: int)
 
     Under a `rounded` tip what is merged reaches to the smallest contact that counts, then twice and four times as far.
     Under a sharp one the innermost ring becomes twice, four and eight times as wide.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+        Of the rings.
+    resolution
+        Of the mesh.
+    rounded
+        Whether the tip is rounded.
+    times
+        How many times rings are merged.
     """
     if times == 0:
         return radii

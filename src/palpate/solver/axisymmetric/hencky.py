@@ -21,6 +21,11 @@ iteration or so more, and Cholesky's factorisation serves.
 
 The return to the law stands in `internal_forces` here and in `element`: as one function that both call, inlined
 or not, it makes a run a fifth slower.
+
+Arguments of the kernels: `body`, `points`, `laws`, `weights`, `displacement`, `forces` and `band` are those of
+`palpate.solver.axisymmetric.element`; `parts` (PARTS, LANES) is written by `stretch`; `t0`, `t1`, `t2`, `t3` are the
+stress rr, zz, tt, rz [GPa], and `r0`, `r1`, `r2`, `r3` the direction R / rho likewise; `moduli` (4, 4, LANES) are the
+derivatives of the stress by m, h, c and the hoop strain.
 """
 
 from __future__ import annotations
@@ -87,6 +92,20 @@ def swelling(parts):
 
 
 @njit(cache=True)
+def stretched(gradients, volumes, u, parts):
+    """Write the `parts` of an element's Gauss points at `u` (8, LANES); return its mean ln J and its volume.
+
+    `gradients` (4, 3, 4) and `volumes` (4,) are those of the element in `Body`.
+    """
+    theta, volume = splat(0.0), 0.0
+    for g in range(4):
+        stretch(gradients[g], u, parts[g])
+        theta = theta + volumes[g] * swelling(parts[g])
+        volume += volumes[g]
+    return theta * (1.0 / volume), volume
+
+
+@njit(cache=True)
 def second_stress(parts, t0, t1, t3):
     """Return the second Piola-Kirchhoff stress rr, zz, rz of the law's stress rr, zz, rz."""
     half, shear, inverse_q = load(parts, HALF), load(parts, SHEAR), load(parts, INVERSE_Q)
@@ -110,12 +129,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
-        theta, volume = splat(0.0), 0.0
-        for g in range(4):
-            stretch(body.gradients[e, g], u, parts[g])
-            theta = theta + body.volumes[e, g] * swelling(parts[g])
-            volume += body.volumes[e, g]
-        theta = theta * (1.0 / volume)
+        theta, _ = stretched(body.gradients[e], body.volumes[e], u, parts)
         pressure, squeezed, expansion = bulk * theta, splat(0.0) - bulk * theta, exponential(theta)
         store(points.pressure, e, squeezed)
         for g in range(4):
@@ -246,12 +260,7 @@ def stiffness(body, points, laws, displacement, geometric, band):
             store(trace, i, splat(0.0))
             store(squeeze, i, splat(0.0))
         ke[:] = 0.0
-        theta, volume = splat(0.0), 0.0
-        for g in range(4):
-            stretch(body.gradients[e, g], u, parts[g])
-            theta = theta + body.volumes[e, g] * swelling(parts[g])
-            volume += body.volumes[e, g]
-        theta = theta * (1.0 / volume)
+        theta, volume = stretched(body.gradients[e], body.volumes[e], u, parts)
         expansion = exponential(theta)
         for g in range(4):
             gradients, part, p = body.gradients[e, g], parts[g], 4 * e + g

@@ -95,7 +95,10 @@ def load(typing_context, array, index):
 
 @_instruction
 def store(typing_context, array, index, value):
-    """Write `value` to row `index` of a contiguous array of doubles."""
+    """Write `value` to row `index` of a contiguous array of doubles.
+
+    The `typing_context` is that of numba.
+    """
 
     def generate(context, builder, signature, arguments):
         position = context.cast(builder, arguments[1], signature.args[1], types.intp)

@@ -1,6 +1,9 @@
 """The state of the material in `LANES` bodies, and how it passes from one time step to the next.
 
 The radial equation is that of `palpate.materials.flow.radial`, at `LANES` laws at once.
+
+Arguments of the functions, vectors of lanes: `rho`, `q`, `log_q`, `alpha`, `pressure`, `law` and `step` are those of
+`palpate.materials.flow.radial`; `at` is where the block of a term begins in the row.
 """
 
 from __future__ import annotations

@@ -273,7 +273,23 @@ def begun(
     lanes: Sequence[Case], hosts: Sequence[Case], mesh: Mesh, body: Body, units: np.ndarray, system: System,
     tolerance: float,
 ) -> tuple[March, States]:  # fmt: skip
-    """Return how `LANES` cases advance, and where they begin, on the mesh and with the first step of their hosts."""
+    """Return how `LANES` cases advance, and where they begin, on the mesh and with the first step of their hosts.
+
+    Parameters
+    ----------
+    lanes
+        A case for each lane.
+    hosts
+        The cases whose mesh and steps they share.
+    mesh, body
+        The mesh, and the body of it.
+    units : ndarray, shape (LANES,)
+        Unit of length of each lane [um].
+    system
+        Storage of the linear systems.
+    tolerance
+        Largest unbalanced force, as a share of the largest load.
+    """
     large, resolution = hosts[0].large, hosts[0].resolution
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     bodies = Specimens.of(specimens, mesh, units)

@@ -56,8 +56,19 @@ class Resolution:
         return round(1.0 / (self.growth - 1.0))
 
 
+class Numbered:
+    """A mesh with `equations`, -1 where a displacement is held."""
+
+    equations: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return int(self.equations.max()) + 1
+
+
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Numbered):
     """Four-node axisymmetric elements with everything that does not change during a simulation.
 
     Attributes
@@ -84,11 +95,6 @@ class Mesh:
     gradients: np.ndarray
     weights: np.ndarray
     bandwidth: int
-
-    @property
-    def size(self) -> int:
-        """Number of equations."""
-        return int(self.equations.max()) + 1
 
     def share_above(self, height: float) -> np.ndarray:
         """Return the share (m,) of each element's volume of revolution above z = `height` [um], exactly."""
@@ -131,6 +137,15 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded:
 
     Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
     for its size, and run in lanes.
+
+    Parameters
+    ----------
+    smallest, largest
+        Contact radii, in one unit of length with the result.
+    resolution
+        Of the mesh.
+    rounded
+        Whether the tip is rounded.
     """
     growth, even = resolution.growth, resolution.even
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]

@@ -20,10 +20,21 @@ from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
-from palpate.solver.axisymmetric.contact import end_step
+from palpate.solver.axisymmetric.banded import solve_again
+from palpate.solver.axisymmetric.contact import contact_forces, end_step, fit
+from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, no_coupling
+from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march import March, States
-from palpate.solver.axisymmetric.newton import correct, refactor
+from palpate.solver.axisymmetric.newton import (
+    LARGEST_CHANGE,
+    direct,
+    factor,
+    internal_forces,
+    load_borne,
+    stiffness,
+)
 from palpate.study.protocol import Protocol
 
 CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
@@ -63,7 +74,17 @@ class Neighbours:
         return np.array([moved.get(time, time) for moved, time in zip(self.corners[k], times.tolist(), strict=True)])
 
     def follow(self, start: States, arrived: States, begin: np.ndarray, end: np.ndarray, lanes: np.ndarray) -> None:
-        """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s."""
+        """Advance in some `lanes` (LANES,), whose hosts went from the `start` to where they `arrived`; times in s.
+
+        Parameters
+        ----------
+        start, arrived
+            States of the hosts before and after the step.
+        begin, end : ndarray, shape (LANES,)
+            Times of the hosts [s].
+        lanes : ndarray of bool, shape (LANES,)
+            Which take part.
+        """
         refactor(
             self.host.large, self.host.body, arrived.points, self.host.contact, arrived.contact, arrived.laws,
             arrived.displacement, arrived.depth, self.host.system,
@@ -92,3 +113,51 @@ def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
     nearest = other.knot_time[np.abs(host.knot_time[:, None] - other.knot_time).argmin(axis=1)]
     moved = (nearest != host.knot_time) & (np.abs(nearest - host.knot_time) < NEAR * host.knot_time[-1])
     return dict(zip(host.knot_time[moved].tolist(), nearest[moved].tolist(), strict=True))
+
+
+@njit(cache=True, error_model="numpy")
+def refactor(large, body, points, contact, state, laws, displacement, depth, system):
+    """Factor the matrix at a solution; the parameters are those of `palpate.solver.axisymmetric.newton.advance`."""
+    forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(body.radial.shape[0])
+    none, geometric = np.zeros(LANES, dtype=np.bool_), np.ones(LANES)
+    contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, none)
+    stiffness(large, body, points, laws, displacement, geometric, system.band)
+    factor(body, coupling, geometric, system, forces, np.zeros_like(forces))
+
+
+@njit(cache=True, error_model="numpy")
+def correct(
+    large, body, points, contact, state, laws, weights, equation, displacement, depth, reaction, system, lanes, times
+):  # fmt: skip
+    """Bring lanes that lie close to a solution to equilibrium, by some iterations with the factor that it left.
+
+    Parameters
+    ----------
+    lanes : ndarray of bool, shape (LANES,)
+        Which take part.
+    times
+        Number of iterations.
+
+    The other parameters are those of `palpate.solver.axisymmetric.newton.advance`.
+    """
+    force_weight, depth_weight, target = equation
+    forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
+    direction, toward, wider = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
+    coupling, start = no_coupling(body.radial.shape[0]), np.zeros(LANES)
+    for iteration in range(times + 1):
+        internal_forces(large, body, points, laws, weights, displacement, forces)
+        fit(contact, state, load_borne(body, contact, state, forces, equation), ~lanes)
+        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
+        if iteration == times:
+            break
+        forward[:] = forces
+        solve_again(system.band, system.upper, body.size, body.width, forward)
+        excess = reaction * force_weight + depth * depth_weight - target
+        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
+        direct(
+            system, forces, forward, force_weight, depth_weight, excess, late, LARGEST_CHANGE * state.area, lanes,
+            direction, toward, wider, start,
+        )  # fmt: skip
+        displacement += direction
+        depth += toward
+        state.area[:] += wider

@@ -11,6 +11,16 @@ A factor of the matrix serves `REUSES` iterations. Each lane searches along Newt
 work of the forces along it falls below 0.8 of what it was. All lanes are assembled and factored together, at iterations
 that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
 never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
+
+Arguments of several functions, beside those of `advance`:
+
+- `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact_coupling.Coupling`
+- `forces`, `forward` (size + 1, LANES): residual R, and K^-1 R
+- `direction` (size + 1, LANES), `toward`, `wider` (LANES,): Newton's direction of displacements, depth and area
+- `force_weight`, `depth_weight`, `excess` (LANES,): of the last equation
+- `late`, `limit` (LANES,): the e of the area, and the largest change of the area
+- `start`, `work` (LANES,): work of the forces along the direction, at its start and now; `norm` the largest force
+- `geometric` (LANES,): zero where the matrix leaves out what keeps it from being positive definite
 """
 
 from __future__ import annotations
@@ -23,16 +33,8 @@ from numba import njit
 
 from palpate.solver.axisymmetric import element, hencky
 from palpate.solver.axisymmetric.banded import solve, solve_again
-from palpate.solver.axisymmetric.contact import (
-    LEAST_RESPONSE,
-    add_tangent,
-    contact_forces,
-    fit,
-    no_coupling,
-    pull_on,
-    share_of,
-    spread,
-)
+from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, share_of
+from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
@@ -69,7 +71,7 @@ class System(NamedTuple):
         Solution for the border.
     widening, swelling : ndarray, shape (size + 1, LANES)
         Derivatives of the area, and solution for those of all forces by it, see
-        `palpate.solver.axisymmetric.contact.spread`.
+        `palpate.solver.axisymmetric.contact_coupling.spread`.
     growth : ndarray, shape (LANES,)
         Derivative of the load by the area.
     """
@@ -277,7 +279,13 @@ def unbalanced(work, start, tries):
 
 @njit(cache=True)
 def move(displacement, depth, state, direction, toward, wider, lane, distance):
-    """Move one lane along its direction."""
+    """Move one lane along its direction.
+
+    Parameters
+    ----------
+    distance
+        In units of the direction.
+    """
     for i in range(displacement.shape[0] - 1):
         displacement[i, lane] += distance * direction[i, lane]
     depth[lane] += distance * toward[lane]
@@ -286,7 +294,13 @@ def move(displacement, depth, state, direction, toward, wider, lane, distance):
 
 @njit(cache=True)
 def shorten(direction, toward, wider, start, lane, farthest):
-    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that."""
+    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that.
+
+    Parameters
+    ----------
+    farthest
+        Largest displacement of any node.
+    """
     if farthest == np.inf:
         return
     largest = max(np.abs(direction[:, lane]).max(), abs(toward[lane]))
@@ -299,7 +313,13 @@ def shorten(direction, toward, wider, start, lane, farthest):
 
 @njit(cache=True)
 def measure(forces, direction, size, norm, work):
-    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`."""
+    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`.
+
+    Parameters
+    ----------
+    size
+        Number of unknowns.
+    """
     largest, total = splat(0.0), splat(0.0)
     for i in range(size):
         force = load(forces, i)
@@ -350,51 +370,3 @@ def direct(
     store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
     store(wider, 0, where_less(mask, splat(0.5), load(wider, 0), spreading))
     store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))
-
-
-@njit(cache=True, error_model="numpy")
-def refactor(large, body, points, contact, state, laws, displacement, depth, system):
-    """Factor the matrix where lanes have arrived; the parameters are those of `advance`."""
-    forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(body.radial.shape[0])
-    none, geometric = np.zeros(LANES, dtype=np.bool_), np.ones(LANES)
-    contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, none)
-    stiffness(large, body, points, laws, displacement, geometric, system.band)
-    factor(body, coupling, geometric, system, forces, np.zeros_like(forces))
-
-
-@njit(cache=True, error_model="numpy")
-def correct(
-    large, body, points, contact, state, laws, weights, equation, displacement, depth, reaction, system, lanes, times
-):  # fmt: skip
-    """Bring lanes that lie close to a solution to equilibrium, by some iterations with the factor that it left.
-
-    Parameters
-    ----------
-    lanes : ndarray of bool, shape (LANES,)
-        Which take part.
-    times
-        Number of iterations.
-
-    The other parameters are those of `advance`.
-    """
-    force_weight, depth_weight, target = equation
-    forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
-    direction, toward, wider = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    coupling, start = no_coupling(body.radial.shape[0]), np.zeros(LANES)
-    for iteration in range(times + 1):
-        internal_forces(large, body, points, laws, weights, displacement, forces)
-        fit(contact, state, load_borne(body, contact, state, forces, equation), ~lanes)
-        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
-        if iteration == times:
-            break
-        forward[:] = forces
-        solve_again(system.band, system.upper, body.size, body.width, forward)
-        excess = reaction * force_weight + depth * depth_weight - target
-        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
-        direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, LARGEST_CHANGE * state.area, lanes,
-            direction, toward, wider, start,
-        )  # fmt: skip
-        displacement += direction
-        depth += toward
-        state.area[:] += wider

@@ -57,6 +57,8 @@ def contact_of(
 
     Parameters
     ----------
+    distance : ndarray, shape (k,)
+        Undeformed distance of each surface node from the axis.
     profiles
         Of each lane, lengths in its unit.
     excess : ndarray, shape (LANES,)

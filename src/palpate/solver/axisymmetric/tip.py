@@ -76,6 +76,15 @@ def profile_at(large, tip, lane, distance, moved):
     """Return height, slope and curvature of a tip over a node that moved outwards from its `distance`.
 
     At small strains along the tangent where the node was, f(r) + f'(r) u, linear in the displacement like all else.
+
+    Parameters
+    ----------
+    large
+        Whether the profile is taken where the node has moved to.
+    tip, lane
+        The tips, and the number of the lane.
+    distance, moved
+        Undeformed distance from the axis, and radial displacement.
     """
     radius, edge = tip.radius[lane], tip.edge[lane]
     place = distance + moved if large else distance

@@ -22,6 +22,12 @@ def attract(adhesion: Adhesion, contact: Contact3D, work: LinearSystem, force: n
 
     Parameters
     ----------
+    adhesion
+        Law of the attraction.
+    contact
+        Where the indenter touches.
+    work
+        The linear system; in and out.
     softening
         Keep the stiffness that decaying attraction takes away; without it the matrix stays positive definite.
 

@@ -22,6 +22,17 @@ def diagonal(band: np.ndarray, bandwidth: int) -> int:
 def solve(band: np.ndarray, bandwidth: int, right: np.ndarray, definite: bool) -> np.ndarray | None:
     """Solve for the columns of `right` (size, k), overwriting `band`.
 
+    Parameters
+    ----------
+    band
+        The matrix, see `allocate`.
+    bandwidth
+        Number of entries beside the diagonal.
+    right : ndarray, shape (size, k)
+        Right-hand sides.
+    definite
+        Whether the symmetric part should be positive definite.
+
     Returns
     -------
     ndarray, shape (size, k), or None

@@ -61,6 +61,10 @@ class Coupling3D:
 
         Parameters
         ----------
+        contact
+            Where the indenter touches.
+        band, residual
+            The assembled system; in and out.
         force, pressing
             See `palpate.solver.pyramid.element_3d.assemble`.
         """
@@ -113,6 +117,17 @@ def coupled_direction(work: LinearSystem, coupling: Coupling3D, forces: np.ndarr
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
     None where K is not positive definite or GMRES does not converge.
+
+    Parameters
+    ----------
+    work
+        The linear system.
+    coupling
+        Its unsymmetric part.
+    forces : ndarray, shape (size + 1,)
+        Residual of displacements and depth.
+    corner
+        Diagonal entry of the depth.
     """
     factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
     if failed:

@@ -200,7 +200,10 @@ def _follow_indenter(ke, fe, x, rule):
 
 @njit(cache=True)
 def begin_step(state, region, coefficients, weights, past, alpha):
-    """Write what the history fixes at every Gauss point into `past` (m, 8, 6) and `alpha` (m, 8)."""
+    """Write what the history fixes at every Gauss point into `past` (m, 8, 6) and `alpha` (m, 8).
+
+    Arguments are those of `assemble`; `state` (m, 8, k) holds the state variables.
+    """
     for e in range(state.shape[0]):
         for g in range(8):
             history(state[e, g], weights[region[e]], coefficients[region[e]], past[e, g])
@@ -209,7 +212,10 @@ def begin_step(state, region, coefficients, weights, past, alpha):
 
 @njit(cache=True)
 def end_step(local, solution, pressure, region, coefficients, weights, state):
-    """Advance `state` (m, 8, k) in place with the tensors R, invariants q and pressures of the converged step."""
+    """Advance `state` (m, 8, k) in place with the tensors R, invariants q and pressures of the converged step.
+
+    Arguments are those of `assemble`; `solution` (m, 8) holds q [GPa].
+    """
     for e in range(state.shape[0]):
         for g in range(8):
             law = coefficients[region[e]]

@@ -9,6 +9,11 @@ with squared stretches l_a, images n_a = F N_a of the axes, and the divided diff
 (Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425). tr E = ln J, averaged over the
 element. The smallest stretch follows from the others and the change of volume, so that a squeezed element keeps its
 digits.
+
+Arguments of the functions: those of `element` are those of `palpate.solver.pyramid.linear_3d`; `axes`, `images` (3, 3)
+and `squared` (3,) are written by `strain_at`, `pairs` (3, 3) by `write_pairs` and `triples` (3, 3, 3) by
+`write_triples`; `r` (6,) is the tensor R in the axes, `moduli` (6, 6) the derivative of the stress by the strain there;
+`a`, `b`, `c` are places in `values`.
 """
 
 from __future__ import annotations

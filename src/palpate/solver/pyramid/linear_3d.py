@@ -8,6 +8,17 @@ the displacements i of node a and j of node b is a sum over the Gauss points,
 
 so all that must be summed is g_ai g_bj and v_ai v_bj with their weights. Where the pressure acts on the flow, its
 derivative dq/dp adds the symmetric half of an unsymmetric part.
+
+Arguments of `element`, here and in `palpate.solver.pyramid.hencky_3d`:
+
+- `gradients` (8, 8, 3), `volumes` (8,): gradients of the shape functions at each Gauss point [1/um], and its volume
+  [um^3]
+- `u` (8, 3): displacements of the nodes [um]
+- `past` (8, 6), `alpha` (8,): strain fixed by the history, and equivalent plastic strain, at the start of the step
+- `guesses` (8,): q [GPa]; in: the last one; out: the solution
+- `weights` (w,), `row` (c,): what the time step makes of the law, and the law, see `palpate.materials.flow.row`
+- `local` (8, 6): out: the tensor R of the radial equation
+- `ke` (24 or more, same), `fe` (24 or more,): out: stiffness and internal force
 """
 
 from __future__ import annotations

@@ -25,6 +25,17 @@ def newton_direction(
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
     None where the matrix cannot be factored, or ought to be positive definite (`definite`) and is not.
+
+    Parameters
+    ----------
+    work
+        The linear system.
+    bandwidth
+        Number of entries beside the diagonal.
+    forces : ndarray, shape (size + 1,)
+        Residual of displacements and depth.
+    corner
+        Diagonal entry of the depth.
     """
     right = np.column_stack([work.residual, work.border[:, 0]])
     solution = banded_3d.solve(work.band, bandwidth, right, definite)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.solver.axisymmetric.mesh import Numbered
 from palpate.solver.pyramid.shell import WEDGE, Shell
 
 FACES = ((0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7))  # of a hexahedron
@@ -17,7 +18,7 @@ CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1,
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh3D:
+class Mesh3D(Numbered):
     """Hexahedra with everything that does not change during a simulation.
 
     A node has three displacements: along two horizontal axes of its own and along z. Its own axes are turned from x and
@@ -50,11 +51,6 @@ class Mesh3D:
     gradients: np.ndarray
     weights: np.ndarray
     bandwidth: int
-
-    @property
-    def size(self) -> int:
-        """Number of equations."""
-        return int(self.equations.max()) + 1
 
     def share_above(self, height: float, points: int = 6) -> np.ndarray:
         """Return the share (m,) of each element's volume above z = `height` [um], by `points`^3 samples.

@@ -70,7 +70,10 @@ class Problem3D:
         large: bool = False,
         adhesion: Adhesion | None = None,
     ) -> Problem3D:
-        """Divide the specimen into its regions."""
+        """Divide the specimen into its regions.
+
+        Arguments are those of `Problem3D`.
+        """
         laws, elements = laws_of(specimen, mesh), np.arange(len(mesh.elements))
         region = elements if len(laws) > 1 else np.zeros_like(elements)
         return cls(mesh, tip, specimen, laws, region, friction, large, adhesion)
@@ -165,7 +168,10 @@ class Workspace:
 def advance_or_ease(
     problem: Problem3D, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
 ) -> State:
-    """Do what `advance` does; where attraction keeps it from converging, let that grow in parts."""
+    """Do what `advance` does; where attraction keeps it from converging, let that grow in parts.
+
+    Arguments, result and errors are those of `advance`.
+    """
     try:
         return advance(problem, work, scale, state, time, load, guess)
     except ConvergenceError:
@@ -181,6 +187,16 @@ def advance(
 
     Parameters
     ----------
+    problem
+        What does not change.
+    work
+        Arrays of the linear system.
+    scale
+        Largest load of the history [mN].
+    state
+        At the start of the step.
+    time, load
+        At its end [s], [mN].
     guess
         State whose displacement and depth start the iteration.
 

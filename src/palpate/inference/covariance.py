@@ -1,6 +1,7 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
-What every instrument has a little of, as a drift, counts as noise up to the `background` that its mechanism declares.
+An effect that every instrument has to some extent, such as drift, counts as noise up to the `background` that its
+mechanism declares.
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.amplitude import Amplitude
-from palpate.diagnosis.noise import NoiseModel
-from palpate.diagnosis.noise_fit import Replicates, contrasts, fit_noise, without_trend
-from palpate.diagnosis.prescribed_segments import segments
-from palpate.diagnosis.problem import Problem
-from palpate.inference.recording_noise import model_covariance
+from palpate.inference.amplitude import Amplitude
+from palpate.inference.noise import NoiseModel
+from palpate.inference.noise_fit import Replicates, contrasts, fit_noise, without_trend
+from palpate.inference.prescribed_segments import segments
+from palpate.inference.problem import Problem
+from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS
 
-ASSUMED_WANDER = 0.02
+ASSUMED_RANDOM_WALK = 0.02
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
 
@@ -90,12 +91,23 @@ def components_under(
 ) -> dict[str, np.ndarray]:
     """Return the matrices (n, n) of the variance components of a condition, of its `curve` (n,) [nm].
 
-    Where an amplitude that recordings have of their `own` adds the same as a background, the background is part of how
-    that amplitude scatters: two components alike would leave the variance of each unknown.
+    Where an amplitude that differs between recordings (`own`) has the same effect as a background, the background is
+    left out: the variances of two equal components could not be separated.
+
+    Parameters
+    ----------
+    problem
+        The data of the diagnosis.
+    own
+        Amplitudes that differ between recordings.
+    condition
+        The condition.
+    curve : ndarray, shape (n,)
+        Its depth [nm].
     """
     time = condition.protocol.sample_time
     site = problem.shares.get(condition.name, 1.0) * curve
-    parts = {"site": np.outer(site, site), "wander": np.minimum.outer(time, time)}
+    parts = {"site": np.outer(site, site), "random_walk": np.minimum.outer(time, time)}
     none = np.zeros_like(time)
     unloaded = [amplitude.added(time, none) for amplitude in own]
     for key in BACKGROUNDS:
@@ -109,7 +121,7 @@ def components_under(
 
 def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
     """Return the variances that count where most conditions are not repeated; of a plausible range, a tenth."""
-    assumed = {"site": site_scatter**2, "wander": ASSUMED_WANDER**2}
+    assumed = {"site": site_scatter**2, "random_walk": ASSUMED_RANDOM_WALK**2}
     assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
     return assumed | {str(amplitude): (0.1 * problem.largest(amplitude)) ** 2 for amplitude in own}
 
@@ -118,6 +130,15 @@ def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray,
     """Fit the noise where recordings have some amplitudes of their `own`.
 
     Where most conditions are not repeated a `residual` (n_all,) [nm] serves.
+
+    Parameters
+    ----------
+    problem, own
+        See `components_under`.
+    residual : ndarray, shape (n_all,)
+        Of a fit [nm].
+    site_scatter
+        Assumed scatter between sites, where most conditions have no replicates [-].
     """
     if problem.replicated:
         found = noise_between_replicates(problem, own, site_scatter)
@@ -153,18 +174,26 @@ def errors(
     solver_error: float,
     effects: Mapping[str, np.ndarray] | None = None,
 ) -> Errors:
-    """Put the errors of the mean curves about simulated curves `depth` (n_all,) [nm] together.
+    """Return the errors of the mean curves about simulated curves `depth` (n_all,) [nm].
 
-    What is proportional to depth is so to the simulated curves: in proportion to recorded ones, whose noise would count
-    as depth, it would draw the fit to smaller depths (G. D'Agostini, Nucl. Instrum. Methods A 346 (1994) 306-311). As
-    the depth, each effect is off by the same part of it everywhere, which is the mechanism's `solver_scatter`.
+    Errors in proportion to the depth are taken in proportion to the simulated curves: with recorded ones, whose noise
+    would count as depth, the fit would be biased to smaller depths (G. D'Agostini, Nucl. Instrum. Methods A 346 (1994)
+    306-311). Each effect has a common relative error, its mechanism's `solver_scatter`.
 
     Parameters
     ----------
+    problem
+        The data of the diagnosis.
+    depth : ndarray, shape (n_all,)
+        Simulated curves [nm].
+    noise
+        Noise of single recordings.
+    solver_error
+        Relative error of the simulated depth, standard deviation [-].
     own
         Amplitudes of which each recording has its own.
     effects
-        What mechanisms add to the curves (n_all,) [nm], as far as that is known.
+        What mechanisms add to the curves (n_all,) [nm], where it is known.
     """
     model = model_covariance(problem.split(depth), solver_error, problem.shares)
     for key, effect in (effects or {}).items():

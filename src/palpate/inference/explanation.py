@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from palpate.diagnosis.amplitude import Amplitude, own_amplitudes
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint, departures
-from palpate.diagnosis.covariance import Errors
-from palpate.diagnosis.problem import Explanation, Problem
+from palpate.inference.amplitude import Amplitude, own_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.covariance import Errors
 from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes
+from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
@@ -31,7 +31,7 @@ class Fit:
     model
         The forward model, whose points are coordinates of the explanation.
     z : ndarray, shape (k,)
-        Coordinates, see `palpate.diagnosis.problem`.
+        Coordinates, see `palpate.inference.problem`.
     errors
         Errors of the mean curves.
     curve : ndarray, shape (n_all,)
@@ -40,6 +40,8 @@ class Fit:
         Their slopes [nm].
     laws
         What exact laws say about amplitudes: data, too.
+    converged
+        Whether the search that led here converged.
     """
 
     problem: Problem
@@ -50,6 +52,7 @@ class Fit:
     curve: np.ndarray
     tangent: np.ndarray
     laws: tuple[AmplitudeConstraint, ...] = ()
+    converged: bool = True
 
     @cached_property
     def own(self) -> tuple[Amplitude, ...]:
@@ -90,7 +93,7 @@ class Fit:
         return np.linalg.qr(self.whiten(self.tangent))[0]
 
     def off_tangent(self, white: np.ndarray) -> np.ndarray:
-        """Return what whitened values (n_all, ...) have off the tangent space."""
+        """Return the part of whitened values (n_all, ...) off the tangent space."""
         return white - self.tangent_space @ (self.tangent_space.T @ white)
 
     @cached_property
@@ -99,7 +102,7 @@ class Fit:
         return self.whiten(self.residual)
 
     def from_laws(self, z: np.ndarray) -> np.ndarray:
-        """Return by how many standard deviations the amplitudes at z (k,) depart from the laws."""
+        """Return the departures [standard deviations] of the amplitudes at z (k,) from the laws."""
         return departures(self.laws, self.model.amplitudes(z))
 
     @cached_property
@@ -109,32 +112,42 @@ class Fit:
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, of the laws and of what lies outside its range."""
+        """Chi-square of the mean curves, of the laws, and of the prior outside the ranges."""
         off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
         return float(self.white @ self.white + off @ off + beyond @ beyond)
 
+    @property
+    def misfit_ratio(self) -> float:
+        """Chi-square of the mean curves per degree of freedom."""
+        return float(self.white @ self.white) / max(len(self.white) - len(self.z), 1)
+
     @cached_property
     def log_likelihood(self) -> float:
-        """Of means, laws and, where there are replicates, what distinguishes them."""
+        """Log-likelihood of the means, of the laws and, where there are replicates, of their differences."""
         noise = self.errors.noise
         return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume
 
     @cached_property
     def posterior(self) -> np.ndarray:
-        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand."""
-        return np.linalg.inv(self.information + np.eye(len(self.z)) / PRIOR_VARIANCE)
+        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand.
+
+        Where the fit leaves more than the errors, what curves and laws tell counts less by the misfit ratio
+        (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
+        """
+        told = self.information / max(self.misfit_ratio, 1.0)
+        return np.linalg.inv(told + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
     def information(self) -> np.ndarray:
-        """What curves and laws tell about the coordinates (k, k), to first order."""
+        """Fisher information (k, k) of curves and laws about the coordinates, to first order."""
         white = self.whiten(self.tangent)
         return white.T @ white + self.law_tangent.T @ self.law_tangent
 
     @cached_property
     def log_evidence(self) -> float:
         """Laplace's approximation with priors of density one over the ranges."""
-        sharpened = np.eye(len(self.z)) + DENSITY_ONE * self.information
-        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(sharpened)[1])
+        relative = np.eye(len(self.z)) + DENSITY_ONE * self.information
+        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(relative)[1])
 
     @property
     def log_volume(self) -> float:

@@ -1,15 +1,15 @@
 """Noise of the recordings by restricted maximum likelihood, from what distinguishes replicates.
 
 Orthonormal contrasts of the replicates have the covariance of the noise (`noise`) and do not know the curve, so they
-fix the noise whatever the model lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). Few replicates often put a
-variance at zero that is not; a prior proportional to the deviation keeps site scatter and wander off the boundary, by a
-standard error at most (Chung et al., Psychometrika 78 (2013) 685-709). A single contrast, of two recordings in all,
-tells one number of the sites: that prior would then raise their scatter without end, and what is assumed of it counts
-as one more contrast instead.
+determine the noise whatever the model lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). With few replicates
+the estimate of a variance is often zero although the variance is not; a prior proportional to the standard deviation
+keeps site scatter and random walk off that boundary, by a standard error at most (Chung et al., Psychometrika 78 (2013)
+685-709). A single contrast, of two recordings in all, gives one number about the sites: that prior would then raise
+their scatter without end, so the assumed scatter counts as one more contrast instead.
 
 Without replicates, what remains of the residual after a cubic in each segment takes their place, and the variances of
-the components are assumed. The point noise is then taken to forget within ten points: slower misfit is no noise, or a
-missing effect would pass for it.
+the components are assumed. The correlation of the point noise is then limited to about ten points: a slower misfit must
+not count as noise, or a missing effect would pass for noise.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from scipy.linalg import cho_factor, cho_solve, helmert
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from palpate.diagnosis.noise import NoiseModel, largest_memory, point_noise, slope_by_memory
+from palpate.inference.noise import NoiseModel, largest_autocorrelation, point_noise, slope_by_rho
 
 SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
 AT_BOUND = 1e-4
-NEVER_ZERO = ("site", "wander")
-MEMORIES = (0.5, 0.95)  # where the search begins
+OFF_BOUNDARY = ("site", "random_walk")
+AUTOCORRELATIONS = (0.5, 0.95)  # where the search begins
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +67,12 @@ class Replicates:
         """Return the covariance (d, d) in the basis: of the point noise and of the variance components."""
         return points + sum(variances[name] * part for name, part in self.parts.items())
 
-    def points(self, sigma: float, memory: float) -> tuple[np.ndarray, np.ndarray]:
+    def points(self, sigma: float, autocorrelation: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the point noise's covariance (d, d) in the basis, and its derivative by logit rho."""
         size = self.basis.shape[1]
-        return self.in_basis(point_noise(sigma, memory, size)), self.in_basis(slope_by_memory(sigma, memory, size))
+        return self.in_basis(point_noise(sigma, autocorrelation, size)), self.in_basis(
+            slope_by_rho(sigma, autocorrelation, size)
+        )
 
 
 def contrasts(depth: np.ndarray) -> np.ndarray:
@@ -101,12 +103,16 @@ def fit_noise(
 ) -> NoiseModel:
     """Fit by maximum likelihood.
 
-    The likelihood has several maxima, as a long memory, a random walk and a mechanism can pass for each other. The
-    search begins from noise of short and of long memory, and from each model that this one contains, so that more
+    The likelihood has several maxima, as a long autocorrelation, a random walk and a mechanism resemble each other. The
+    search starts from short and from long autocorrelation, and from each model that this one contains, so that more
     components never fit worse.
 
     Parameters
     ----------
+    replicates
+        Deviations of each condition.
+    replicated
+        Whether they are deviations between replicates; else residuals without trends.
     assumed
         Variance of each component: the value itself without replicates, else where the search begins.
     largest
@@ -118,7 +124,7 @@ def fit_noise(
     count = len(replicates)
     floors = np.log([SMALLEST_SIGMA * r.scale for r in replicates])
     lowest = np.concatenate([floors, np.full(count, -4.0)])
-    longest = logit(np.array(largest_memory(replicated)))
+    longest = logit(np.array(largest_autocorrelation(replicated)))
     highest = np.concatenate([np.log([r.scale for r in replicates]), np.full(count, longest)])
     first = np.empty(0)
     if replicated:
@@ -131,10 +137,10 @@ def fit_noise(
         return np.exp(x[:count]), expit(x[count : 2 * count]), dict(zip(names, map(float, values), strict=True))
 
     def objective(x: np.ndarray) -> tuple[float, np.ndarray]:
-        sigma, memory, variances = unpack(x)
+        sigma, autocorrelation, variances = unpack(x)
         value, slope = 0.0, np.zeros(len(x))
         for k, r in enumerate(replicates):
-            points, by_memory = r.points(sigma[k], memory[k])
+            points, by_autocorrelation = r.points(sigma[k], autocorrelation[k])
             factor = cho_factor(r.with_parts(points, variances), lower=True)
             inverse = cho_solve(factor, np.eye(len(factor[0])))
             solved = inverse @ r.contrasts.T
@@ -142,7 +148,7 @@ def fit_noise(
             value += rank * np.log(np.diag(factor[0])).sum() + 0.5 * np.sum(solved * r.contrasts.T)
             weight = 0.5 * (rank * inverse - solved @ solved.T)
             slope[k] += np.vdot(weight, 2 * points)
-            slope[count + k] += np.vdot(weight, by_memory)
+            slope[count + k] += np.vdot(weight, by_autocorrelation)
             if replicated:
                 for j, name in enumerate(names):
                     slope[2 * count + j] += variances[name] * np.vdot(weight, r.parts[name])
@@ -152,49 +158,49 @@ def fit_noise(
     def prior(x: np.ndarray) -> tuple[float, np.ndarray]:
         """Return the logarithm of the prior, less its constant and with its sign changed, and its slope."""
         slope = np.zeros(len(x))
-        slope[never_zero] = -0.5
+        slope[off_boundary] = -0.5
         value = float(slope @ x)
-        for j in told_once:
+        for j in single_contrast:
             share = 0.5 * assumed["site"] * np.exp(-x[j])
             value, slope[j] = value + 0.5 * x[j] + share, 0.5 - share
         return value, slope
 
-    def start(memory: float) -> np.ndarray:
+    def start(autocorrelation: float) -> np.ndarray:
         steps = np.array([np.std(np.diff(r.contrasts)) for r in replicates])
-        sigma = np.log(np.maximum(steps / np.sqrt(2.0 * (1.0 - memory)), np.exp(floors)))
-        return np.concatenate([sigma, np.full(count, logit(np.array(memory))), first])
+        sigma = np.log(np.maximum(steps / np.sqrt(2.0 * (1.0 - autocorrelation)), np.exp(floors)))
+        return np.concatenate([sigma, np.full(count, logit(np.array(autocorrelation))), first])
 
     def start_within(model: NoiseModel) -> np.ndarray:
         values = {**assumed, **model.variances}
         known = [np.log(max(values[name], SMALLEST_VARIANCE)) for name in names]
-        return np.concatenate([np.log(model.sigma), logit(model.memory), known])
+        return np.concatenate([np.log(model.sigma), logit(model.autocorrelation), known])
 
-    never_zero = [2 * count + names.index(name) for name in NEVER_ZERO if replicated and name in names]
+    off_boundary = [2 * count + names.index(name) for name in OFF_BOUNDARY if replicated and name in names]
     single = sum(len(r.contrasts) for r in replicates) == 1
-    told_once = [j for j in never_zero if single and names[j - 2 * count] == "site"]
-    never_zero = [j for j in never_zero if j not in told_once]
-    starts = [start(MEMORIES[0]), *(start_within(model) for model in within)]
-    starts += [] if within else [start(memory) for memory in MEMORIES[1:]]
+    single_contrast = [j for j in off_boundary if single and names[j - 2 * count] == "site"]
+    off_boundary = [j for j in off_boundary if j not in single_contrast]
+    starts = [start(AUTOCORRELATIONS[0]), *(start_within(model) for model in within)]
+    starts += [] if within else [start(autocorrelation) for autocorrelation in AUTOCORRELATIONS[1:]]
     within_bounds = list(zip(lowest, highest, strict=True))
     searches = [
         minimize(objective, np.clip(x, lowest, highest), jac=True, method="L-BFGS-B", bounds=within_bounds)
         for x in starts
     ]
     found = min(searches, key=lambda search: search.fun)
-    sigma, memory, variances = unpack(found.x)
-    covariance = _fisher(replicates, sigma, memory, variances, replicated)
+    sigma, autocorrelation, variances = unpack(found.x)
+    covariance = _fisher(replicates, sigma, autocorrelation, variances, replicated)
     log_likelihood = prior(found.x)[0] - float(found.fun)
-    return NoiseModel(sigma, memory, variances, log_likelihood, covariance, replicated)
+    return NoiseModel(sigma, autocorrelation, variances, log_likelihood, covariance, replicated)
 
 
-def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
-    """Return the inverse of Fisher's information of (log sigma, logit rho, v); memory at its bound counts as known."""
+def _fisher(replicates, sigma, autocorrelation, variances, replicated) -> np.ndarray:
+    """Return the inverse of Fisher's information of (log sigma, logit rho, v); a rho at its bound is known."""
     count, names = len(replicates), list(variances)
     information = np.zeros((2 * count + len(names),) * 2)
     for k, r in enumerate(replicates):
-        points, by_memory = r.points(sigma[k], memory[k])
+        points, by_autocorrelation = r.points(sigma[k], autocorrelation[k])
         inverse = np.linalg.inv(r.with_parts(points, variances))
-        solved = [inverse @ part for part in (2 * points, by_memory, *r.parts.values())]
+        solved = [inverse @ part for part in (2 * points, by_autocorrelation, *r.parts.values())]
         places = [k, count + k, *range(2 * count, 2 * count + len(names))]
         for a, i in enumerate(places):
             for b, j in enumerate(places):
@@ -204,7 +210,7 @@ def _fisher(replicates, sigma, memory, variances, replicated) -> np.ndarray:
         information[range(2 * count, len(information)), range(2 * count, len(information))] = [
             1.0 / (0.5 * max(v, SMALLEST_VARIANCE)) ** 2 for v in variances.values()
         ]
-    for place in count + np.flatnonzero(memory > largest_memory(replicated) - AT_BOUND):
+    for place in count + np.flatnonzero(autocorrelation > largest_autocorrelation(replicated) - AT_BOUND):
         information[place] = information[:, place] = 0.0
         information[place, place] = AT_BOUND**-2
     scale = np.sqrt(np.maximum(np.diag(information), 1e-300))

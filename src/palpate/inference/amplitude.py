@@ -1,7 +1,7 @@
 """The amplitudes of mechanisms that only add to the recorded depth, which does so in proportion to each of them.
 
 Where such a mechanism varies, each recording has amplitudes of its own: what one unit of an amplitude adds under a
-condition is then the column c of a variance component v c c^T (`palpate.diagnosis.noise`). Other parameters, such as
+condition is then the column c of a variance component v c c^T (`palpate.inference.noise`). Other parameters, such as
 the time in which a transient dies away, belong to the instrument and are the same in every recording.
 """
 
@@ -27,7 +27,7 @@ class Amplitude:
     key, name
         The mechanism, and its parameter.
     beside
-        Values of the mechanism's parameters that are no amplitudes.
+        Values of the mechanism's parameters that are not amplitudes.
     """
 
     key: str
@@ -38,8 +38,8 @@ class Amplitude:
     def of(cls, key: str, values: Values) -> tuple[Amplitude, ...]:
         """Return all amplitudes of a mechanism that has parameters `values`.
 
-        Two that add the same are equal, so that a noise with them is fitted once: further parameters count to two
-        digits, and where they make no difference as where the mechanism does nothing.
+        Two amplitudes with the same effect compare equal, so that a noise model with them is fitted once: further
+        parameters are rounded to two digits, and where they make no difference their neutral values are taken.
         """
         mechanism, found = MECHANISMS[key], []
         others = [p.name for p in mechanism.parameters if p.name not in mechanism.amplitudes]

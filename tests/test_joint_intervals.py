@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
 
-from palpate.diagnosis.amplitude_constraint import AmplitudeConstraint
 from palpate.diagnosis.screen import Screen
-from palpate.diagnosis.undetected import open_amplitudes
+from palpate.diagnosis.undetected import joint_intervals
+from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
 
 FRAME = "frame_compliance.compliance"
@@ -24,7 +24,7 @@ def half(row):
 
 
 def all_acting(fit, keys=RECORD_ONLY):
-    return open_amplitudes(fit, Screen.of(fit, keys))
+    return joint_intervals(fit, Screen.of(fit, keys))
 
 
 def test_a_range_that_ends_at_zero_is_as_large_as_it_is_long(task):

@@ -1,17 +1,17 @@
-r"""What an amplitude's interval must allow for because the noise is estimated and not known.
+r"""The correction of an amplitude's interval for a noise that is estimated, not known.
 
 Generalised least squares gives an amplitude :math:`w^T r` of the residual r, with the variance V, as if the covariance
-C(theta) of the curves were known. But the weights w err with theta, and so does V. To first order in the errors of
-theta, with their covariance T, C_i = dC/dtheta_i and P = C^-1 less what the fit takes up,
+C(theta) of the curves were known. But the weights w depend on the estimate of theta, and so does V. To first order in
+the errors of theta, with their covariance T, C_i = dC/dtheta_i and P = C^-1 projected off the fitted parameters,
 
     V_adjusted = V + 2 sum_ij T_ij w' C_i P C_j w
     freedom    = 2 V^2 / sum_ij T_ij (w' C_i w) (w' C_j w)
 
 and the amplitude has Student's distribution (M.G. Kenward and J.H. Roger, Biometrics 53 (1997) 983-997; for a single
-coefficient the freedom is Satterthwaite's). Simulated curves' errors count as known.
+coefficient the freedom is Satterthwaite's). The errors of simulated curves count as known.
 
-What a fit leaves, as the mean residual of a part, has the same freedom. Its variance needs no correction: to the order
-above, the estimate of what the fit takes up is too small by as much as the errors of the weights add.
+The mean residual of a part of a test has the same degrees of freedom. Its variance needs no correction: to the order
+above, the variance that the fit absorbs is underestimated by as much as the errors of the weights add.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_solve
 
-from palpate.diagnosis.explanation import Fit
-from palpate.diagnosis.noise import FURTHEST, NoiseModel
+from palpate.inference.explanation import Fit
+from palpate.inference.noise import FURTHEST, NoiseModel
 
 
 def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -> tuple[float, float]:
@@ -28,6 +28,8 @@ def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -
 
     Parameters
     ----------
+    fit
+        An explanation at its best parameters.
     design : ndarray, shape (n_all, k)
         What one unit of each coefficient adds to the curves [nm].
     covariance : ndarray, shape (k, k)
@@ -39,8 +41,8 @@ def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -
     weights = cho_solve((fit.factor, True), design @ covariance[:, place])
     slopes = fit.errors.slopes(weights)
     white = fit.whiten(slopes)
-    taken_up = fit.whiten(design).T @ white
-    left = white.T @ white - taken_up.T @ covariance @ taken_up
+    absorbed = fit.whiten(design).T @ white
+    left = white.T @ white - absorbed.T @ covariance @ absorbed
     grown = variance + 2.0 * max(float(np.sum(uncertain * left)), 0.0)
     return grown, _satterthwaite(variance, weights @ slopes, uncertain)
 
@@ -58,7 +60,7 @@ def _satterthwaite(variance: float, by_estimates: np.ndarray, uncertain: np.ndar
 def uncertainty(noise: NoiseModel) -> np.ndarray:
     """Return the covariance T of the estimates of the noise; log sigma and logit rho are known to within `FURTHEST`.
 
-    Fisher's information leaves both open near the largest memory, where the first order says nothing.
+    Fisher's information determines neither near the largest autocorrelation, where the first order is of no use.
     """
     points = slice(0, 2 * len(noise.sigma))
     rows = noise.covariance[points]

@@ -1,9 +1,9 @@
-"""Curves around a fit to second order, where recordings leave its parameters open.
+"""Curves around a fit to second order, along the parameters that the recordings determine least.
 
-Along the few directions in which least is known an interval is wide, and the slope at the best point is not that at its
-ends. The forward model's derivatives one standard deviation to either side along each of these axes tell by how much
-the curves bend along it, and how the slope by every other coordinate changes with it (Box & Wilson, J. R. Stat. Soc. B
-13 (1951) 1-45, with slopes in place of further runs).
+Along the few least determined directions an interval is wide, and the derivatives at the best point differ from those
+at its ends. The forward model's derivatives one standard deviation to either side along each of these axes give the
+second derivatives along it, pure and mixed with every other coordinate (Box & Wilson, J. R. Stat. Soc. B 13 (1951)
+1-45, with slopes in place of further runs).
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.diagnosis.explanation import Fit
+from palpate.inference.explanation import Fit
 
-AXES = 3  # along which the curves may bend
-REACH = 2.0  # standard deviations, beyond which they go on straight
+AXES = 3  # along which second derivatives are taken
+REACH = 2.0  # standard deviations, beyond which the curves are continued linearly
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +40,10 @@ class Curvature:
 
     @classmethod
     def of(cls, fit: Fit) -> Curvature:
-        """Simulate the slopes around a fit; where one end lies beyond a limit, or fails, the other tells the bend."""
+        """Simulate the slopes around a fit, one-sided where an end lies beyond a limit or the model fails."""
         variances, directions = np.linalg.eigh(fit.posterior)
         axes = (directions * np.sqrt(variances))[:, -AXES:]
-        least, largest = fit.coordinates.walls
+        least, largest = fit.coordinates.limits
         ends = [fit.z + side * step for step in axes.T for side in (1.0, -1.0)]
         within = [bool(np.all((end >= least) & (end <= largest))) for end in ends]
         outcomes = fit.model.tangents([fit.z, *(end for end, inside in zip(ends, within, strict=True) if inside)])
@@ -57,13 +57,20 @@ class Curvature:
             bends.append(np.mean(changes, axis=0) if changes else np.zeros_like(here))
         return cls(fit, here, axes, np.array(bends))
 
-    def curves(self, z: np.ndarray) -> np.ndarray:
-        """Return the curves (p, n_all) at coordinates z (p, k) [nm]."""
+    @property
+    def columns(self) -> np.ndarray:
+        """What the curves are made of (n_all, c), in the proportions of `features` [nm]."""
+        return np.column_stack([self.fit.curve, self.slopes, *self.bends])
+
+    def features(self, z: np.ndarray) -> np.ndarray:
+        """Return the proportions (p, c) of `columns` at coordinates z (p, k)."""
         off = z - self.fit.z
         along = np.linalg.lstsq(self.axes, off.T, rcond=None)[0].T
         within = np.clip(along, -REACH, REACH)
-        curves = self.fit.curve + off @ self.slopes.T
         beside = off - 0.5 * within @ self.axes.T
-        for number, bend in enumerate(self.bends):
-            curves += within[:, number, None] * (beside @ bend.T)
-        return curves
+        bent = [within[:, number, None] * beside for number in range(len(self.bends))]
+        return np.column_stack([np.ones(len(z)), off, *bent])
+
+    def curves(self, z: np.ndarray) -> np.ndarray:
+        """Return the curves (p, n_all) at coordinates z (p, k) [nm]."""
+        return self.features(z) @ self.columns.T

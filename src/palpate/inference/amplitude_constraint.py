@@ -1,13 +1,13 @@
 r"""What an exact law says of one mechanism's amplitude, as a datum beside the curves.
 
-A law measures the amplitude :math:`a` apart from the curves' shape, with a likelihood of its own,
+A law gives the amplitude :math:`a` independently of the curves' shape, with a likelihood of its own,
 
     -2 log p = ((a - estimate) / sigma)^2,
 
 which joins that of the curves in the fit, in the posterior and in the evidence: an explanation without the mechanism
 has a = 0 and pays for it. The interval may be wider on one side than on the other; sigma is that of the side on which a
-lies. A bound speaks of one side only: below it the recordings say nothing, above it the same. A law is silent about an
-explanation in which a mechanism breaks what it assumes: a film makes unloadings look like a frame.
+lies. An upper bound constrains one side only: below it the likelihood is constant. A law does not apply to an
+explanation in which a mechanism breaks its assumptions: a film changes unloadings as a frame does.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ class AmplitudeConstraint:
     key, parameter
         Mechanism and its amplitude.
     estimate, lower, upper
-        In the parameter's unit; 95 % interval. Of a bound, the estimate is the bound and `lower` is minus infinity.
+        In the parameter's unit; 95 % interval. For a bound, the estimate is the bound and `lower` is minus infinity.
     source
-        Where it comes from, in words.
+        How it was obtained, in words.
     void_with
-        Mechanisms that break what it assumes.
+        Mechanisms that break its assumptions.
     """
 
     key: str
@@ -61,7 +61,7 @@ class AmplitudeConstraint:
         return f"{self.key}.{self.parameter}"
 
     def holds_under(self, mechanisms: Iterable[str]) -> bool:
-        """Return whether none of the mechanisms at work breaks what it assumes."""
+        """Return whether none of the mechanisms breaks its assumptions."""
         return not set(self.void_with).intersection(mechanisms)
 
     def weight(self, value: float) -> float:
@@ -70,7 +70,7 @@ class AmplitudeConstraint:
         return NORMAL_95 / max(side, LEAST)
 
     def departure(self, value: float, background: float = 0.0) -> float:
-        """Return (value - estimate) / sigma, where sigma holds what counts as `background`, too; zero below a bound."""
+        """Return (value - estimate) / sigma, with `background` added in quadrature to sigma; zero below a bound."""
         weight = self.weight(value)
         return (value - self.estimate) * weight / float(np.hypot(1.0, background * weight)) if weight else 0.0
 
@@ -85,7 +85,7 @@ class AmplitudeConstraint:
 
 
 def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
-    """Return by how many standard deviations an explanation's amplitudes depart from each law; none where it is silent.
+    """Return the departures [standard deviations] of amplitudes from each law; zero where a law does not apply.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """

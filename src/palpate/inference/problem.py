@@ -1,26 +1,27 @@
-"""What a diagnosis works on: mean curves, and a forward model that any set of mechanisms can join.
+"""The data of a diagnosis: mean curves, and a forward model to which any set of mechanisms can be added.
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
-amplitudes, see `palpate.inference.coordinates`. All curves are in nm: a load that answers to a displacement counts as
-the depth that it amounts to (`palpate.study.quantity`), so that noise, drift and misfit of all conditions are of one
-kind.
+amplitudes, see `palpate.inference.coordinates`. All curves are in nm: where the displacement is prescribed, the load is
+converted to an equivalent depth (`palpate.study.quantity`), so that noise, drift and misfit of all conditions have one
+unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.amplitude import Amplitude
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves, FiniteElements, Forward
 from palpate.inference.observation import Observation
+from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver.variation import added_by_instrument
 from palpate.study.protocol import LOAD
@@ -36,29 +37,34 @@ class Problem:
     ----------
     conditions
         The conditions that take part.
-    observed
-        The recordings of every condition [nm].
+    recorded
+        The recordings of every condition, depths [nm] or loads [mN].
     forward
         The base model under the conditions that take part.
     scale
         Size of the study.
-    nm
-        Where the load answers: so many nm count as one mN.
     """
 
     conditions: tuple[Condition, ...]
-    observed: Mapping[str, Observation]
+    recorded: Mapping[str, Observation]
     forward: Forward
     scale: Scale
-    nm: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, study: Study, observed: Mapping[str, Observation], scale: Scale) -> Problem:
-        """Put a study's calibrate conditions together."""
-        conditions = tuple(condition for condition in study.conditions if condition.role == "calibrate")
-        nm = {name: item.quantity.nm for name, item in observed.items() if item.quantity.unit != "nm"}
-        seen = {name: _as_depth(item) for name, item in observed.items()}
-        return cls(conditions, seen, FiniteElements.of(study, [c.name for c in conditions]), scale, nm)
+    def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
+        """Put those conditions of a study together whose recordings have the role ``calibrate``."""
+        conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
+        return cls(conditions, recorded, FiniteElements.of(study, [c.name for c in conditions]), scale_of(study))
+
+    @cached_property
+    def observed(self) -> dict[str, Observation]:
+        """The recordings of every condition [nm]."""
+        return {name: _as_depth(item) for name, item in self.recorded.items()}
+
+    @cached_property
+    def nm(self) -> dict[str, float]:
+        """Where the load answers: so many nm count as one mN."""
+        return {name: item.quantity.nm for name, item in self.recorded.items() if item.quantity.unit != "nm"}
 
     @property
     def names(self) -> list[str]:
@@ -125,7 +131,19 @@ class Problem:
     def special_case(
         self, explanation: Explanation, z: np.ndarray, key: str, included: str
     ) -> tuple[Explanation, np.ndarray]:
-        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,)."""
+        """Return an explanation with a mechanism that `key` includes in its place, and its coordinates (k,).
+
+        Parameters
+        ----------
+        explanation
+            Keys of its mechanisms.
+        z : ndarray, shape (k,)
+            Coordinates.
+        key
+            Mechanism that is replaced.
+        included
+            Its special case.
+        """
         smaller, rest = self.without(explanation, z, key)
         values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
         return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])
@@ -139,17 +157,17 @@ class Problem:
         return self.coordinates(explanation).names.index(name)
 
     def quantity(self, explanation: Explanation, z: np.ndarray, name: str) -> tuple[float, float]:
-        """Return the value of such a quantity at coordinates z (k,), and its slope by its own."""
+        """Return the value of such a quantity at coordinates z (k,), and its derivative by its coordinate."""
         place = self.place(explanation, name)
         coordinate = self.coordinates(explanation).free[place]
         return float(coordinate.physical(z[place])), coordinate.slope(float(z[place]))
 
-    def felt(self, key: str) -> bool:
-        """Return whether the body feels a mechanism under any of the conditions."""
-        return any(MECHANISMS[key].felt_under(condition.protocol.control) for condition in self.conditions)
+    def is_simulated(self, key: str) -> bool:
+        """Return whether a mechanism's effect must be simulated under any of the conditions."""
+        return any(MECHANISMS[key].is_simulated_under(condition.protocol.control) for condition in self.conditions)
 
     def typical(self, key: str) -> tuple[Amplitude, ...]:
-        """Return the amplitudes of a mechanism that only adds to the depth; what else it has, in the middle of it."""
+        """Return the amplitudes of a mechanism that only adds to the depth, its other parameters mid-range."""
         mechanism = MECHANISMS[key]
         ranges = mechanism.searched(self.scale).items()
         return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
@@ -157,8 +175,8 @@ class Problem:
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
         """Return what one unit of an amplitude adds (n_points,) [nm].
 
-        Where a displacement is prescribed it is the slope at the middle material; of a condition that takes no part,
-        what the same depth amounts to at the largest load.
+        Where a displacement is prescribed it is the derivative at the mid-range material; for a condition that takes no
+        part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
         if protocol.control == LOAD:
@@ -184,7 +202,7 @@ class Problem:
 
 @lru_cache(maxsize=64)
 def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]:
-    """Return slopes by an amplitude, where its mechanism does nothing, under a prescribed displacement [nm]."""
+    """Return derivatives by an amplitude, at zero, under a prescribed displacement [nm]."""
     explanation, none = (amplitude.key,), amplitude.parameters(0.0)
     coordinates = problem.coordinates(explanation).free[problem.material :]
     beside = [float(coordinate.scaled(none[coordinate.name.split(".")[1]])) for coordinate in coordinates]

@@ -1,0 +1,36 @@
+"""The settings of a fit on the finite elements, each with its origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class FitPolicy:
+    """How far a fit goes; chosen for its time, not by the cases that are reported, where nothing else is said.
+
+    Parameters
+    ----------
+    scattered
+        Places of the ranges that are tried beside the optima of the genetic search.
+    searches
+        That go on, from the best of all places.
+    iterations
+        Largest number of iterations of a search; those that converge take 4 to 8, and 1 to 3 where one ended before.
+    iterations_from_afar
+        The same of one that begins at scattered places.
+    first_tolerance, tolerance
+        Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
+        estimate.
+    poor_fit
+        Chi-square per sample above which an explanation leaves far more than noise, whatever the error of the mesh: it
+        is not refined.
+    """
+
+    scattered: int = 16
+    searches: int = 2
+    iterations: int = 12
+    iterations_from_afar: int = 30
+    first_tolerance: float = 0.5
+    tolerance: float = 0.02
+    poor_fit: float = 50.0

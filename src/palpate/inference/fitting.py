@@ -1,0 +1,232 @@
+"""Fits of an explanation, material and mechanisms together, to the recordings on a forward model.
+
+A fit is weighed by the errors that are known: noise of the recordings, told by replicates, and error of the solver.
+What the model lacks beside them counts as a discrepancy, see `palpate.inference.least_squares`. Where a fit comes near
+to what noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone. The
+explanation without a mechanism is the base model: a calibration fits it, and a diagnosis begins with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.stats import qmc
+
+from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude, own_amplitudes
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
+from palpate.inference.covariance import Errors, errors, noise_of
+from palpate.inference.explanation import Fit
+from palpate.inference.fit_policy import FitPolicy
+from palpate.inference.forward import Forward
+from palpate.inference.least_squares import Misfit
+from palpate.inference.noise import NoiseModel
+from palpate.inference.problem import Explanation, Problem
+from palpate.inference.trust_region import Descent, descend, resumed
+from palpate.mechanisms import MECHANISMS
+
+OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
+LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
+
+
+@dataclass(eq=False)
+class Fitter:
+    """Fits explanations of one set of recordings.
+
+    Parameters
+    ----------
+    problem
+        The recordings, and a forward model: that of record from the first fit of the base model on.
+    site_scatter
+        Assumed standard deviation of the depth factor between sites, where replicates do not tell it [-].
+    solver_error
+        Relative error of grid convergence of the forward model, standard deviation [-].
+    policy
+        How far a fit goes.
+    laws
+        What exact laws say about amplitudes: data, too.
+    """
+
+    problem: Problem
+    site_scatter: float
+    solver_error: float
+    policy: FitPolicy = field(default_factory=FitPolicy)
+    laws: tuple[AmplitudeConstraint, ...] = ()
+    _residual_as_noise: np.ndarray = field(init=False, repr=False)
+    _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self.use_residual_as_noise(np.zeros(len(self.problem.mean)))
+
+    def base(self, starts: Sequence[np.ndarray]) -> Fit:
+        """Fit the base model from coordinates (k,); of several the best are followed with few samples first.
+
+        Where the model of record fails at the end of that, the fit begins where the search last was without.
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails at all starts.
+        """
+        problem, failed = self.problem, ""
+        for place in self._places(starts):
+            self.problem = replace(problem, forward=problem.forward.of_record(place))
+            try:
+                return self.fitted((), [place], problem.mean)
+            except PalpateError as error:
+                self.problem, failed = problem, str(error)
+        raise PalpateError(failed)
+
+    def scattered(self, rng: np.random.Generator) -> list[np.ndarray]:
+        """Return places (k,) of the ranges of the base model at which a search may begin."""
+        return list(qmc.Sobol(self.problem.material, seed=rng).random(self.policy.scattered))
+
+    def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
+        """Fit an explanation.
+
+        Parameters
+        ----------
+        starts
+            Coordinates (k,) from which searches begin.
+        depth : ndarray, shape (n_all,)
+            Curves that lie near [nm].
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails at all starts.
+        """
+        problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
+        misfit, limit = self._misfit(explanation, self.errors(explanation, starts[0], depth)), policy.iterations
+        end = None if explanation else self._near_start(model, starts)
+        if end is None:
+            end = descend(misfit, model, starts, limit, tolerance=policy.first_tolerance)
+        weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
+        fit = self._with_own_values(self._fit(explanation, model, end, weighed))
+        if any(fit.errors.between.values()):
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=policy.tolerance, exact=False)
+            fit = self._fit(explanation, model, end, fit.errors)
+        near = self.near(fit)
+        if explanation and not near:
+            return fit
+        record = model.of_record(end.u)
+        goal = self._without_discrepancy(fit) if near else misfit
+        if record is model:
+            end = descend(goal, model, [end], limit, tolerance=policy.tolerance, exact=False)
+        else:
+            end = resumed(goal, record, end, limit, tolerance=policy.tolerance, exact=False)
+        return self._fit(explanation, record, end, fit.errors)
+
+    def _near_start(self, model: Forward, starts: Sequence[np.ndarray]) -> Descent | None:
+        """Return the only start of the base model, where that is near to what noise leaves already."""
+        found = model.tangents(starts)[0] if len(starts) == 1 else ""
+        if isinstance(found, str):
+            return None
+        end = Descent(starts[0], *found)
+        fit = self._fit((), model, end, self.errors((), end.u, self.problem.stacked(end.curves)))
+        return end if self.near(fit) else None
+
+    def near(self, fit: Fit) -> bool:
+        """Return whether a fit is near to what noise leaves."""
+        return float(fit.white @ fit.white) < self.policy.poor_fit * len(fit.white)
+
+    def errors(
+        self,
+        explanation: Explanation,
+        z: np.ndarray,
+        depth: np.ndarray,
+        effects: Mapping[str, np.ndarray] | None = None,
+    ) -> Errors:
+        """Return the errors of the mean curves about `depth` (n_all,) [nm], with the amplitudes at coordinates z."""
+        own = own_amplitudes(self.problem.amplitudes(explanation, z)) if explanation else ()
+        if own not in self._noise:
+            self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)
+        return errors(self.problem, own, depth, self._noise[own], self.solver_error, effects)
+
+    def use_residual_as_noise(self, residual: np.ndarray) -> None:
+        """Take a residual (n_all,) [nm] for noise where most conditions are not repeated."""
+        self._residual_as_noise, self._noise = residual, {}
+
+    def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+        """Yield the coordinates (k,) at which the model of record may be known, the most promising first."""
+        if len(starts) == 1:
+            yield starts[0]
+        way = self._followed(starts)
+        yield from (way.u, *reversed(way.path), *starts)
+
+    def _followed(self, starts: Sequence[np.ndarray]) -> Descent:
+        """Return where searches with few samples lead from the best of some coordinates (k,)."""
+        problem, policy = self.problem, self.policy
+        cheaper, keep = problem.forward.thinned()
+        misfit = self._misfit((), self.errors((), starts[0], problem.mean), keep)
+        outcomes = cheaper.curves(starts)
+        left = [np.inf if isinstance(found, str) else float(np.sum(misfit.residual(found) ** 2)) for found in outcomes]
+        best = [starts[k] for k in np.argsort(left, kind="stable")[: policy.searches] if np.isfinite(left[k])]
+        if not best:
+            raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
+        return descend(
+            misfit, cheaper, best, policy.iterations_from_afar, tolerance=policy.first_tolerance, exact=False
+        )
+
+    def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
+        """Return the fit at which a search ended."""
+        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
+        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
+
+    def _without_discrepancy(self, fit: Fit) -> Misfit:
+        """Return the misfit of a model that lacks nothing, by the errors of a fit."""
+        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
+
+    def _misfit(
+        self, explanation: Explanation, weighed: Errors, keep: Mapping[str, np.ndarray] | None = None
+    ) -> Misfit:
+        """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
+        problem = self.problem
+        nm = {name: problem.nm.get(name, 1.0) for name in problem.names}
+        keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
+        measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
+        kept = np.concatenate([keep[name] for name in problem.names])
+        scale = np.concatenate([np.full(len(curve), nm[name]) for name, curve in measured.items()])
+        covariance = weighed.covariance[np.ix_(kept, kept)] / np.outer(scale, scale)
+
+        def from_laws(z: np.ndarray) -> np.ndarray:
+            return departures(self.laws, problem.amplitudes(explanation, z))
+
+        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
+
+    def _effects(self, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
+        """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
+
+        The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once
+        the surface sticks, that is another curve than the effect itself.
+        """
+        problem, found = self.problem, {}
+        for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
+            places = problem.places(explanation)[key]
+            if len(places) == 1:
+                ((name, neutral),) = MECHANISMS[key].neutral.items()
+                value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
+                found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - neutral) / slope
+                continue
+            smaller, rest = problem.without(explanation, end.u, key)
+            (without,) = problem.model(smaller).curves([rest])
+            if not isinstance(without, str):
+                found[key] = problem.stacked(end.curves) - problem.stacked(without)
+        return found
+
+    def _with_own_values(self, fit: Fit) -> Fit:
+        """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
+        for amplitude in fit.own:
+            best, chosen = -np.inf, fit
+            for share in OWN_VALUES:
+                between = {**fit.errors.between, str(amplitude): (share * fit.problem.largest(amplitude)) ** 2}
+                trial = replace(fit, errors=replace(fit.errors, between=between))
+                tangent = trial.whiten(fit.tangent)
+                left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
+                likelihood = -0.5 * float(left @ left) - trial.log_volume
+                if likelihood > best + LEAST_GAIN * (share > 0 and best > -np.inf):
+                    best, chosen = likelihood, trial
+            fit = chosen
+        return fit
