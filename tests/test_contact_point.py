@@ -178,6 +178,6 @@ def test_contact_chosen():
     assert auto.time[0] == auto.depth[0] == auto.load[0] == 0
     assert file.depth.max() - auto.depth.max() == pytest.approx(87, abs=3)
     assert file.depth.max() - own.depth.max() == 80
-    assert any("contact at" in note for note in auto.notes)
+    assert any("contact found by palpate: at" in note for note in auto.notes)
     with pytest.raises(InputError, match="file, auto, none"):
         zeroed(read_vendor_file(KLA)[0], "automatic")

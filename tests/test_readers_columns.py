@@ -329,7 +329,6 @@ def test_unmarked_utf16_and_what_pads_the_end_are_read(tmp_path, encoding, end):
 @pytest.mark.parametrize(
     ("depth", "load", "told"),
     [
-        (-100 + 7 * TIME, np.clip(TIME - 15, 0, None), "begins at a depth of -100 nm, not at contact"),
         (500 + 7 * TIME, TIME, "begins at a depth of 500 nm, not at contact"),
         (30 + 7 * TIME, 0.2 + TIME, None),  # sampled from a small load on
         (7 * TIME, TIME, None),
@@ -342,6 +341,15 @@ def test_a_test_that_does_not_begin_at_zero_depth_is_told(tmp_path, depth, load,
     assert [warning.split(" (")[0] for warning in test.warnings] == ([told] if told else [])
     (whole,) = read_vendor_file(file, contact="none", columns=NUMBERED)
     assert whole.warnings == ()
+
+
+def test_air_before_contact_is_left_out_where_no_contact_is_marked(tmp_path):
+    file = tmp_path / "x.csv"
+    table = np.column_stack([TIME, np.clip(TIME - 15, 0, None), 7 * TIME - 100])
+    np.savetxt(file, table, header="time_s;load_mN;depth_nm", comments="", delimiter=";")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.warnings[0].startswith("the file marks no contact, the load does not rise over the first 25 %")
+    assert test.recording.depth.max() == pytest.approx(7 * (TIME[-1] - 15), abs=1.0)
 
 
 @pytest.mark.parametrize(

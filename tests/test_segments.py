@@ -148,7 +148,7 @@ def test_plain_tests_have_plain_segments():
     assert kinds(found.parts) == ["approach", "loading", "unloading"]
     assert found.parts[-1].duration == pytest.approx(1.0, abs=0.02), "segment 3 of the file's header"
     assert measured_in(test.recording.time, test.recording.depth, found.parts) is None
-    rows = table([found])
+    rows = table([found], [("the file's own", 0.0)])
     assert rows["contact_nm"][0] == pytest.approx(found.contact.depth)
     assert np.isnan(rows["drift_nm_per_s"][0])
 
@@ -159,7 +159,9 @@ def test_the_figure_of_a_recording_keeps_its_title_clear_of_its_legend(monkeypat
     depth = 500.0 * np.sqrt(load) + 2.0 * time
     drawn = []
     monkeypatch.setattr(figure_of_a_recording, "save", lambda figure, path: drawn.append(figure))
-    figure_of_a_recording.draw(survey(Recording(time, load, depth, "PMMA white, 2 mN in 20 s, site 1")), "", chosen=0.0)
+    figure_of_a_recording.draw(
+        survey(Recording(time, load, depth, "PMMA white, 2 mN in 20 s, site 1")), "", ("the file's own", 0.0)
+    )
     (figure,) = drawn
     figure.canvas.draw()
     (legend,) = figure.legends

@@ -9,8 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -112,6 +110,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.errors import InputError
     from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.vendor import in_words
+    from palpate.recordings.readers.zero import decision
 
     try:
         columns = column_map(arguments)
@@ -123,6 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
             (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
         ]
         surveys = [_survey(whole) for whole, _ in readable] if arguments.survey else []
+        taken = [decision(whole.recording, test.recording) for whole, test in readable]
     except InputError as error:
         raise error.located(file=arguments.file) from None
     paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
@@ -140,13 +140,13 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"palpate: {path}: stands there with another content; written to {place}", file=sys.stderr)
         print(place)
         if surveys:
-            _draw(surveys[number], place.with_suffix(".png"))
+            _draw(surveys[number], place.with_suffix(".png"), taken[number])
             print(place.with_suffix(".png"))
     if surveys:
         from palpate.recordings.survey import table
 
-        text = table(surveys).to_csv(index=False, sep="\t", float_format="%.5g")
         path = arguments.output / f"{arguments.file.stem}_survey.txt"
+        text = table(surveys, taken).to_csv(index=False, sep="\t", float_format="%.5g")
         print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
     return 0
 
@@ -207,9 +207,8 @@ def _survey(test: VendorTest) -> Survey:
         raise error.located(place=test.name) from None
 
 
-def _draw(found: Survey, path: Path) -> None:
-    """Draw it, with the contact of the file."""
+def _draw(found: Survey, path: Path, taken: tuple[str, float]) -> None:
+    """Draw it, with the contact that was taken."""
     from palpate.output.figures.recorded_test import draw
 
-    recording = found.recording
-    draw(found, path, chosen=float(np.interp(0.0, recording.time, recording.depth)))
+    draw(found, path, taken)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
-from palpate.inference.study_scale import middle
+from palpate.inference.study_scale import middle, with_contact_sought
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 
@@ -69,6 +70,8 @@ def diagnosed(
     """
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded)).at_one_load(calibrated or middle(study), report)
+    tests = [test for c in study.conditions if c.role == "calibrate" for test in recorded[c.name]]
+    problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)

@@ -155,6 +155,8 @@ def base_fit(
         Parameters by name.
     rng
         Source of the scattered points.
+    report
+        Called with one line on the progress.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
     fitter = Fitter(brought, settings.site_scatter, settings.solver_error)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import Scale
+from palpate.recordings.contact_interval import joint_interval
+from palpate.recordings.recording import Recording
 from palpate.solver.axisymmetric.contact_size import contact_range, expected_load, mean_pressure
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.protocol import Protocol
 from palpate.study.specification import of_equivalent_cone
 
+OFFSET = "zero_offset"
 SLOPE = 0.36  # of a Berkovich pyramid's equivalent cone, at which materials are compared
 
 
@@ -39,6 +45,17 @@ def scale_of(study: Study) -> Scale:
         pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
         stated=study.diagnosis["ranges"],
     )
+
+
+def with_contact_sought(scale: Scale, recordings: Iterable[Recording]) -> Scale:
+    """Return the scale with the recordings' own intervals of contact as the range of their zero offsets.
+
+    A range that the study states stays; nothing changes where a recording's contact was not sought.
+    """
+    interval = joint_interval(recordings)
+    if interval is None or interval[0] == interval[1] or OFFSET in scale.stated:
+        return scale
+    return replace(scale, stated={**scale.stated, OFFSET: {"offset": interval}})
 
 
 def longest_rise(protocol: Protocol) -> float:

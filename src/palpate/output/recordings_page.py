@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import html
+from collections import Counter
 from pathlib import Path
-
-import numpy as np
 
 from palpate.classical.frame import frame_of
 from palpate.configuration.study_file import Study
@@ -14,6 +13,7 @@ from palpate.output import html_report
 from palpate.output.figures.recorded_test import draw
 from palpate.recordings.readers import read_source
 from palpate.recordings.readers.vendor import in_words
+from palpate.recordings.readers.zero import decision
 from palpate.recordings.survey import Survey, survey, table
 
 
@@ -32,23 +32,27 @@ def write_reading(study: Study, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     found: list[Survey] = []
     pieces = []
+    taken: list[tuple[str, float]] = []
+    begun = read_source(study.source)
     for condition, tests in read_source({**study.source, "contact": "none"}).items():
-        for test in tests:
+        for test, used in zip(tests, begun[condition], strict=True):
             try:
                 found.append(survey(test.recording))
             except InputError as error:
                 raise error.located(file=study.source["file"], place=test.name) from None
+            taken.append(decision(test.recording, used.recording))
             picture = folder / f"{condition}_{len(found)}.png"
-            draw(found[-1], picture, chosen=_chosen(study, found[-1]))
+            draw(found[-1], picture, taken[-1])
             pieces += [
                 f"<h3>{html.escape(condition)}: {html.escape(test.name)}</h3>",
                 html_report.image(picture, test.name),
+                f"<p>Contact taken: {taken[-1][0]}, {taken[-1][1]:.4g} nm.</p>",
             ]
-            pieces += [f"<p>{html.escape(warning)}</p>" for warning in test.warnings]
-    rows = table(found)
+            pieces += [f"<p>{html.escape(warning)}</p>" for warning in used.warnings]
+    rows = table(found, taken)
     rows.to_csv(folder / "survey.csv", index=False)
-    applied, contact = in_words(study.source.get("corrections")), study.source.get("contact", "file")
-    facts = f"<p>Corrections in the depth: {applied}. Contact that the study uses: {contact}."
+    deciders = ", ".join(f"{count} {decider}" for decider, count in Counter(decider for decider, _ in taken).items())
+    facts = f"<p>Corrections in the depth: {in_words(study.source.get('corrections'))}. Contacts taken: {deciders}."
     frame = frame_of([(s.recording.load - s.contact.load, s.recording.depth, s.parts) for s in found])
     if frame is not None:
         facts += (
@@ -57,11 +61,3 @@ def write_reading(study: Study, folder: Path) -> None:
         )
     sections = [("What was found", [f"{facts}</p>", html_report.table(rows)]), ("The tests", pieces)]
     html_report.build(f"{study.title}: the recordings as read", sections, [], folder / "reading.html")
-
-
-def _chosen(study: Study, found: Survey) -> float | None:
-    """Return the depth of the contact that the study uses [nm], or None where that is the one found."""
-    contact = study.source.get("contact", "file")
-    if contact == "file":
-        return float(np.interp(0.0, found.recording.time, found.recording.depth))
-    return None if contact == "auto" else float(contact)

@@ -29,7 +29,7 @@ class Survey:
     origin
         Depth where a sharp tip's law begins, with its interval [nm].
     parts
-        Segments in the order of time.
+        Segments in the order of time; the approach is what surely lies before contact.
     drift
         None without a drift hold.
     """
@@ -57,14 +57,21 @@ def survey(recording: Recording) -> Survey:
     contact = first_touch(time, load, depth)
     beyond = slice(contact.index, None)
     origin = sharp_origin(load[beyond] - contact.load, depth[beyond])
-    parts = segments(time, load - contact.load, contact.index)
+    surely = np.flatnonzero(depth[: contact.index + 1] <= contact.lower)
+    parts = segments(time, load - contact.load, int(surely[-1]) if len(surely) else 0)
     return Survey(recording, contact, origin, parts, measured_in(time, depth, parts))
 
 
-def table(surveys: Iterable[Survey]) -> pd.DataFrame:
-    """Return one row a recording: contact, origin and drift with intervals, and the segments' durations."""
+def table(surveys: Iterable[Survey], taken: Iterable[tuple[str, float]]) -> pd.DataFrame:
+    """Return one row a recording: contact, origin and drift with intervals, and the segments' durations.
+
+    Parameters
+    ----------
+    taken
+        For each recording whose decision its contact is, and its depth [nm].
+    """
     rows = []
-    for item in surveys:
+    for item, (decider, depth) in zip(surveys, taken, strict=True):
         row = {
             "test": item.recording.name,
             "points": len(item.recording),
@@ -74,6 +81,7 @@ def table(surveys: Iterable[Survey]) -> pd.DataFrame:
             "contact_lower_nm": item.contact.lower,
             "contact_upper_nm": item.contact.upper,
         }
+        row |= {"contact_taken_nm": depth, "contact_taken_by": decider}
         row |= dict(zip(("origin_nm", "origin_lower_nm", "origin_upper_nm"), item.origin, strict=True))
         drift = (item.drift.rate, item.drift.lower, item.drift.upper) if item.drift else (np.nan,) * 3
         row |= dict(zip(("drift_nm_per_s", "drift_lower_nm_per_s", "drift_upper_nm_per_s"), drift, strict=True))

@@ -170,6 +170,17 @@ def computed(
     They are solved `AT_ONCE` at a time under each condition, and written as soon as they are. A cell that lacks one of
     its conditions is solved under all of them, because of those that differ in size alone the first is simulated: what
     was interrupted goes on to the last bit as if it had not been.
+
+    Parameters
+    ----------
+    snapshots
+        What is needed.
+    store
+        Folder of the curves.
+    report
+        Called with one line on the progress.
+    solve
+        Simulates specifications.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
     lacking = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}

@@ -9,6 +9,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.recordings.pop_in import pop_ins
+from palpate.recordings.readers.in_air import air_at_start
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import recording_files
@@ -22,10 +23,13 @@ LONGER = 1.05  # ratio of durations beyond which the end of a test is reported a
 def doubts(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator[str]:
     """Say what is odd about the tests of a condition.
 
-    Those much deeper or shallower than the others, that begin elsewhere than at contact, or last longer than the load
-    that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or oscillate.
+    Those much deeper or shallower than the others, that begin elsewhere than at contact, or in air, or last longer than
+    the load that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or
+    oscillate.
     """
     yield from _apart(tests)
+    for test in tests:
+        yield from (f"{test.name}.csv: {said}" for said in air_at_start(test))
     for test in filter(begins_off_contact, tests):
         yield (
             f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "

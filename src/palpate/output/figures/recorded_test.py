@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
+from palpate.recordings.readers.zero import FOUND
 from palpate.recordings.survey import Survey
 
 COLOURS = {
@@ -21,13 +22,13 @@ NEAR = 0.03
 
 
 @styled
-def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
+def draw(found: Survey, path: str | Path, taken: tuple[str, float]) -> None:
     """Draw four panels: load and depth against time, load against depth, and the surroundings of contact.
 
     Parameters
     ----------
-    chosen
-        Depth [nm] of the contact that the recording was given, where it is not the one found.
+    taken
+        Whose decision the contact is that the recording was given, and its depth [nm].
     """
     r, contact = found.recording, found.contact
     figure, axes = subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.6))
@@ -40,20 +41,28 @@ def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
         curve.plot(r.depth[inside], r.load[inside], **style)
         near.plot(r.depth[inside], r.load[inside], ".", ms=2.5, **style)
     _around_contact(near, found)
+    if len(contact.baseline_time):
+        style = {"color": "0.15", "linewidth": "0.8", "linestyle": "--", "label": "baseline"}
+        in_load.plot(contact.baseline_time, contact.baseline_load, **style)
+        for axis in (curve, near):
+            axis.plot(np.interp(contact.baseline_time, r.time, r.depth), contact.baseline_load, **style)
     for axis in (curve, near):
         axis.axvspan(contact.lower, contact.upper, color="0.85", lw=0)
         axis.axvline(contact.depth, color="0.15", lw=0.8, label="contact found, 95 %")
-        if chosen is not None:
-            axis.axvline(chosen, color="0.15", lw=0.8, ls=":", label="contact of the file")
+        if taken[0] != FOUND:
+            axis.axvline(taken[1], color="0.15", lw=0.8, ls=":", label=f"contact taken: {taken[0]}")
         axis.set_xlabel("depth [nm]")
         axis.set_ylabel("load [mN]")
     for axis, name in ((in_load, "load [mN]"), (in_depth, "depth [nm]")):
         axis.set_xlabel("time [s]")
         axis.set_ylabel(name)
+    hold = next((part for part in found.parts if part.kind == "drift_hold"), None)
+    if hold:
+        in_depth.axvspan(hold.start, hold.end, color="#3f8f4f", alpha=0.15, lw=0)
     if found.drift:
         drift = found.drift
         in_depth.set_title(f"drift hold: {drift.rate:.4f} nm/s ({drift.lower:.4f} to {drift.upper:.4f})")
-    near.set_title(f"contact at {contact.depth:.1f} nm ({contact.lower:.1f} to {contact.upper:.1f})")
+    near.set_title(f"contact at {contact.depth:.5g} nm ({contact.lower:.5g} to {contact.upper:.5g})")
     labelled = {
         label: handle
         for axis in (in_load, near)
@@ -65,11 +74,13 @@ def draw(found: Survey, path: str | Path, chosen: float | None = None) -> None:
 
 
 def _around_contact(axis, found: Survey) -> None:
-    """Limit a panel to the loads up to 3 % of the largest, on the way in."""
+    """Limit a panel to the loads up to 3 % of the largest, on the way in; where contact is vague, wider."""
     r, contact = found.recording, found.contact
     span = NEAR * (r.load.max() - contact.load)
     beyond = np.flatnonzero(r.load[contact.index :] > contact.load + span)
     end = contact.index + (int(beyond[0]) if len(beyond) else len(r) - contact.index - 1)
     reach = max(r.depth[end] - contact.depth, contact.upper - contact.lower)
     axis.set_xlim(contact.depth - reach, contact.depth + 1.1 * reach)
-    axis.set_ylim(contact.load - 0.3 * span, contact.load + 1.1 * span)
+    along = np.interp(contact.baseline_time, r.time, r.depth)
+    seen = contact.baseline_load[np.abs(along - contact.depth) <= reach]
+    axis.set_ylim(seen.min(initial=contact.load) - 0.3 * span, contact.load + 1.1 * span)

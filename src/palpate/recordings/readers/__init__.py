@@ -31,7 +31,7 @@ from palpate.recordings.readers.vendor import (
     sound,
     unless_all_fail,
 )
-from palpate.recordings.readers.zero import zeroed_each
+from palpate.recordings.readers.zero import Contact, zeroed_each
 
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
@@ -57,7 +57,7 @@ def read_vendor_file(
     path: str | Path,
     sha256: str | None = None,
     corrections: Corrections = None,
-    contact: str | float = "file",
+    contact: Contact = "file",
     columns: ColumnMap | None = None,
 ) -> list[VendorTest]:
     """Read all tests of a vendor's file.
@@ -71,7 +71,7 @@ def read_vendor_file(
     corrections
         Those to be in the depth: None for the vendor's own, otherwise a set of ``drift`` and ``frame``.
     contact
-        Where the tests begin: see `palpate.recordings.readers.zero.zeroed`.
+        Where the tests begin: see `palpate.recordings.readers.zero.zeroed` and `zeroed_each`.
     columns
         Where a table of no known format holds time, load and depth; the file is then read by it alone.
 
@@ -88,7 +88,7 @@ def read_each(
     path: str | Path,
     sha256: str | None = None,
     corrections: Corrections = None,
-    contact: str | float = "file",
+    contact: Contact = "file",
     columns: ColumnMap | None = None,
 ) -> list[VendorTest | Unreadable]:
     """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.

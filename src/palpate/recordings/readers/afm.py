@@ -111,7 +111,7 @@ def _test(source: Source, number: int, curve: Any) -> VendorTest:
     notes = (f"from {source.path.name}",)
     recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts, (*warnings, *told))
+    return VendorTest(str(number), recording, facts, (*warnings, *told), marked=False)
 
 
 def _time(source: Source, count: int) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -93,7 +93,7 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
-    return VendorTest(name, recording, facts, told)
+    return VendorTest(name, recording, facts, told, marked=False)
 
 
 def _units(

@@ -19,7 +19,6 @@ from palpate.recordings.readers.vendor import (
     Corrections,
     Reader,
     VendorTest,
-    contact,
     refuse_corrections,
     unfinished,
     usable,
@@ -30,7 +29,6 @@ COLUMNS = {"Time": "time", "Load": "load", "Indentation": "depth", "Cantilever":
 HEADING = re.compile(r"\s*(\w+)\s*\((.+)\)\s*")
 DEEP = 0.1  # of the largest indentation: only what leads there is the contact
 LEVEL = 10  # points that give the load without contact
-UNMARKED = "the instrument found no contact; the test begins where the load does (--contact auto finds the touch)"
 
 
 def matches(source: Source) -> bool:
@@ -55,17 +53,19 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     kept, warnings = usable(source, "measured values", *channels)
     time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)
     depth = piezo - cantilever
-    pressed = indentation > 0
-    if pressed.any():
-        deep = int(np.argmax(indentation > DEEP * indentation.max()))
-        begin = max([0, *np.flatnonzero(~pressed[:deep])])
-        zero = float(np.median((depth - indentation)[pressed]))
-    else:
-        begin, warnings = contact(load - float(np.median(load[:LEVEL])), depth), (*warnings, UNMARKED)
-        zero = float(depth[begin])
+    marked = bool(np.any(indentation > 0)) and bool(np.any(indentation <= 0))
+    begin, zero = _contact(indentation, depth) if marked else (0, 0.0)
     free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
     recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))
-    return [VendorTest(path.stem, recording, metadata(lines[:start]), (*warnings, *unfinished(recording.load)))]
+    warnings = (*warnings, *unfinished(recording.load))
+    return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings, marked)]
+
+
+def _contact(indentation: np.ndarray, depth: np.ndarray) -> tuple[int, float]:
+    """Return the last point before the instrument's contact, and the depth there [nm]."""
+    pressed = indentation > 0
+    deep = int(np.argmax(indentation > DEEP * indentation.max()))
+    return max([0, *np.flatnonzero(~pressed[:deep])]), float(np.median((depth - indentation)[pressed]))
 
 
 def metadata(lines: list[str]) -> dict[str, str]:

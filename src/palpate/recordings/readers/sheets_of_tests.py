@@ -44,6 +44,8 @@ def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
 
     Parameters
     ----------
+    source, sheet
+        The workbook, and the name of the sheet.
     name
         As `headings_of` gives it.
     quantity

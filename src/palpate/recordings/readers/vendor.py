@@ -37,12 +37,15 @@ class VendorTest:
         Whatever the file says of instrument, tip, method and results, by the vendor's names.
     warnings
         What the user should know of the reading, such as rows that were left out.
+    marked
+        Whether the file says where contact is; time is zero at its first point else.
     """
 
     name: str
     recording: Recording
     metadata: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    marked: bool = True
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.recordings.contact_point import ContactPoint, first_touch, noise_of, touch_at
+from palpate.recordings.contact_interval import interval_note
+from palpate.recordings.contact_point import ContactPoint, first_touch, touch_at
+from palpate.recordings.readers.in_air import (
+    SHARE,
+    VAGUE,
+    air_at_start,
+    air_before,
+    retreat_before,
+    share_in_air,
+    until_retreat,
+)
+from palpate.recordings.readers.source import number_of
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
+Contact = str | float | Mapping[str, float]
 CONTACTS = ("file", "auto", "none")
+FOUND, GIVEN = "found by palpate", "given by the user"
+DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
+WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
 LEAST_RISE = 0.05
 OFF_ZERO = 0.05  # of the way to the largest load
 LAST_FREE = 10  # points of an approach that tell what the load reads without contact
@@ -28,10 +44,12 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     test
         With its approach; time is zero at the file's contact.
     contact
-        ``file``: the approach is cut off, nothing else is touched. ``auto``: contact is found (`first_touch`).
-        ``none``: the test stays whole. A number: contact is where the tip first comes to this depth [nm].
+        ``file``: the approach is cut off, nothing else is touched; where the file marks no contact and the test begins
+        in air, contact is found. ``auto``: contact is found (`first_touch`). ``none``: the test stays whole. A number:
+        contact is where the tip first comes to this depth [nm].
 
-    A test that begins at the file's contact but not at zero depth, or whose load is not zero before, gets a warning.
+    Whatever is odd about a contact gets a warning: air after the file's, a load that is not zero before it, a wide
+    interval, or one far from the file's own.
 
     Raises
     ------
@@ -43,30 +61,108 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     _check_signs(test.name, r)
-    if contact == "file":
-        begin = int(np.argmax(r.time >= 0))
-        begun_by_file = until_retreat(r.at(slice(begin, None)))
-        told = (*_off_zero(begun_by_file), *_loaded_before(r.load, begin))
-        return replace(test, recording=begun_by_file, warnings=(*test.warnings, *told))
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
+    if contact == "file":
+        return _from_the_file_s(test)
     try:
-        if contact == "auto":
-            point = first_touch(r.time, r.load, r.depth)
-        else:
-            point = touch_at(float(contact), r.time, r.load, r.depth)
+        found = first_touch(r.time, r.load, r.depth) if contact == "auto" else None
+        point = found or touch_at(float(contact), r.time, r.load, r.depth)
     except InputError as error:
         raise error.located(place=test.name) from None
-    return replace(test, recording=until_retreat(begun(r, point)))
+    told = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
+    return _ended(test, begun(r, point, FOUND if found else GIVEN), told)
+
+
+def _from_the_file_s(test: VendorTest) -> VendorTest:
+    """Return a test that begins at the file's contact; where it marks none and begins in air, at the one found."""
+    r = test.recording
+    begin = int(np.argmax(r.time >= 0))
+    marked = r.at(slice(begin, None))
+    air = None if test.marked else air_before(r)
+    if air is None:
+        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *(air_at_start(marked) if test.marked else ()))
+        return _ended(test, marked, told)
+    share = 100 * share_in_air(r, air)
+    said = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
+    retreat = retreat_before(r, air)
+    if retreat > SHARE * (float(r.depth.max()) - air.depth):
+        said += f", and the tip retreats by {retreat:.3g} nm before it touches"
+    said += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
+    return _ended(test, begun(r, air, FOUND), (said, *_vague(r, air)))
+
+
+def _ended(test: VendorTest, recording: Recording, told: tuple[str, ...]) -> VendorTest:
+    """Return the test with a recording from contact on, up to the tip's retreat, and what is said of it."""
+    ended, of_end = until_retreat(recording)
+    return replace(test, recording=ended, warnings=(*test.warnings, *told, *of_end))
+
+
+def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
+    """Return a warning where the interval of a contact that was found is wide, or its baseline not level."""
+    depth = float(recording.depth.max()) - point.depth
+    wide = point.upper - point.lower
+    if wide <= VAGUE * depth:
+        return ()
+    bent = [WORDS[term] for term in WORDS if term in point.baseline_terms]
+    because = f" (the load in air shows {', '.join(bent)})" if bent else ""
+    return (
+        f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / depth:.0%} of the test's depth"
+        f"{because}: the interval goes along as the range of a zero offset",
+    )
+
+
+def _far_from_the_file_s(test: VendorTest, point: ContactPoint) -> tuple[str, ...]:
+    """Return a warning where a contact that was found lies further from the file's mark than the test is deep."""
+    r = test.recording
+    if not test.marked:
+        return ()
+    own = float(np.interp(0.0, r.time, r.depth))
+    if abs(point.depth - own) <= float(r.depth.max()) - max(own, point.depth):
+        return ()
+    return (
+        f"the contact found, {point.depth:.4g} nm, lies {abs(point.depth - own):.4g} nm from the file's own, more than "
+        "the test is deep: look at both (--survey)",
+    )
 
 
 def zeroed_each(
-    path: Path, tests: Sequence[VendorTest | Unreadable], contact: str | float
+    path: Path, tests: Sequence[VendorTest | Unreadable], contact: Contact
 ) -> list[VendorTest | Unreadable]:
-    """Return the tests of a file as `zeroed` makes them; raises the first one's `InputError` when none can begin."""
+    """Return the tests of a file as `zeroed` makes them; raises the first one's `InputError` when none can begin.
+
+    Depths for single tests are given by the tests' names or numbers; the others begin at the file's contact. Raises
+    `InputError` when a test is named that the file does not hold.
+    """
+    chosen = chosen_contacts([test.name for test in tests], contact)
     return unless_all_fail(
-        [attempt(path, test.name, zeroed, test, contact) if isinstance(test, VendorTest) else test for test in tests]
+        [
+            attempt(path, test.name, zeroed, test, where) if isinstance(test, VendorTest) else test
+            for test, where in zip(tests, chosen, strict=True)
+        ]
     )
+
+
+def chosen_contacts(names: Sequence[str], contact: Contact) -> list[str | float]:
+    """Return the contact of each test; raises `InputError` when one is named that is none of them."""
+    if not isinstance(contact, Mapping):
+        return [contact] * len(names)
+    numbers = [str(number_of(name) or count) for count, name in enumerate(names, 1)]
+    for named in map(str, contact):
+        if named not in names and named not in numbers:
+            problem, remedy = f"has no test {named!r}", f"use a number or one of: {', '.join(names)}"
+            raise InputError(problem, remedy=remedy, place="source.contact")
+    given = {str(key): depth for key, depth in contact.items()}
+    return [given.get(name, given.get(number, "file")) for name, number in zip(names, numbers, strict=True)]
+
+
+def decision(whole: Recording, begun_at: Recording) -> tuple[str, float]:
+    """Return whose decision the contact of a recording is, in words, and its depth in the whole recording [nm]."""
+    for note in begun_at.notes:
+        found = DECIDED.match(note)
+        if found:
+            return found[1], float(found[2])
+    return "the file's own", float(np.interp(0.0, whole.time, whole.depth))
 
 
 def _check_signs(name: str, recording: Recording) -> None:
@@ -114,8 +210,8 @@ def _loaded_before(load: np.ndarray, begin: int) -> tuple[str, ...]:
     return (f"the load reads {level:.3g} mN before contact (--contact auto counts it from there)",)
 
 
-def begun(recording: Recording, point: ContactPoint) -> Recording:
-    """Return the recording from contact on, zero there in time, load and depth, with what was found as a note."""
+def begun(recording: Recording, point: ContactPoint, by: str) -> Recording:
+    """Return the recording from contact on, zero there in time, load and depth, with what was found as notes."""
     later = recording.time > point.time
     time, load, depth = (
         np.append(0.0, channel[later] - zero)
@@ -123,18 +219,13 @@ def begun(recording: Recording, point: ContactPoint) -> Recording:
             (recording.time, point.time), (recording.load, point.load), (recording.depth, point.depth)
         )
     )  # fmt: skip
-    note = (
-        f"contact at {point.depth:.4g} nm (95 % interval {point.lower:.4g} to {point.upper:.4g}) and "
-        f"{point.time:.4g} s of the file, where the load read {point.load:.3g} mN"
-    )
     stiffness = None if recording.stiffness is None else np.append(np.nan, recording.stiffness[later])
-    notes = (*recording.notes, note)
+    notes = (*recording.notes, f"contact {by}: {_place(point)}, where the load read {point.load:.3g} mN")
+    notes += (interval_note(point),) if by == FOUND else ()
     return replace(recording, time=time, load=load, depth=depth, notes=notes, stiffness=stiffness)
 
 
-def until_retreat(recording: Recording) -> Recording:
-    """Return the recording up to where its load falls below zero for good: there the tip hangs free."""
-    loaded = np.flatnonzero(recording.load > 6 * noise_of(recording.load))
-    last = int(loaded[-1]) if len(loaded) else len(recording) - 1
-    free = np.flatnonzero(recording.load[last:] < 0)
-    return recording.at(slice(last + int(free[0]) if len(free) else None))
+def _place(point: ContactPoint) -> str:
+    """Return where in the file a contact is."""
+    interval = f" (95 % interval {point.lower:.4g} to {point.upper:.4g})" if point.upper > point.lower else ""
+    return f"at {point.depth:.6g} nm{interval} and {point.time:.4g} s of the file"

@@ -1,0 +1,201 @@
+"""The search for contact: from a coarse fit to the whole loading to the evidence in ever finer ranges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.recordings.baseline import Baselines, waves_in
+from palpate.recordings.contact_evidence import (
+    AMPLITUDES,
+    MEMORIES,
+    Blocks,
+    ContactGuess,
+    Evidence,
+    ResidualNoise,
+    slopes_of,
+)
+from palpate.recordings.contact_law import Laws
+
+CONTACTS = 32
+STEPS = 4
+LEVEL = 0.95
+ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
+MUCH_WORSE = 2.0  # ratio of mean squares
+WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
+FEWEST_IN_AIR = 6
+UNSURE = 0.05  # of the law's load, which is no part of a wave
+AGAIN = 15.0  # nats below the best, with which correlated noise is tried again in the next step
+UPPER = 0.5  # share of the law's largest load up to which it is fitted
+IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
+EVERY_NOISE = (ResidualNoise(), *(ResidualNoise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search found; depth, time and load run over a unit.
+
+    Attributes
+    ----------
+    contact, lower, upper
+        Median of the posterior and ends of its interval of highest density.
+    time, baseline : ndarray, shape (n,)
+        The best baseline.
+    terms
+        Kinds of its terms.
+    in_air
+        Points before contact.
+    """
+
+    contact: float
+    lower: float
+    upper: float
+    time: np.ndarray
+    baseline: np.ndarray
+    terms: frozenset[str]
+    in_air: int
+
+
+def searched(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple[float, float], approach: bool
+) -> Found:
+    """Search the contact of a loading.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        From the start of the approach to nearly the largest load; each runs over a unit.
+    noise
+        White noise of load and of depth.
+    approach
+        Whether there is one; without, contact may lie before the first point, where the load is zero.
+    """
+    guess, contact, _ = _coarse(time, load, depth, approach)
+    reach = float(depth.max() - depth.min())
+    lowest = depth.min() - (0.0 if approach else 0.5 * reach)
+    low, high = lowest, depth.min() + 0.98 * reach
+    laws, baselines, noises = Laws(), Baselines(), [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
+    for step in range(STEPS):
+        count = _counting(guess, max(contact, high) if step else contact, depth)
+        blocks = Blocks.of(_edges(depth[:count], low, high, contact if step == 0 else None), time, depth, load)
+        end = float(blocks.depth.max())
+        high = min(high, end - 0.02 * (end - low))
+        contacts = np.linspace(low, high, CONTACTS)
+        in_air = int(np.argmax(depth > contact)) if approach else 0
+        baselines = replace(baselines, in_air=in_air)
+        near = ContactGuess(contact, *_at(guess, blocks.depth))
+        if step == 0:
+            baselines = _with_waves(baselines, blocks, near.loads, noise[0])
+        evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
+        best = evidence.search(noises)
+        posterior = evidence.posterior()
+        baseline, fitted = evidence.fitted(best)
+        guess, contact = (blocks.depth, fitted.loads), fitted.contact
+        weight = posterior.sum(axis=1)
+        apart = contacts[1] - contacts[0]
+        found = _interval(contacts, weight)
+        if step < 2:
+            baselines = _with_waves(baselines, blocks, fitted.loads, noise[0])
+        inside = contacts[weight > ANYWHERE * weight.max()]
+        before = high - low
+        low, high = max(inside[0] - 2 * apart, low), min(inside[-1] + 2 * apart, high)
+        if step > 1 and high - low > 0.7 * before:
+            break
+        laws = laws.narrowed(posterior.sum(axis=0))
+        likely = [noise for noise, _ in evidence.near(AGAIN)]
+        noises = list(dict.fromkeys(replace(noises[0], amplitude=n.amplitude, memory=n.memory) for n in likely))
+    kinds = frozenset(name.split()[0] for name, _ in best[1])
+    return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
+
+
+def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
+    """Return baselines with the waves that a law's loads (n,) leave in the blocks."""
+    deviation = np.sqrt(white**2 / blocks.count + (UNSURE * loads) ** 2)
+    return replace(baselines, waves=waves_in(blocks.load - loads, 1 / deviation, blocks.time, blocks.depth))
+
+
+def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a loading (n,) needs a baseline.
+
+    Without one the law begins some points later than the recording, or fits much worse.
+    """
+    _, contact, alone = _coarse(time, load, depth, approach=False)
+    if np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
+        return True
+    return alone > max(MUCH_WORSE * _coarse(time, load, depth, approach=True)[2], WELL**2)
+
+
+def coarse(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return the contact of the coarse fit on a straight baseline."""
+    return _coarse(time, load, depth, approach=True)[1]
+
+
+def _coarse(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
+) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
+    """Return depths and loads of the law, and the contact, that fit the whole loading best on a straight baseline.
+
+    The last value is the mean square that the fit leaves; without an approach the baseline is zero.
+    """
+    size = len(load)
+    blocks = Blocks.of(np.unique(np.linspace(0, size, min(size, 200) + 1).round().astype(int)), time, depth, load)
+    end, start = float(blocks.depth.max()), float(blocks.depth.min())
+    contacts = np.unique([*np.linspace(start, end, 60), *blocks.depth[::3]])
+    contacts = contacts[contacts < start + 0.97 * (end - start)]
+    laws = Laws(exponents=(1.0, 2.5)).loads(blocks.depth, contacts, end).reshape(len(blocks.load), -1)
+    straight = np.linalg.qr(np.column_stack([np.ones_like(blocks.depth), blocks.depth]))[0][:, : 2 if approach else 0]
+    force = blocks.load - straight @ (straight.T @ blocks.load)
+    beside = laws - straight @ (straight.T @ laws)
+    power = np.maximum(np.sum(beside**2, axis=0), 1e-12)
+    amplitude = force @ beside / power
+    gained = np.where(amplitude > 0, amplitude**2 * power, -np.inf)
+    best = int(np.argmax(gained))
+    contact = float(contacts[best // (laws.shape[1] // len(contacts))])
+    return (blocks.depth, amplitude[best] * laws[:, best]), contact, float(force @ force - gained[best]) / len(force)
+
+
+def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.ndarray) -> int:
+    """Return how many points count: twelve at least, up to half of the law's largest load, all contacts within."""
+    depths, loads = guess
+    reached = max(depths[int(np.argmax(loads >= UPPER * loads.max()))], contact + 0.1 * (depth.max() - contact))
+    beyond = np.flatnonzero(np.maximum.accumulate(depth) > reached)
+    return max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
+
+
+def _at(guess: tuple[np.ndarray, np.ndarray], depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the guessed law's loads and slopes (n,) at depths (n,)."""
+    order = np.argsort(guess[0])
+    loads = np.interp(depth, guess[0][order], guess[1][order])
+    return loads, slopes_of(depth, loads)
+
+
+def _edges(depth: np.ndarray, low: float, high: float, contact: float | None) -> np.ndarray:
+    """Return the edges of blocks: even before the contacts on trial, fine about them, in growing steps beyond."""
+    size = len(depth)
+    if contact is not None:
+        parted = int(np.argmax(depth > contact))
+        parts = [np.linspace(0, parted, min(parted, 90) + 1), np.linspace(parted, size, min(size - parted, 70) + 1)]
+    else:
+        first = int(np.argmax(depth >= low))
+        below = np.flatnonzero(depth <= high)
+        last = int(below[-1]) + 1 if len(below) else first + 1
+        last = min(max(last + (last - first) // 2 + 3, first + 8), size)
+        way = np.maximum.accumulate(depth[last:])
+        deeper = high + (way[-1] - high) * np.linspace(0, 1, BEYOND) ** 2 if len(way) else np.empty(0)
+        parts = [
+            np.linspace(0, first, min(first, IN_AIR) + 1),
+            np.linspace(first, last, min(last - first, NEAR) + 1),
+            (last + np.searchsorted(way, deeper)).astype(float),
+        ]
+    return np.unique(np.clip(np.concatenate([[0], *parts, [size]]).round().astype(int), 0, size))
+
+
+def _interval(contacts: np.ndarray, weight: np.ndarray) -> tuple[float, float, float]:
+    """Return the median, and the ends of the region of highest density, of weights (k,) at even contacts (k,)."""
+    half = 0.5 * (contacts[1] - contacts[0])
+    share = np.cumsum(weight)
+    median = float(np.interp(0.5, share - 0.5 * weight, contacts))
+    order = np.argsort(weight)[::-1]
+    inside = order[: int(np.searchsorted(np.cumsum(weight[order]), LEVEL)) + 1]
+    return median, float(contacts[inside].min() - half), float(contacts[inside].max() + half)

@@ -1,0 +1,124 @@
+"""What of a test lies in air: before the tip touches, and after it has left."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from palpate.errors import InputError
+from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, rough_contact
+from palpate.recordings.recording import Recording
+
+SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
+LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
+PRESSED = 0.05  # of the largest load: what is above is no air
+VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
+
+
+def air_before(recording: Recording) -> ContactPoint | None:
+    """Return the contact of a recording that begins in air; None where it does not begin there.
+
+    It does where the whole 95 % interval of the contact lies deeper than its first point by more than a share of the
+    test's depth, or where the tip retreats by as much before it touches. The search is made only where a coarse fit, or
+    a load that stays in its noise, gives reason to.
+    """
+    if max(resting(recording), rough_share(recording)) <= SHARE and not _retreats(recording):
+        return None
+    try:
+        point = first_touch(recording.time, recording.load, recording.depth)
+    except InputError:
+        return None
+    far = SHARE * (float(recording.depth.max()) - point.depth)
+    retreated = retreat_before(recording, point) > max(far, CLEAR * noise_of(recording.depth))
+    deeper = point.lower > recording.depth[0] + far and _level(recording, point)
+    return point if retreated or deeper else None
+
+
+def _level(r: Recording, point: ContactPoint) -> bool:
+    """Return whether the load before contact departs from its baseline by no more than noise, or hardly."""
+    air = slice(0, max(int(np.argmax(r.depth > point.lower)), 1))
+    rest = r.load[air] - np.interp(r.time[air], point.baseline_time, point.baseline_load)
+    return bool(np.median(np.abs(rest)) <= max(CLEAR * noise_of(r.load), LEVEL * float(np.ptp(r.load))))
+
+
+def retreat_before(recording: Recording, point: ContactPoint) -> float:
+    """Return by how much the tip retreats between the first point and contact [nm]."""
+    first = float(recording.depth[0])
+    return first - float(recording.depth[: point.index + 1].min())
+
+
+def share_in_air(recording: Recording, point: ContactPoint) -> float:
+    """Return which share of the way to the largest depth, from where the tip retreats to, lies in air."""
+    lowest = float(recording.depth[0]) - retreat_before(recording, point)
+    return (point.depth - lowest) / max(float(recording.depth.max()) - lowest, 1e-300)
+
+
+def resting(r: Recording) -> float:
+    """Return by which share of its largest the depth grows before the load leaves its noise."""
+    smooth = median_filter(r.load, 5, mode="nearest")
+    level = float(np.median(smooth[:5]))
+    risen = np.flatnonzero(smooth > level + CLEAR * max(noise_of(r.load), 1e-4 * float(np.ptp(r.load))))
+    left = int(risen[0]) if len(risen) else len(r) - 1
+    return float(r.depth[left] - r.depth[0]) / max(float(np.ptp(r.depth)), 1e-300)
+
+
+def rough_share(r: Recording) -> float:
+    """Return by which share of its largest the depth grows before a law on a straight baseline begins."""
+    return (rough_contact(r.time, r.load, r.depth) - float(r.depth[0])) / max(float(np.ptp(r.depth)), 1e-300)
+
+
+def _retreats(r: Recording) -> bool:
+    """Return whether the tip moves away from where it begins before the load is largest."""
+    return _first_retreat(r) > max(SHARE * float(np.ptp(r.depth)), CLEAR * noise_of(r.depth))
+
+
+def _first_retreat(r: Recording) -> float:
+    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]."""
+    loaded = int(np.argmax(r.load > PRESSED * r.load.max()))
+    return float(r.depth[0] - r.depth[: loaded + 1].min())
+
+
+def air_at_start(r: Recording) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact begins in air."""
+    share = min(resting(r), rough_share(r))
+    if _retreats(r):
+        said = f"the tip retreats by {_first_retreat(r):.3g} nm after contact, before the load rises"
+    elif share > SHARE:
+        said = (
+            f"the load does not rise over the first {100 * share:.2g} % of the depth, counted from the file's contact"
+        )
+    else:
+        return ()
+    return (f"{said} (--contact auto finds the touch)",)
+
+
+def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Return a recording that begins at contact up to where the tip has left, and what is said of the rest.
+
+    It has left where the load falls below zero for good, or where the depth comes back through contact for good; or
+    before that, where the load has fallen to what it reads in air beyond, which may have drifted.
+    """
+    load, depth, noise = recording.load, recording.depth, noise_of(recording.load)
+    loaded = np.flatnonzero(load > CLEAR * noise)
+    last = int(loaded[-1]) if len(loaded) else len(recording) - 1
+    below = np.flatnonzero(load[last:] < 0)
+    ends = [len(recording), *(last + below[:1])]
+    back = int(np.flatnonzero(depth >= 0)[-1]) + 1 if (depth >= 0).any() else len(recording)
+    if depth[back:].min(initial=0.0) < -SHARE * depth.max():
+        ends += [back, _in_air_again(load, back, noise)]
+    end = int(min(ends))
+    rest = recording.depth[end:]
+    if rest.min(initial=0.0) >= -SHARE * depth.max():
+        return recording.at(slice(end)), ()
+    return recording.at(slice(end)), (
+        f"ends at {recording.time[end]:.4g} s, where the tip has left: {len(rest)} points of its retreat to "
+        f"{rest.min():.4g} nm, at {load[end:].min():.3g} to {load[end:].max():.3g} mN, are left out",
+    )
+
+
+def _in_air_again(load: np.ndarray, back: int, noise: float) -> int:
+    """Return the point, before `back`, where the load has come down to its level in air from there on."""
+    level = float(np.median(load[back:]))
+    pressed = int(np.flatnonzero(load > PRESSED * load.max())[-1])
+    fallen = np.flatnonzero(load[pressed:back] <= level + CLEAR * noise)
+    return pressed + int(fallen[0]) if len(fallen) else back

@@ -1,0 +1,166 @@
+"""Air is no part of a test: it is left out, or told in one line, however a file counts its depth."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.cli.main import main
+from palpate.errors import InputError
+from palpate.inference.study_scale import with_contact_sought
+from palpate.mechanisms import MECHANISMS, Scale
+from palpate.recordings.contact_interval import interval_of, joint_interval
+from palpate.recordings.readers import ColumnMap, read_vendor_file
+from palpate.recordings.readers.vendor import VendorTest
+from palpate.recordings.readers.zero import decision, zeroed, zeroed_each
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
+from palpate.workflow_support.data_quality import air_at_start
+
+CASES = Path(__file__).parents[2] / "shared/cases/files"
+NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})
+DEEP = 800.0
+
+
+def pressed(time):
+    """Load [mN] and depth [nm] of a cone from contact at time zero: 20 s up, 10 s hold, 20 s down, then away."""
+    load = 2.0 * np.interp(time, [0, 20, 30, 50], [0, 1, 1, 0])
+    loading = DEEP * np.sqrt(np.clip(load, 0, None) / 2.0)
+    unloading = 400.0 + 400.0 * np.sqrt(load / 2.0)
+    depth = np.where(time < 25, loading, unloading)
+    return load, np.where(time > 50, 400.0 - 100.0 * (time - 50), depth)
+
+
+def recording(before, offset=0.0, after=0.0, level=0.0):
+    """A test behind `before` (times, depths) of air; after it the tip leaves, and the load cell reads `level` more."""
+    rng = np.random.default_rng(4)
+    time = np.arange(before[0][0] if len(before[0]) else 0.0, 50.0 + after, 0.1)
+    load, depth = pressed(np.clip(time, 0, None))
+    air = time < 0
+    depth[air] = np.interp(time[air], *before) if air.any() else 0.0
+    load += level * np.clip((time - 20) / 30, 0, 1) + 1e-4 * rng.standard_normal(len(time))
+    return Recording(time - time[0], load, depth + offset, "glass")
+
+
+APPROACH = ([-30.0, 0.0], [-3000.0, 0.0])
+RETREAT = ([-4.0, -3.0, -2.0, 0.0], [0.0, -100.0, -100.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("air", "offset", "share"), [(APPROACH, 3000.0, "79 %"), (APPROACH, -500.0, "79 %"), (RETREAT, 0.0, "1")]
+)
+def test_contact_is_sought_where_a_file_marks_none_and_begins_in_air(air, offset, share):
+    test = zeroed(VendorTest("glass", recording(air, offset), marked=False), "file")
+    assert test.warnings[0].startswith(f"the file marks no contact, the load does not rise over the first {share}")
+    assert ("retreats by 100 nm" in test.warnings[0]) == (air is RETREAT)
+    assert test.recording.depth.max() == pytest.approx(DEEP, abs=25.0)
+    lower, upper = interval_of(test.recording)
+    assert lower < 0.0 < upper
+
+
+def test_a_test_that_begins_at_contact_is_left_alone():
+    whole = recording(([], []))
+    test = zeroed(VendorTest("glass", whole, marked=False), "file")
+    assert test.warnings == ()
+    assert np.array_equal(test.recording.depth, whole.depth)
+    assert interval_of(test.recording) is None
+
+
+def test_a_mark_set_too_early_is_told_and_kept():
+    whole = recording(([-8.0, 0.0], [-80.0, 0.0]), offset=80.0)
+    test = zeroed(VendorTest("glass", whole), "file")
+    (said,) = test.warnings
+    assert said.startswith("the load does not rise over the first")
+    assert test.recording.depth.max() == pytest.approx(DEEP + 80.0)
+    assert air_at_start(test.recording) == test.warnings, "palpate check says the same"
+
+
+def test_a_retreat_after_the_mark_is_told():
+    (said,) = zeroed(VendorTest("glass", recording(RETREAT)), "file").warnings
+    assert said.startswith("the tip retreats by 100 nm after contact, before the load rises")
+
+
+@pytest.mark.parametrize("level", [-0.004, 0.0, 0.004])
+def test_a_test_ends_where_the_tip_leaves_though_the_load_cell_drifted(level):
+    test = zeroed(VendorTest("glass", recording(([], []), after=20.0, level=level)), "file")
+    assert test.recording.time[-1] == pytest.approx(50.0, abs=0.6)
+    assert test.warnings[0].startswith(f"ends at {test.recording.time[-1] + 0.1:.4g} s, where the tip has left")
+
+
+def test_reloading_after_the_tip_has_left_is_no_end():
+    first, second = recording(([], []), after=8.0), recording(([], []))
+    time = np.append(first.time, first.time[-1] + 0.1 + second.time)
+    whole = Recording(time, np.append(first.load, second.load), np.append(first.depth, second.depth), "twice")
+    assert len(zeroed(VendorTest("twice", whole), "file").recording) > 0.95 * len(whole)
+
+
+def test_a_contact_far_from_the_file_s_own_is_told():
+    whole = recording(APPROACH)
+    test = VendorTest("glass", Recording(whole.time, whole.load, whole.depth + 3000.0, "glass"))
+    assert any("from the file's own, more than the test is deep" in said for said in zeroed(test, "auto").warnings)
+
+
+def test_the_user_s_own_contact_of_single_tests():
+    tests = [VendorTest(f"Test {k}", recording(APPROACH, 3000.0), marked=False) for k in (1, 2, 3)]
+    found = zeroed_each(Path("x"), tests, {"Test 2": 3010.0, 3: 2990.0})
+    taken = [decision(test.recording, one.recording) for test, one in zip(tests, found, strict=True)]
+    assert [words for words, _ in taken] == ["found by palpate", "given by the user", "given by the user"]
+    assert [depth for _, depth in taken] == pytest.approx([3000.0, 3010.0, 2990.0], abs=25.0)
+    with pytest.raises(InputError, match="has no test '7'"):
+        zeroed_each(Path("x"), tests, {7: 1.0})
+
+
+def test_the_interval_becomes_the_range_of_a_zero_offset(tmp_path):
+    scale = Scale(500.0, 1.0, 3.0, 60.0, 30.0, 70.3, 0.1)
+    one = Recording(np.arange(3.0), np.arange(3.0), np.arange(3.0), "a", ("contact_interval_nm: -4 9",))
+    one.write(tmp_path / "a_1.csv")
+    again = read_recording(tmp_path / "a_1.csv")
+    other = Recording(np.arange(3.0), np.arange(3.0), np.arange(3.0), "b", ("contact_interval_nm: -6 2",))
+    searched = MECHANISMS["zero_offset"].searched(with_contact_sought(scale, [again, other]))["offset"]
+    assert (searched.lower, searched.upper) == (-6.0, 9.0)
+    marked = Recording(np.arange(3.0), np.arange(3.0), np.arange(3.0), "c")
+    assert joint_interval([one, marked]) is None
+    assert with_contact_sought(scale, [one, marked]) is scale
+
+
+def test_a_comment_that_is_no_interval_gets_one_line():
+    bad = Recording(np.arange(3.0), np.arange(3.0), np.arange(3.0), "a", ("contact_interval_nm: 9 -4",))
+    with pytest.raises(InputError, match="'9 -4' is no interval"):
+        interval_of(bad)
+
+
+@pytest.mark.skipif(not CASES.is_dir(), reason="no folder ../shared/cases beside the repository")
+@pytest.mark.parametrize(
+    ("file", "columns", "contact", "depth", "words"),
+    [
+        ("auto_contact_start_transient/gel.txt", None, "auto", (1000, 1180), "the tip has left"),
+        ("auto_contact_tilt_interference/tilt.txt", NUMBERED, "auto", (1450, 1550), "the tip has left"),
+        ("auto_contact_tilt_interference/interference.txt", NUMBERED, "auto", (1450, 1600), "the tip has left"),
+        ("columns_approach_from_zero/test.txt", NUMBERED, "file", (870, 910), "over the first 77 % of the depth"),
+        ("columns_retreat_before_contact/test.txt", NUMBERED, "file", (870, 910), "retreats by 100 nm"),
+        ("kla_surface_marked_early/early.xlsx", None, "file", (960, 965), "does not rise over the first"),
+        ("optics11_contact_unmarked/brain.txt", None, "file", (960, 1100), "the file marks no contact"),
+        ("optics11_retreat_kept/gel.txt", None, "file", (955, 965), "the tip has left"),
+    ],
+)
+def test_cases_from_outside(file, columns, contact, depth, words):
+    (test,) = read_vendor_file(CASES / file, contact=contact, columns=columns)
+    assert depth[0] < test.recording.depth.max() < depth[1]
+    assert any(words in said for said in test.warnings)
+    assert test.recording.depth.min() > -50.0
+
+
+def test_read_and_draft_say_the_same(tmp_path, capsys):
+    whole = recording(APPROACH, 3000.0)
+    file = tmp_path / "test.txt"
+    table = np.column_stack([whole.time, whole.load, whole.depth])
+    np.savetxt(file, table, header="Time (s)\tLoad (mN)\tDepth (nm)", comments="", delimiter="\t")
+    columns = ["--columns", "time=1,load=2,depth=3"]
+    assert main(["read", str(file), *columns, "-o", str(tmp_path / "read")]) == 0
+    said = capsys.readouterr().err.splitlines()
+    assert main(["draft", str(file), *columns, "-o", str(tmp_path / "draft")]) == 0
+    told = capsys.readouterr().err
+    assert "the file marks no contact" in said[0]
+    assert all(line.removeprefix("palpate: ") in told for line in said)
+    (drafted,) = (tmp_path / "draft").rglob("*_1.csv")
+    assert interval_of(read_recording(drafted)) == interval_of(read_recording(tmp_path / "read/test.csv"))
