@@ -13,7 +13,7 @@ from palpate.workflow_support.run_records import of_surrogate, tracked_runs
 def main(snakemake):
     study, condition = job.study(snakemake), snakemake.wildcards.condition
     with tracked_runs(study.name, snakemake.output.record) as runs:
-        contents = store.computed(store.snapshots_under(study, condition))
+        contents = store.curves_under(study, condition)
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)
         steps.write_json(snakemake.output.summary, summary)

@@ -18,6 +18,22 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(items):
     """Begin the longest file first, so that one process does it while the others do the rest."""
     items.sort(key=lambda item: item.path.name != "test_workflow.py")
+    for item in items:
+        if fault := item.get_closest_marker("faults"):
+            item.user_properties.append(("before", fault.kwargs["before"]))
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Print what faults did before and do now, where they alone are run: `pytest -m faults`."""
+    if config.option.markexpr == "faults":
+        terminalreporter.write_line("\n| fault | before | now | s |\n|---|---|---|---|")
+        for outcome in ("passed", "failed", "skipped"):
+            for report in terminalreporter.stats.get(outcome, []):
+                if report.when == "call" or outcome == "skipped":
+                    name = report.nodeid.partition("::test_")[2].replace("_", " ")
+                    before = dict(report.user_properties).get("before", "")
+                    now = {"passed": "as it says", "failed": "FAILED", "skipped": "not tried here"}[outcome]
+                    terminalreporter.write_line(f"| {name} | {before} | {now} | {report.duration:.1f} |")
 
 
 @pytest.fixture

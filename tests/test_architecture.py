@@ -56,6 +56,65 @@ def test_files_hold_one_idea():
     assert long == {}
 
 
+MODULE, CODE, ARGUMENTS = 300, 60, 8  # lines of a module, lines of a function's code, arguments
+LARGE_MODULES = {
+    "configuration/study_file.py": "a study as one object, and what is checked where it is read",
+    "inference/trust_region.py": "one algorithm",
+    "solver/axisymmetric/hencky.py": "one strain measure: its derivatives, forces and stiffness",
+    "solver/axisymmetric/lanes.py": "the instructions of one vector type",
+    "solver/axisymmetric/march_cases.py": "from cases to lanes and back",
+    "solver/axisymmetric/newton.py": "one algorithm",
+    "solver/simulation.py": "the one entry to the solvers",
+    "workflow_support/steps.py": "the steps of the workflow",
+}
+LARGE_FUNCTIONS = {
+    "inference/noise_fit.py fit_noise": "likelihood, prior and starts share the layout of the unknowns",
+    "solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
+    "solver/axisymmetric/newton.py advance": "one loop, whose lanes share twenty arrays",
+    "solver/pyramid/element_3d.py assemble": "one pass over the elements",
+    "solver/pyramid/hencky_3d.py element": "one pass over an element's Gauss points",
+    "solver/pyramid/linear_3d.py element": "one pass over an element's Gauss points",
+    "solver/pyramid/newton_3d.py advance": "one loop of Newton's method",
+}
+MANY_ARGUMENTS = {
+    "materials/flow/radial.py flow": "vectors of lanes",
+    "solver/axisymmetric/contact.py contact_forces": "arrays of lanes",
+    "solver/axisymmetric/coulomb_friction.py turn_back": "arrays of lanes",
+    "solver/axisymmetric/neighbours.py correct": "arrays of lanes",
+    "solver/axisymmetric/neighbours.py refactor": "arrays of lanes",
+    "solver/axisymmetric/newton.py advance": "arrays of lanes",
+    "solver/axisymmetric/newton.py direct": "arrays of lanes",
+    "solver/axisymmetric/regularisation.py contact_of": "arrays of lanes",
+}
+
+
+def functions():
+    """Yield each function with the name of its file."""
+    for file in FILES:
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                yield f"{file.relative_to(SOURCE)} {node.name}", node
+
+
+def lines_of_code(function):
+    """Return the number of lines of a function below its signature and docstring."""
+    first = function.body[1 if ast.get_docstring(function) and len(function.body) > 1 else 0]
+    return function.end_lineno - first.lineno + 1
+
+
+def arguments(function):
+    given = function.args
+    names = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    return names[names[:1] in (["self"], ["cls"]) :]
+
+
+def test_what_is_large_says_why():
+    modules = {str(f.relative_to(SOURCE)) for f in FILES if len(f.read_text().splitlines()) > MODULE}
+    assert modules <= set(LARGE_MODULES)
+    assert {name for name, f in functions() if lines_of_code(f) > CODE} <= set(LARGE_FUNCTIONS)
+    assert {name for name, f in functions() if len(arguments(f)) > ARGUMENTS} <= set(MANY_ARGUMENTS)
+
+
 def test_scripts_are_thin():
     for script in [*REPOSITORY.glob("scripts/*.py"), *REPOSITORY.glob("studies/*/scripts/*.py")]:
         assert len(script.read_text().splitlines()) <= 35, script.name

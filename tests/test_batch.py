@@ -11,6 +11,7 @@ from scipy.stats import norm
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march, march_cases, newton
 from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import contact_forces, fit, penetration, width_of
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
@@ -131,11 +132,12 @@ def test_friction_and_its_absence_do_not_share_lanes():
     assert curves[1][-1] < 0.99 * curves[0][-1]
 
 
-def assert_as_alone(specifications, within=1e-8):
+def assert_as_alone(specifications, within=0.0):
+    """Within is for those that differ in size alone, of which one is simulated and the others are scaled."""
     for together, spec in zip(simulate_batch(specifications), specifications, strict=True):
         alone = simulate(spec)
         assert (together.status, together.reason) == (alone.status, alone.reason)
-        assert np.abs(together.depth - alone.depth).max() < within * alone.depth.max()
+        assert np.abs(together.depth - alone.depth).max() <= within * alone.depth.max()
 
 
 def assert_cases_as_alone(cases):
@@ -143,7 +145,7 @@ def assert_cases_as_alone(cases):
     for together, each in zip(march_cases.indent_batch(cases), cases, strict=True):
         (alone,) = march_cases.indent_batch([each])
         assert together.reason == alone.reason == ""
-        assert np.abs(together.depth - alone.depth).max() < 1e-8 * alone.depth.max()
+        assert np.array_equal(together.depth, alone.depth, equal_nan=True)
 
 
 def test_curves_across_the_grid_are_those_of_a_batch_of_one():
@@ -166,7 +168,8 @@ def test_angles_loads_and_durations_may_differ_between_lanes():
             specification(indenter={"half_angle": 65.0}),
             specification(protocol={"max_load": 0.5}),
             specification(protocol={"loading_time": 45.0, "unloading_time": 45.0}),
-        ]
+        ],
+        within=1e-9,
     )
 
 
@@ -175,7 +178,8 @@ def test_holds_elastic_bodies_and_several_voigt_elements():
     hold = {"protocol": {"hold_time": 10.0}}
     elastic = {"material": {"model": "elastic", "youngs_modulus": 2.0, "poisson_ratio": 0.45}, "indenter": CONE}
     assert_as_alone([specification(second | {"youngs_modulus": E}, **hold) for E in (3.0, 3.5)])
-    assert_as_alone([specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)])
+    loads = [specification_from(elastic | {"protocol": TEST | {"max_load": P}}) for P in (1.0, 3.0)]
+    assert_as_alone(loads, within=1e-9)
 
 
 def test_large_strains_and_other_angles():
@@ -288,9 +292,9 @@ def test_contact_forces_have_a_potential(tip, work, large):
     """
     lanes = march_cases.padded([case(specimen=replace(case().specimen, adhesion=work), indenter=tip, large=large)])
     units = np.array([each.radii[0] for each in lanes])
-    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
     body = Body.of(mesh)
-    march, states = march_cases.begun(lanes, lanes, mesh, body, units, newton.System.of(body, True), 1e-9)
+    march, states = march_cases.begun(lanes, lanes, mesh, body, units, System.of(body, True), 1e-9)
     contact, state, count = march.contact, states.contact, len(body.distance)
     none, rng = np.zeros(LANES, dtype=bool), np.random.default_rng(4)
     fit(contact, state, np.full(LANES, 0.1), none)

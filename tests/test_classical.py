@@ -7,6 +7,7 @@ import pytest
 
 from palpate.classical import (
     AreaFunction,
+    TipConstants,
     corrected_stiffness,
     depth_while_growing,
     fit_unloading,
@@ -122,15 +123,8 @@ def test_oliver_pharr_is_exact_for_its_own_model():
     modulus, nu, tan = 70.0, 0.3, math.tan(math.radians(70.3))
     load = np.concatenate([np.linspace(0.1, 5, 50), np.linspace(5, 0, 51)[1:]])
     depth = 1e3 * np.sqrt(load * math.pi * (1 - nu**2) / (2 * modulus * tan))
-    found = oliver_pharr(
-        load,
-        depth,
-        nu,
-        area=AreaFunction((math.pi * tan**2,)),
-        beta=1.0,
-        epsilon=2 * (math.pi - 2) / math.pi,
-        indenter=None,
-    )
+    tip = TipConstants(AreaFunction((math.pi * tan**2,)), beta=1.0, epsilon=2 * (math.pi - 2) / math.pi, elastic=None)
+    found = oliver_pharr(load, depth, nu, tip=tip)
     assert found.exponent == pytest.approx(2.0, rel=1e-4)
     assert found.contact_depth == pytest.approx(2 / math.pi * depth.max(), rel=1e-4)
     assert found.modulus == pytest.approx(modulus, rel=1e-3)
@@ -139,7 +133,7 @@ def test_oliver_pharr_is_exact_for_its_own_model():
 def test_an_elastic_tip_makes_the_sample_stiffer_than_its_contact():
     load = np.concatenate([np.linspace(0.1, 5, 50), np.linspace(5, 0, 51)[1:]])
     depth = 500 + 100 * np.sqrt(load)
-    rigid, diamond = (oliver_pharr(load, depth, 0.2, indenter=tip) for tip in (None, (1141.0, 0.07)))
+    rigid, diamond = (oliver_pharr(load, depth, 0.2, tip=TipConstants(elastic=e)) for e in (None, (1141.0, 0.07)))
     assert 1 / diamond.reduced_modulus == pytest.approx((1 - 0.04) / diamond.modulus + (1 - 0.0049) / 1141.0)
     assert diamond.modulus > rigid.modulus
 
@@ -161,7 +155,7 @@ def test_an_unloading_that_cannot_be_one_is_told(begin):
 
 def test_a_contact_stiffer_than_its_tip_is_told():
     load, depth = unloaded(1e7)
-    assert oliver_pharr(load, depth, 0.3, indenter=None).reduced_modulus > 1141.0 / (1 - 0.07**2)
+    assert oliver_pharr(load, depth, 0.3, tip=TipConstants(elastic=None)).reduced_modulus > 1141.0 / (1 - 0.07**2)
     with pytest.raises(InputError, match="which the tip allows on no sample"):
         oliver_pharr(load, depth, 0.3)
 

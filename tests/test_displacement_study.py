@@ -13,8 +13,9 @@ from palpate.inference.genetic import GeneticSettings
 from palpate.inference.measures import error_measures
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
+from palpate.inference.recording_checks import check_drive
 from palpate.inference.solver_error import model_covariance
-from palpate.inference.study_recordings import check_drive, check_given, observations
+from palpate.inference.study_recordings import check_given, observations
 from palpate.inference.surrogate_forward import Surrogates
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale

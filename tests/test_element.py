@@ -6,6 +6,7 @@ import pytest
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
 from palpate.solver.axisymmetric import element, hencky
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import contact_forces, fit
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.element import Body
@@ -13,7 +14,6 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march_cases import Case, begun, padded
 from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
-from palpate.solver.axisymmetric.newton import System
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid

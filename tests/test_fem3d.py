@@ -18,9 +18,9 @@ from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import hencky_3d
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.coupled import Coupling3D
-from palpate.solver.pyramid.element_3d import assemble
+from palpate.solver.pyramid.element_3d import Hexahedra, Laws3D, System3D, Touching, assemble
 from palpate.solver.pyramid.indent_3d import indent_3d
-from palpate.solver.pyramid.linear_3d import element
+from palpate.solver.pyramid.linear_3d import Points3D, element
 from palpate.solver.pyramid.mesh_3d import CORNERS, integration, wedge_mesh
 from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import WEDGE, shell
@@ -60,11 +60,11 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     contact.follow(displacement, depth)
     work.past[:], work.alpha[:] = 0.0, 0.0
     force, guesses = np.empty((len(mesh.nodes), 3)), np.zeros((len(mesh.elements), 8))
+    points = Points3D(work.past, work.alpha, guesses, work.local)
+    system = System3D(work.band, work.residual, work.border[:, 0], force, work.pressing, work.pressure)
     corner = assemble(
-        displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, problem.region, laws,
-        step_weights(laws, step), work.past, work.alpha, guesses, work.pressure, work.local, problem.large, True,
-        contact.touching, contact.rule, work.slot, work.band, work.residual, work.border[:, 0], force,
-        work.pressing,
+        displacement, Hexahedra.of(mesh), Laws3D(problem.region, laws, step_weights(laws, step)), points,
+        Touching(contact.touching, contact.rule, work.slot), system, problem.large, True,
     )  # fmt: skip
     coupled = None
     if problem.friction > 0.0:
@@ -123,10 +123,8 @@ def test_one_constraint_an_element_at_incompressibility():
         row = elastic(0.3)
         row[1] = bulk
         ke, fe = np.zeros((25, 25)), np.zeros(25)
-        element(
-            gradients[0], volumes[0], np.zeros((8, 3)), np.zeros((8, 6)), np.zeros(8), np.zeros(8),
-            step_weights(row[None], 1.0)[0], row, np.zeros((8, 6)), ke, fe,
-        )  # fmt: skip
+        points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.zeros((8, 6)))
+        element(gradients[0], volumes[0], np.zeros((8, 3)), points, (step_weights(row[None], 1.0)[0], row), ke, fe)
         stiffness.append(np.linalg.eigvalsh(ke[:24, :24]))
     assert np.sum(stiffness[1] > 1.5 * stiffness[0].clip(1e-6)) == 1
     assert np.sum(np.abs(stiffness[0]) < 1e-9) == 6
@@ -197,8 +195,8 @@ def hexahedron():
 def at_large_strains(hexahedron, u, law, past):
     """Return force and stiffness of one element, and the tensors R."""
     ke, fe, local = np.zeros((25, 25)), np.zeros(25), np.empty((8, 6))
-    points = past, np.zeros(8), np.zeros(8), step_weights(law[None], 1.0)[0], law, local
-    assert np.isfinite(hencky_3d.element(*hexahedron[:2], u, *points, ke, fe, True))
+    points, law = Points3D(past, np.zeros(8), np.zeros(8), local), (step_weights(law[None], 1.0)[0], law)
+    assert np.isfinite(hencky_3d.element(*hexahedron[:2], u, points, law, ke, fe, True))
     return fe[:24], ke[:24, :24], local
 
 
@@ -238,9 +236,10 @@ def test_the_stiffness_at_large_strains_is_the_symmetric_part_of_the_derivative(
 
 def test_an_element_inside_out_is_noticed(hexahedron):
     law = elastic(0.3)
-    points = np.zeros((8, 6)), np.zeros(8), np.zeros(8), step_weights(law[None], 1.0)[0], law, np.empty((8, 6))
+    points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
+    law = step_weights(law[None], 1.0)[0], law
     mirrored = -2.0 * hexahedron[2] * [0.0, 0.0, 1.0]
-    assert np.isnan(hencky_3d.element(*hexahedron[:2], mirrored, *points, np.zeros((25, 25)), np.zeros(25), True))
+    assert np.isnan(hencky_3d.element(*hexahedron[:2], mirrored, points, law, np.zeros((25, 25)), np.zeros(25), True))
 
 
 def test_the_law_does_not_see_the_axes():

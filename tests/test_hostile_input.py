@@ -14,7 +14,6 @@ from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
 
-pytestmark = pytest.mark.faults
 PALPATE = Path(sys.executable).parent / "palpate"
 CONTENT_TYPES = (
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -61,6 +60,7 @@ def bomb(path):
     )
 
 
+@pytest.mark.faults(before="aborted without a word, exit code 134; 4.2 GB and minutes")
 @pytest.mark.parametrize("make", [dense, bomb])
 def test_a_workbook_that_grows_without_bound_is_refused_soon(tmp_path, make):
     path, began = make(tmp_path / "hostile.xlsx"), time.monotonic()
@@ -69,6 +69,7 @@ def test_a_workbook_that_grows_without_bound_is_refused_soon(tmp_path, make):
     assert time.monotonic() - began < 30.0
 
 
+@pytest.mark.faults(before="memory without bound")
 def test_aliases_that_multiply_are_refused(tmp_path):
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]" for k in range(1, 30)]
@@ -80,6 +81,7 @@ def test_aliases_that_multiply_are_refused(tmp_path):
         read_yaml(tmp_path / "study.yaml")
 
 
+@pytest.mark.faults(before="waited for ever")
 @pytest.mark.parametrize("command", [["check"], ["read", "-o", "out"], ["draft", "-o", "out"], ["run"]])
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
     os.mkfifo(tmp_path / "pipe")
@@ -89,6 +91,7 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
     assert run.stderr.splitlines() == ["palpate: pipe: is no regular file; give a file"]
 
 
+@pytest.mark.faults(before="held")
 def test_nothing_in_a_study_is_executed(tmp_path):
     (tmp_path / "study.yaml").write_text(f"study: !!python/object/apply:os.mkdir [{tmp_path}/made]")
     with pytest.raises(InputError):
@@ -96,6 +99,7 @@ def test_nothing_in_a_study_is_executed(tmp_path):
     assert not (tmp_path / "made").exists()
 
 
+@pytest.mark.faults(before="passed palpate check, stopped Snakemake")
 def test_braces_in_a_title_are_a_title(tmp_path):
     from test_workflow import TINY, copied, planned
 

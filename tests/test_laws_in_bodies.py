@@ -11,6 +11,7 @@ from palpate.materials import law_of
 from palpate.materials.flow.point import length, solve
 from palpate.materials.flow.row import BULK, step_weights
 from palpate.solver.pyramid import hencky_3d, linear_3d
+from palpate.solver.pyramid.linear_3d import Points3D
 from palpate.solver.pyramid.mesh_3d import integration
 
 FLOWS = {
@@ -57,9 +58,9 @@ def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
     strain = np.diag([0.02, 0.01, -0.05])
     stretch = np.diag(np.exp(np.diag(strain))) - np.eye(3) if large else strain
     u = corners @ stretch
-    past, alpha, guesses, local = np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6))
+    points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
     ke, fe = np.zeros((25, 25)), np.zeros(25)
-    arguments = (gradients, volumes, u, past, alpha, guesses, weights, law, local, ke, fe)
+    arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
     pressure = hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
     assert pressure == pytest.approx(-law[BULK] * np.trace(strain))
     deviator = strain - np.trace(strain) / 3 * np.eye(3)
@@ -85,9 +86,9 @@ def test_the_stiffness_of_a_hexahedron_is_the_symmetric_part_of_the_derivative(m
     u = corners @ np.diag([0.02, 0.02, -0.07]) + 0.005 * rng.standard_normal((8, 3))
 
     def forces(u):
-        state = np.zeros((8, 6)), np.zeros(8), np.zeros(8), weights, law, np.empty((8, 6))
+        points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
         ke, fe = np.zeros((25, 25)), np.zeros(25)
-        arguments = (gradients, volumes, u, *state, ke, fe)
+        arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
         hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
         return fe[:24], ke[:24, :24]
 

@@ -27,13 +27,13 @@ def proposed(indenter):
 
 def test_every_test_can_be_told_apart_by_its_words():
     tests = proposed(Indenter("cone", 70.3))
-    assert len({test.words for test in tests}) == len(tests)
+    assert len({test.phrase for test in tests}) == len(tests)
     assert all(test.protocol.max_load == pytest.approx(test.settings["max_load"]) for test in tests)
 
 
 def test_another_tip_takes_the_old_ones_rounding_along_and_nothing_else():
     (other,) = [test for test in proposed(Indenter("cone", 70.3, friction=0.1)) if test.indenter]
-    assert other.words.endswith("with a sphere of 10 um")
+    assert other.phrase.endswith("with a sphere of 10 um")
     effects = {"tip_rounding": {"radius": 200.0}, "zero_offset": {"offset": 12.0}}
     specification = _of_test(specification_from(SPEC | {"mechanisms": effects}), other)
     assert specification.mechanisms == {"zero_offset": {"offset": 12.0}}
@@ -44,13 +44,13 @@ def test_another_tip_takes_the_old_ones_rounding_along_and_nothing_else():
 
 def test_a_sphere_is_exchanged_for_a_sharp_tip():
     (other,) = [test for test in proposed(Indenter("sphere", radius=1e4)) if test.indenter]
-    assert other.words.endswith("with a Berkovich tip")
+    assert other.phrase.endswith("with a Berkovich tip")
     assert other.settings["half_angle"] == 70.3
 
 
 def next_hold():
     """Return the test with a long hold, as a condition, and a curve under it."""
-    (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.words.startswith("a hold of 100 s at 1 mN")]
+    (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.phrase.startswith("a hold of 100 s at 1 mN")]
     return hold.condition, 500.0 * np.sqrt(hold.protocol.sample_load)
 
 

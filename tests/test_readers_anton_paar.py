@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from test_readers import ANON, needs_recordings
+from workbooks import write_workbook
 
 from palpate.cli.main import main
 from palpate.errors import InputError
@@ -179,6 +180,53 @@ def test_each_of_the_tests_side_by_side_that_is_not_unloaded_is_told(tmp_path, c
     words = "ends under 4.183 of 5 mN, not unloaded; the file may be cut off"
     assert capsys.readouterr().err == f"palpate: {file}, A: {words}\n"
     assert words in read_recording(tmp_path / "A.csv").notes
+
+
+@pytest.mark.parametrize("heading", ["{}_{}_{}_[{}]", "{}_{}_{} ({})"])
+@pytest.mark.parametrize("title", [[], [["Exported"], [""]]])
+def test_columns_are_read_from_a_workbook_and_sums_beside_them_are_told(tmp_path, capsys, heading, title):
+    """Tests of unequal length side by side; a sheet that holds other sums is named and passed over."""
+    names = [heading.format(*cell) for test in ("P_1", "P_2") for cell in (
+        ("X", test, "Time", "s"), ("Y", test, "Fn", "mN"), ("Y", test, "Pd", "nm")
+    )]  # fmt: skip
+    both = np.column_stack([TIME, ONE[:, 1], DEPTH, TIME, ONE[:, 1] / 2, DEPTH]).tolist()
+    cells = [[*row[:3], *([""] * 3 if k >= 400 else row[3:])] for k, row in enumerate(both)]
+    sums = [
+        ["", "", "", "Re_time", "Re_disp"],
+        *([t, p, h, t, h] for t, p, h in TIME[:, None].repeat(3, axis=1).tolist()),
+    ]
+    file = write_workbook(tmp_path / "x.xlsx", {"raw": [*title, names, *cells], "load-disp": sums, "empty": []})
+    assert main(["read", str(file), "-o", str(tmp_path / "out")]) == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if "not unloaded" not in line]
+    assert len(lines) == 1
+    assert "load-disp: has no columns X_..._Time_[s]" in lines[0]
+    assert lines[0].endswith("the sheet is left out")
+    first, second = (read_recording(tmp_path / f"out/P_{k}.csv") for k in (1, 2))
+    assert (len(first), len(second)) == (600, 400)
+    assert second.load == pytest.approx(first.load[:400] / 2)
+    assert first.depth == pytest.approx(DEPTH, abs=1e-6)
+
+
+@pytest.mark.parametrize("names", [("Time [s]", "Pd [nm]", "Fn [mN]"), ("Time (s)", "Pd (nm)", "Fn (mN)")])
+@pytest.mark.parametrize("workbook", [True, False])
+def test_columns_without_a_test_s_name_are_one_test(tmp_path, names, workbook):
+    rows = [list(names), *np.column_stack([TIME, DEPTH, ONE[:, 1]]).tolist()]
+    if workbook:
+        file = write_workbook(tmp_path / "x.xlsx", {"first": rows, "second": rows})
+    else:
+        file = tmp_path / "x.txt"
+        file.write_text("\n".join("\t".join(map(str, row)) for row in rows))
+    tests = read_vendor_file(file)
+    assert [test.name for test in tests] == (["first", "second"] if workbook else ["x"])
+    assert tests[0].recording.load == pytest.approx(LOAD)
+    assert tests[0].recording.depth == pytest.approx(DEPTH)
+
+
+def test_copies_of_columns_on_another_sheet_get_its_name(tmp_path):
+    names = [f"{cell}" for cell in ("X_P_Time_[s]", "Y_P_Fn_[mN]", "Y_P_Pd_[nm]")]
+    sheet = [names, *np.column_stack([TIME, ONE[:, 1], DEPTH]).tolist()]
+    file = write_workbook(tmp_path / "x.xlsx", {"raw": sheet, "smoothed": sheet})
+    assert [test.name for test in read_vendor_file(file)] == ["P", "smoothed P"]
 
 
 @needs_recordings

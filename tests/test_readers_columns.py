@@ -170,7 +170,8 @@ def hundred(changes):
         ({}, None),
         ({40: "40,,400"}, "1 of 101 rows left out: no three numbers (line 42)"),
         ({40: "40,-,400", 60: "60,ERROR,400"}, "2 of 101 rows left out: no three numbers (line 42, 62)"),
-        ({60: "59,41,410"}, "1 of 101 rows left out: time does not increase (line 62)"),
+        ({60: "59,40,400"}, "1 of 101 rows left out: time does not increase (line 62)"),
+        ({60: "59,41,410"}, "1 row written twice, counted once (line 62)"),
         ({100: "100,0"}, "1 of 101 rows left out: no three numbers (line 102)"),
         ({100: "mean,of,all"}, None),
         (
@@ -307,7 +308,7 @@ def test_clocks_are_read(tmp_path, heading):
     assert test.warnings == ()
 
 
-@pytest.mark.parametrize("time", ["00:01", "2024-03-01 00:00:01"])
+@pytest.mark.parametrize("time", ["1h 02", "2024-03-01", "Mon 00:99", "0:00:61"])
 def test_times_that_are_no_numbers_are_shown(tmp_path, time):
     file = tmp_path / "x.csv"
     file.write_text(f"Time,Load (mN),Depth (nm)\n{time},0,0\n{time},1,1\n")

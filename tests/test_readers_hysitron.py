@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.cli.main import main
+from palpate.draft.stated import coefficients
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
 from palpate.recordings.readers.vendor import contact
@@ -223,7 +224,7 @@ def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encodi
         (hld(Disp_Shift="error"), "Disp Shift: is 'error', expected a number and its unit"),
         (hld(Disp_Shift="---"), "Disp Shift: is '---'"),
         (hld(Force_Shift="-50"), "Force Shift: is '-50'"),
-        (hld(Force_Shift="-50 kgf"), "Force Shift: is '-50 kgf'"),
+        (hld(Force_Shift="-50 lbf"), "Force Shift: is '-50 lbf'"),
         (hld().partition("\nTime_s")[0], "lacks one of the columns"),
     ],
 )
@@ -239,3 +240,51 @@ def test_a_correction_that_the_header_does_not_state_is_missed_only_when_it_is_a
     assert len(read(tmp_path, hld(Drift_Rate="n/a")).recording) == 301
     with pytest.raises(InputError, match="Drift Rate: is 'n/a'"):
         read(tmp_path, hld(Drift_Rate="n/a"), corrections=RAW)
+
+
+AREA = {"Tip C0": "24.5 nm^2/nm^2", "Tip C1": "5000 nm^2/nm", "Tip C2": "0 nm^2/nm^0.5", "Tip B": "0 nm"}
+
+
+def newer(force="Force_µN", disp="Disp_nm", scales=(1.0, 1e3), offset=0.0):
+    """A .hld file without a version, whose compliance is 4 nm/mN and whose drift is 0.2 nm/s."""
+    cell = 3500 - 20 * LOAD
+    sensor = DEPTH - cell + 4 * LOAD + 0.2 * TIME - 77
+    rows = np.column_stack([TIME, scales[0] * DEPTH, scales[1] * (LOAD + offset), cell, sensor])
+    header = {"Test Type": "Indentation", "Time Stamp": "Wed Mar 06 10:00:00 2024"} | AREA | {"Test Data Points": "401"}
+    lines = [f"{key}: {value}" for key, value in header.items()]
+    body = ["\t".join(f"{value:.6f}" for value in row) for row in rows]
+    return "\n".join([*lines, f"Time_s\t{disp}\t{force}\tLoadCell_nm\tPiezoDisp_nm", *body])
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.03, -0.5])
+@pytest.mark.parametrize(
+    ("force", "disp", "scales"),
+    [("Force_uN", "Disp_nm", (1, 1e3)), ("Force_µN", "Disp_nm", (1, 1e3)), ("Force_mN", "Disp_um", (1e-3, 1))],
+)
+def test_a_newer_hld_without_a_version_is_read(tmp_path, force, disp, scales, offset):
+    """Contact is at 5 s, where depth and load are counted from; the tip's area function is among the facts."""
+    test = read(tmp_path, newer(force, disp, scales, offset), "utf-8")
+    assert test.recording.time == pytest.approx(TIME[100:] - 5)
+    assert test.recording.load == pytest.approx(LOAD[100:] - LOAD[100], abs=1e-5)
+    assert test.recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=2e-3)
+    assert any("the file marks no contact" in warning for warning in test.warnings)
+    assert coefficients(test.metadata) == (24.5, 5000.0)
+
+
+def test_a_newer_hld_s_frame_and_drift_follow_from_the_sensor_s_displacement(tmp_path):
+    vendor, raw = (read(tmp_path, newer(), corrections=chosen) for chosen in (None, RAW))
+    assert float(raw.metadata["frame compliance [nm/mN]"]) == pytest.approx(4.0, abs=1e-4)
+    assert float(raw.metadata["drift [nm/s]"]) == pytest.approx(0.2, abs=1e-4)
+    taken_off = 0.2 * raw.recording.time + (4 + 20) * raw.recording.load
+    assert raw.recording.depth - vendor.recording.depth == pytest.approx(taken_off, abs=1e-3)
+    with pytest.raises(InputError, match=r"states neither compliance nor drift rate.*leave --raw and --correct off"):
+        read(tmp_path, newer().replace("PiezoDisp", "Elsewhere"), corrections=RAW)
+
+
+@pytest.mark.parametrize(("spoil", "words"), [
+    (lambda text: text.replace("LoadCell_nm", "Other"), "lacks one of the columns"),
+    (lambda text: text[:-500], "were announced; the file is cut off"),
+])  # fmt: skip
+def test_a_spoilt_newer_hld_gets_one_line(tmp_path, spoil, words):
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, spoil(newer()))

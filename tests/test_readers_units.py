@@ -23,6 +23,10 @@ from palpate.recordings.readers import ColumnMap, read_vendor_file
         (("Time (s)", "Load / uN", "Depth_um"), ["sec\tμN\tum"]),
         (("t<s>", "F.uN", "h{um}"), []),
         (("t:s", "load-uN", "Depth (raw) / um"), []),
+        (("Time (Sec)", "LOAD [UN]", "DEPTH (UM)"), []),
+        (("Sampling time [sec.]", "Load, µN", "Depth【µm】"), []),
+        (("Time, s", "micronewtons", "Depth (microns)"), []),
+        (("Time / secs.", "Load (Micronewton)", "Depth, corrected (micrometre)"), []),
     ],
 )
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
@@ -41,14 +45,15 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
 
 
 UNKNOWN = [
-    "P (kgf)",
-    "P / kgf",
-    "load_kgf",
+    "P (lbf)",
+    "P / klbf",
+    "load_lbf",
     "Load kN",
     "Load / kN",
-    "P_mgf",
+    "P_mlbf",
     "P nm",
-    "LOAD_UN",
+    "LOAD_MN",
+    "LOAD (MN)",
     "Load grams",
     "P (1e-3 N)",
 ]
@@ -71,8 +76,8 @@ def test_a_stated_unit_that_is_not_known_is_refused(tmp_path, heading, by_name):
     ("rows", "words"),
     [
         (["t,F_N,h"], "column F_N: 'N' may be the load's unit or part of the name"),
-        (["t,F_N,h", "s,gf,nm"], "the load's unit 'gf' is not known"),
-        (["s,gf,nm", "t,F_N,h"], "the load's unit 'gf' is not known"),
+        (["t,F_N,h", "s,lbf,nm"], "the load's unit 'lbf' is not known"),
+        (["s,lbf,nm", "t,F_N,h"], "the load's unit 'lbf' is not known"),
         (["t,F_N,h", "s,mN,nm", "s,uN,nm"], "the load's unit is stated as mN and uN"),
     ],
 )
@@ -144,3 +149,26 @@ def test_a_micro_sign_is_one_in_whatever_encoding_it_was_written(tmp_path, encod
     (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, {}), contact="none")
     assert test.recording.load == pytest.approx(1e-3 * FORCE, abs=1e-5)
     assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("units", "factors"),
+    [
+        (("msec", "mgf", "A"), (1e-3, 9.80665e-3, 0.1)),
+        (("Min.", "gf", "Angstroms"), (60, 9.80665, 0.1)),
+        (("minutes", "kgf", "MM"), (60, 9806.65, 1e6)),
+        (("hrs", "Grams-Force", "cm"), (3600, 9.80665, 1e7)),
+        (("us", "nanonewtons", "pm"), (1e-6, 1e-6, 1e-3)),
+        (("S", "pN", "NM"), (1, 1e-9, 1)),
+    ],
+)
+@pytest.mark.parametrize("brackets", ["{} ({})", "{} [{}]", "{}<{}>", "{} / {}", "{}, {}"])
+def test_units_in_every_spelling_of_the_field(tmp_path, units, factors, brackets):
+    """Factors by the definitions of the units; a gram-force is 9.80665 mN (standard gravity)."""
+    file = tmp_path / "x.txt"
+    head = "\t".join(brackets.format(name, unit) for name, unit in zip(("Time", "Load", "Depth"), units, strict=True))
+    file.write_text(f"{head}\n0\t0\t0\n1\t1\t1\n2\t2\t2\n")
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.warnings == ()
+    recording = test.recording
+    assert (recording.time[1], recording.load[1], recording.depth[1]) == pytest.approx(factors)

@@ -224,7 +224,7 @@ def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
         store.matrix(contents[1:2], s.levels)
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="a traceback at the surrogate")
 @pytest.mark.parametrize("fault", ["cut", "altered", "empty"])
 def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
     s = study(tmp_path)
@@ -239,7 +239,7 @@ def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
     assert file.read_bytes() == whole
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="held")
 def test_a_killed_job_leaves_no_half_file(tmp_path):
     def killed(specifications):
         raise KeyboardInterrupt
@@ -250,7 +250,7 @@ def test_a_killed_job_leaves_no_half_file(tmp_path):
     assert not list(tmp_path.rglob("*.npz"))
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="held")
 def test_a_full_disk_leaves_no_half_file(tmp_path, monkeypatch):
     def full(stream, **arrays):
         stream.write(b"half")
@@ -262,7 +262,7 @@ def test_a_full_disk_leaves_no_half_file(tmp_path, monkeypatch):
     assert [file.name for file in tmp_path.rglob("*") if file.is_file()] == ["study.yaml"]
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="held")
 def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
     def killed_at_the_third(specifications):
         if specifications[0].parameters["youngs_modulus"] == 3.0:

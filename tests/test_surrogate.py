@@ -212,7 +212,7 @@ def test_a_few_failed_snapshots_are_said():
     assert words("T030", cells, [False] * 20) == ""
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="unpickled, whatever it held; a traceback")
 def test_a_saved_surrogate_comes_back_and_a_damaged_one_is_named(tmp_path):
     x, y = np.linspace(0.0, 1.0, 6)[:, None], np.outer(np.linspace(1.0, 2.0, 6) ** 2, [1.0, 2.0])
     model, file = PODRBF(shape="loo").fit(x, y), tmp_path / "surrogate.npz"

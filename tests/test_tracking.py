@@ -5,6 +5,9 @@ import json
 import multiprocessing
 import os
 import socket
+import sqlite3
+import subprocess
+import sys
 import threading
 import time
 
@@ -101,7 +104,7 @@ def test_what_was_recorded_arrives_once(here, capsys):
     assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="no run of eight writers arrived")
 def test_four_folders_that_share_a_fresh_store_lose_nothing(tmp_path):
     import mlflow
 
@@ -141,7 +144,7 @@ def _accept(listener):
             return
 
 
-@pytest.mark.faults
+@pytest.mark.faults(before="4 min 20 s of silence, a traceback, the study stopped")
 def test_a_server_of_no_use_costs_seconds_and_loses_nothing(here, server, capsys, monkeypatch):
     write_records(here)
     monkeypatch.setenv("MLFLOW_TRACKING_URI", server)
@@ -155,6 +158,45 @@ def test_a_server_of_no_use_costs_seconds_and_loses_nothing(here, server, capsys
     )
     monkeypatch.delenv("MLFLOW_TRACKING_URI")
     assert main(["track", "--send"]) == 0
+
+
+def sent_apart(folder, uri=None):
+    """Return the exit code and what `palpate track --send` prints; MLflow looks at a store only once in a process."""
+    kept = {key: value for key, value in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
+    command = [sys.executable, "-m", "palpate.cli.main", "track", "--send"]
+    environment = kept | ({"MLFLOW_TRACKING_URI": uri} if uri else {})
+    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert run.stderr == ""
+    return run.returncode, run.stdout.splitlines()
+
+
+def assert_named(told, problem):
+    code, (line, left) = told
+    assert (code, left) == (1, "s: 2 records are on disk only")
+    assert line == f"tracking: 2 records stay on disk ({problem}); palpate track --send sends them"
+
+
+@pytest.mark.faults(before="a page of traceback, results removed")
+def test_a_store_of_another_version_is_named_with_the_remedy_and_loses_nothing(here):
+    write_records(here)
+    assert sent_apart(here)[0] == 0
+    store = sqlite3.connect(here / "results/mlflow.db")
+    (version,) = store.execute("select version_num from alembic_version").fetchone()
+    store.execute("update alembic_version set version_num = '0123456789ab'")
+    store.commit()
+    store.close()
+    write_records(here, "two")
+    remedy = "move it away, or if it is older run mlflow db upgrade sqlite:///results/mlflow.db"
+    differs = f"schema 0123456789ab where {version} is expected"
+    assert_named(sent_apart(here), f"results/mlflow.db is of another version of MLflow, {differs}: {remedy}")
+
+
+@pytest.mark.faults(before="a traceback")
+def test_a_folder_for_a_store_is_named_with_the_remedy(here):
+    write_records(here)
+    remedy = "name a server or sqlite:///results/mlflow.db"
+    problem = f"MLFLOW_TRACKING_URI is ./mlruns, a folder, which MLflow writes no more: {remedy}"
+    assert_named(sent_apart(here, "./mlruns"), problem)
 
 
 def test_a_record_that_changed_is_sent_again(here):

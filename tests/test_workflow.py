@@ -219,17 +219,6 @@ def test_a_moved_or_copied_study_is_finished(finished, tmp_path):
     assert planned(tmp_path / "elsewhere", study=TINY) == set()
 
 
-@pytest.mark.faults
-def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(finished, tmp_path):
-    """All that rests on a result that is missing is made again, though it lies there from before."""
-    copy = tmp_path / "copy"
-    shutil.copytree(finished, copy)
-    shutil.copy(copy / "results/tiny/virtual/calibrations/fast.json", copy / "kept")
-    (copy / "results/tiny/virtual/calibrations/fast.json").unlink()
-    rules = planned(copy, study=TINY)
-    assert {"calibration", "tables", "report", "tracking"} <= rules
-
-
 def test_keys_of_a_study_may_be_given_on_the_command_line(finished):
     rules = planned(finished, "--config", "seed=7", study=TINY)
     assert "calibration" in rules

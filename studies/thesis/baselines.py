@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.classical import MODELS, fit_viscoelastic, oliver_pharr, ting
+from palpate.classical import MODELS, TipConstants, fit_viscoelastic, oliver_pharr, ting
 from palpate.classical.creep import creep_rate
 from palpate.classical.viscoelastic_depth import Compliance
 from palpate.laboratory.virtual import correlated_noise
@@ -26,6 +26,7 @@ from studies.thesis.rules import Rule, at_least, at_most
 from studies.thesis.runs import Curves, Design, Run
 from studies.thesis.study import Context, Outcome, Rows, ThesisStudy, compare
 
+RIGID_CONE = TipConstants(beta=1.0, elastic=None)
 CONE, SPHERE = Indenter("cone", half_angle=70.3), Indenter("sphere", radius=10000.0)
 EPOXY = {
     "youngs_modulus": 3.28,
@@ -197,7 +198,7 @@ def modulus_rows(name: str, recorded: Curves) -> Rows:
         creeps["Oliver-Pharr, Ngan"] = creep_rate(time, load, depth), protocol.max_load / duration
     rows: Rows = []
     for method, creep in creeps.items():
-        found = oliver_pharr(load, depth, values["poisson_ratio"], beta=1.0, indenter=None, creep=creep)
+        found = oliver_pharr(load, depth, values["poisson_ratio"], tip=RIGID_CONE, creep=creep)
         rows.append(
             {
                 "recording": name,

@@ -3,6 +3,7 @@ import datetime
 import functools
 import os
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -15,6 +16,9 @@ os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
 )
 sys.path[:0] = SOURCE  # so that what is planned here is what scripts compute
+sys.executable = shlex.quote(
+    sys.executable
+)  # Snakemake puts it into shell commands as it is, spaces and all
 
 from palpate.base.threads import one_thread_each
 

@@ -1,21 +1,12 @@
-"""Cells of an Excel workbook, read in a process of its own whose memory and time are bounded.
-
-A damaged or hostile workbook can make its parser allocate without end, panic or abort. Here that ends the other
-process, and the caller learns it in words.
-"""
+"""Cells of an Excel workbook, read in a process of its own whose memory and time are bounded."""
 
 from __future__ import annotations
 
 import io
-import pickle
-import resource
-import subprocess
-import sys
 from dataclasses import dataclass, field
 from typing import Any
 
-MEMORY = 1 << 30  # bytes
-SECONDS = 10
+from palpate.base.bounded_process import BEYOND, parsed, serve
 
 
 @dataclass(frozen=True)
@@ -39,15 +30,8 @@ class Workbook:
 
 def read_workbook(content: bytes) -> Workbook:
     """Return what the bytes of a workbook hold."""
-    try:
-        found = subprocess.run(
-            [sys.executable, "-P", __file__], input=content, capture_output=True, timeout=2 * SECONDS
-        )
-    except subprocess.TimeoutExpired:
-        found = None
-    if found is None or found.returncode:
-        return Workbook(problem=f"it takes more than {MEMORY >> 30} GB or {SECONDS} s to read")
-    return Workbook(*pickle.loads(found.stdout))
+    found = parsed(__file__, content)
+    return Workbook(problem=BEYOND) if found is None else Workbook(*found)
 
 
 def _read(content: bytes) -> tuple[dict[str, tuple[int, list[list[Any]]]], dict[str, str], str]:
@@ -73,6 +57,4 @@ def _read(content: bytes) -> tuple[dict[str, tuple[int, list[list[Any]]]], dict[
 
 
 if __name__ == "__main__":
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-    sys.stdout.buffer.write(pickle.dumps(_read(sys.stdin.buffer.read())))
+    serve(_read)

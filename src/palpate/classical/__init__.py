@@ -2,7 +2,7 @@
 
 from palpate.classical.creep import corrected_stiffness
 from palpate.classical.fitted_law import ViscoelasticFit, fit_viscoelastic
-from palpate.classical.oliver_pharr import OliverPharr, fit_unloading, oliver_pharr
+from palpate.classical.oliver_pharr import OliverPharr, TipConstants, fit_unloading, oliver_pharr
 from palpate.classical.viscoelastic_depth import MODELS, depth_while_growing
 from palpate.study.area_function import AreaFunction
 
@@ -10,6 +10,7 @@ __all__ = [
     "MODELS",
     "AreaFunction",
     "OliverPharr",
+    "TipConstants",
     "ViscoelasticFit",
     "corrected_stiffness",
     "depth_while_growing",

@@ -9,7 +9,7 @@ that the surface sinks in as around an elastic contact: piled-up and creeping ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -40,6 +40,31 @@ class Unloading:
     final_depth: float
     exponent: float
     stiffness: float
+
+
+@dataclass(frozen=True)
+class TipConstants:
+    """Area function and constants of a tip.
+
+    Parameters
+    ----------
+    area
+        Area function; that of an ideal Berkovich by default.
+    beta, epsilon
+        Factors of the stiffness relation (1 for a cone) and of the contact depth.
+    elastic
+        Modulus [GPa] and Poisson's ratio; None for a rigid tip.
+    """
+
+    area: AreaFunction = field(default_factory=AreaFunction)
+    beta: float = BETA
+    epsilon: float = EPSILON
+    elastic: tuple[float, float] | None = DIAMOND
+
+    @property
+    def compliance(self) -> float:
+        """Inverse plane-strain modulus [1/GPa]; zero for a rigid tip."""
+        return 0.0 if self.elastic is None else (1 - self.elastic[1] ** 2) / self.elastic[0]
 
 
 @dataclass(frozen=True)
@@ -135,10 +160,7 @@ def oliver_pharr(
     depth: np.ndarray,
     poisson_ratio: float,
     *,
-    area: AreaFunction | None = None,
-    beta: float = BETA,
-    epsilon: float = EPSILON,
-    indenter: tuple[float, float] | None = DIAMOND,
+    tip: TipConstants | None = None,
     creep: tuple[float, float] | None = None,
     window: tuple[float, float] = (0.98, 0.25),
 ) -> OliverPharr:
@@ -150,12 +172,8 @@ def oliver_pharr(
         [mN], [nm].
     poisson_ratio
         Of the sample.
-    area
-        Area function; the ideal Berkovich one when not given.
-    beta, epsilon
-        Factors of the stiffness relation (1 for a cone) and of the contact depth.
-    indenter
-        Modulus [GPa] and Poisson's ratio of the tip; ``None`` for a rigid one.
+    tip
+        Area function and constants of the tip; those of an ideal Berkovich of diamond when not given.
     creep
         dh/dt at the end of the hold [nm/s] and |dP/dt| of unloading [mN/s], to correct the stiffness.
     window
@@ -167,26 +185,25 @@ def oliver_pharr(
         When unloading cannot be fitted (`fit_unloading`), the contact depth or area is not positive, or the contact is
         as stiff as the tip allows even on a rigid sample, 1/E_r <= (1 - nu_i^2)/E_i: there is no such modulus.
     """
-    unloading = fit_unloading(load, depth, *window)
+    unloading, tip = fit_unloading(load, depth, *window), tip or TipConstants()
     stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
     last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
-    contact_depth = float(depth[last] - epsilon * load.max() / stiffness)
+    contact_depth = float(depth[last] - tip.epsilon * load.max() / stiffness)
     if not contact_depth > 0.0:
         raise InputError(
             f"the contact depth is {contact_depth:.4g} nm",
             remedy="let the depth begin at contact, and take off no more than the frame's part of it",
             place="depth_nm",
         )
-    contact_area = float((area or AreaFunction()).area(np.array(contact_depth)))
+    contact_area = float(tip.area.area(np.array(contact_depth)))
     if not contact_area > 0.0:
         raise InputError(
             f"the tip's area is {contact_area:.4g} nm^2 at the contact depth of {contact_depth:.4g} nm",
             remedy="use an area function that was calibrated at the depths of the test",
             place="area",
         )
-    reduced = 1e6 * np.sqrt(np.pi) * stiffness / (2 * beta * np.sqrt(contact_area))
-    tip = 0.0 if indenter is None else (1 - indenter[1] ** 2) / indenter[0]
-    if not 1 / reduced > tip:
+    reduced = 1e6 * np.sqrt(np.pi) * stiffness / (2 * tip.beta * np.sqrt(contact_area))
+    if not 1 / reduced > tip.compliance:
         raise InputError(
             f"the reduced modulus is {reduced:.4g} GPa, which the tip allows on no sample",
             remedy="check the area function, the tip's modulus and what was taken off for the frame",
@@ -198,6 +215,6 @@ def oliver_pharr(
         contact_area,
         float(1e6 * load.max() / contact_area),
         float(reduced),
-        float((1 - poisson_ratio**2) / (1 / reduced - tip)),
+        float((1 - poisson_ratio**2) / (1 / reduced - tip.compliance)),
         unloading.exponent,
     )

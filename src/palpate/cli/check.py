@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,27 +25,34 @@ def run(arguments: argparse.Namespace) -> int:
     """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
     from palpate.base.yaml_file import read_yaml
     from palpate.configuration.study_file import load_study
-    from palpate.workflow_support.check_study import checked
     from palpate.workflow_support.expected_time import expected
     from palpate.workflow_support.job import plain
     from palpate.workflow_support.manifest import changed
 
-    study = checked(load_study(arguments.study, arguments.data))
+    study = load_study(arguments.study, arguments.data)
     print(f"relative paths count from {Path.cwd()}")
-    for line in described(study):
-        print(line)
-    for line in expected(study, os.cpu_count() or 1):
-        print(line)
+    print(*examined(study), *expected(study, os.cpu_count() or 1), sep="\n")
     print(f"next: palpate run {arguments.study}")
     for line in changed(study, plain(read_yaml(arguments.study)), Path("results") / study.name):
         print(f"{line}: run the study again")
     return 0
 
 
-def described(study: Study) -> Iterator[str]:
-    """Say what a study simulates, which tests each set of recordings holds, and what they cannot show."""
+def examined(study: Study) -> Iterator[str]:
+    """Check a study and its recordings, each of which is read once, and say what will be done; raises `InputError`."""
+    from palpate.workflow_support.check_study import checked
+    from palpate.workflow_support.data_quality import doubts
+
+    odd: dict[str, list[str]] = {name: [] for name in study.recordings}
+    checked(study, lambda name, condition, tests: odd[name].extend(doubts(study, condition, tests)))
+    yield from _described(study, odd)
+
+
+def _described(study: Study, odd: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Say what a study simulates, which tests each set of recordings holds, what is `odd` in it, and left open."""
+    from palpate.inference.study_recordings import written_by_workflow
     from palpate.solver.store import conditions_by_shape
-    from palpate.workflow_support.data_quality import data_quality
+    from palpate.workflow_support.data_quality import passed_over
 
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
@@ -60,7 +67,8 @@ def described(study: Study) -> Iterator[str]:
         tests = tests_of(study, name)
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
         yield f"recordings {name} in {folder.resolve()}: {found}"
-        yield from (f"recordings {name}: {note}" for note in data_quality(study, name))
+        unread = () if written_by_workflow(study, name) else passed_over(folder)
+        yield from (f"recordings {name}: {remark}" for remark in (*unread, *odd[name]))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"

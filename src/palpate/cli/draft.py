@@ -60,8 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     for remark in found.remarks:
         _reported(remark)
-    print("taken from the tests or guessed:", *lines(found.table), sep="\n")
-    print(*check.described(found.study), sep="\n")
+    print("taken from the tests or guessed:", *lines(found.table), *check.examined(found.study), sep="\n")
     print(f"next: look through the guesses in {found.study.file}, then palpate check {found.study.file}")
     return 0
 

@@ -99,7 +99,7 @@ class Study:
     conditions: tuple[Condition, ...]
     condition_sets: Mapping[str, tuple[str, ...]]
     recordings: Mapping[str, Path]
-    cells_per_job: int
+    cells_per_job: int | None
     seed: int
     surrogate: Mapping[str, Any]
     calibration: Mapping[str, Any]
@@ -211,12 +211,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         indenter = Indenter.from_mapping(values["indenter"])
     except InputError as error:
         raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
-    recordings = {name: Path(folder) for name, folder in values.get("recordings", {}).items()}
-    for name in recordings:
-        if name in RESERVED:
-            raise InputError(
-                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
-            )
+    recordings = _recordings(values.get("recordings", {}))
     conditions = tuple(
         _condition(k, entry, settings["points"], recordings, source, tests)
         for k, entry in enumerate(values["conditions"])
@@ -252,6 +247,16 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     study.specification(study.cells[0], conditions[0])
     _check_laboratories(study)
     return study
+
+
+def _recordings(given: Mapping[str, str]) -> dict[str, Path]:
+    """Return the folder of each set of recordings; raises `InputError` where a set has the name of other results."""
+    for name in given:
+        if name in RESERVED:
+            raise InputError(
+                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
+            )
+    return {name: Path(folder) for name, folder in given.items()}
 
 
 def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:

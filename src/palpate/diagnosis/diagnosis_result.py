@@ -17,6 +17,7 @@ from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.scaling_check import similarity
+from palpate.diagnosis.search import Candidate
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
 from palpate.inference.explanation import Fit
@@ -179,6 +180,18 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     ]
 
 
+def _tried(candidate: Candidate) -> dict[str, Any]:
+    """Return the row of an explanation that was fitted."""
+    return {
+        "mechanisms": sorted(candidate.fit.explanation),
+        "log_evidence": candidate.fit.log_evidence,
+        "p_value": candidate.p_value,
+        "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
+        "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
+        "material": material_at(candidate.fit),
+    }
+
+
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
@@ -231,17 +244,7 @@ def to_mapping(
         else None,
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
-        "tried": [
-            {
-                "mechanisms": sorted(candidate.fit.explanation),
-                "log_evidence": candidate.fit.log_evidence,
-                "p_value": candidate.p_value,
-                "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
-                "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
-                "material": material_at(candidate.fit),
-            }
-            for candidate in diagnosis.tried
-        ],
+        "tried": [_tried(candidate) for candidate in diagnosis.tried],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
         | {
             "sigma_nm": base.fit.errors.noise.sigma.tolist(),

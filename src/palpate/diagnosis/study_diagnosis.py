@@ -17,7 +17,6 @@ from palpate.diagnosis.exact_constraints import ExactLaws
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
-from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
 from palpate.recordings.recording import Recording
@@ -34,6 +33,12 @@ def run_diagnosis(
 
     Parameters
     ----------
+    study
+        The study.
+    recordings
+        Name of the set of recordings.
+    report
+        Called with one line on the progress.
     calibrated
         Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
 
@@ -62,8 +67,9 @@ def diagnosed(
         See `run_diagnosis`.
     """
     rng = np.random.default_rng([study.seed, 1])
-    values = calibrated or {name: float(np.mean(levels)) for name, levels in study.levels.items()}
-    problem = Problem.of(study, brought_to_one_load(study, resampled(study, recorded), values, report))
+    problem = Problem.of(study, resampled(study, recorded))
+    if calibrated:
+        problem = problem.at_one_load(calibrated, report)
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
     search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)

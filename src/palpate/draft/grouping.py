@@ -14,7 +14,7 @@ from palpate.draft.methods import of_one_method, with_the_middle_first
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
-from palpate.inference.study_recordings import check_drive
+from palpate.inference.recording_checks import check_drive
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.recordings.segments import segments

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from palpate.draft.prescribed_drive import Drive
-from palpate.inference.study_recordings import LOAD_TOLERANCE
+from palpate.inference.recording_checks import LOAD_TOLERANCE
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.classical import oliver_pharr
+from palpate.classical import TipConstants, oliver_pharr
 from palpate.draft.known_tip import KnownTip
 from palpate.errors import InputError
 from palpate.recordings.readers.zero import begins_off_contact
@@ -75,7 +75,7 @@ def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> t
     """Return modulus and hardness [GPa] by unloading, NaN where it does not tell them."""
     with suppress(InputError):
         area = tip.area_at(float(recording.depth.max()))
-        found = oliver_pharr(recording.load, recording.depth, poisson_ratio, area=area)
+        found = oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=TipConstants(area) if area else None)
         return found.modulus, found.hardness
     return math.nan, math.nan
 

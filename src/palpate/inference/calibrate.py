@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -74,6 +74,8 @@ def calibrate(
 
     Parameters
     ----------
+    settings
+        How to calibrate; the defaults when not given.
     problem
         The recordings and the forward model. Conditions that take no part are only judged.
     surrogates
@@ -100,7 +102,7 @@ def calibrate(
     fitted = {name: problem.recorded[name] for name in problem.names}
     first = genetic_search(surrogates, fitted, bounds, rng, settings.genetic, settings.objective, settings.aggregated)
     report(f"genetic search: {first.evaluations} evaluations")
-    fit, problem = under_own_loads(problem, settings, [first.values, *first.starts], rng, report)
+    problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
     found, solved = intervals(fit, rng), {}
     for name, curve in fit.everywhere.items():
@@ -129,46 +131,40 @@ def calibrate(
     )
 
 
-def under_own_loads(
+def base_fit(
     problem: Problem,
     settings: CalibrationSettings,
     starts: Sequence[Mapping[str, float]],
     rng: np.random.Generator,
     report: Callable[[str], None],
-) -> tuple[Fit, Problem]:
-    """Return the fit of the base model, and the problem whose tests are brought to the loads of their conditions.
+) -> tuple[Problem, Fit]:
+    """Fit the base model from parameters by name, and from places scattered over the ranges.
 
-    Where tests have loads of their own, that is done at the first of the `starts`, and once more at the estimate, from
-    which the fit then goes on (`palpate.inference.own_loads`). Other arguments are those of `calibrate`.
+    Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
+    estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
+    replicates the noise is what a first fit leaves beside slow trends, see
+    `palpate.inference.covariance.noise_of`.
 
     Parameters
     ----------
-    problem, settings, rng, report
-        As for `calibrate`.
+    problem
+        The recordings and the forward model.
+    settings
+        For the scatter between sites and the error of the solver.
     starts
-        Parameters by name, the optimum on the surrogates first.
+        Parameters by name.
+    rng
+        Source of the scattered points.
     """
-    if not any(item.own for item in problem.recorded.values()):
-        return base_fit(problem, settings, starts[1:], rng), problem
-    moved = replace(problem, recorded=problem.forward.at_one_load(problem.recorded, starts[0], report))
-    fit = base_fit(moved, settings, starts[1:], rng)
-    estimate = fit.coordinates.named(fit.z)
-    moved = replace(problem, recorded=problem.forward.at_one_load(problem.recorded, estimate, report))
-    return base_fit(moved, settings, [estimate], rng), moved
-
-
-def base_fit(
-    problem: Problem, settings: CalibrationSettings, starts: Sequence[Mapping[str, float]], rng: np.random.Generator
-) -> Fit:
-    """Fit the base model from parameters by name, and from places scattered over the ranges.
-
-    Without replicates the noise is what a first fit leaves beside slow trends, see
-    `palpate.inference.covariance.noise_of`.
-    """
-    fitter, coordinates = Fitter(problem, settings.site_scatter, settings.solver_error), problem.forward.coordinates
+    brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
+    fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
     begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
     fit = fitter.base([*begin, *fitter.scattered(rng)])
-    if problem.replicated:
-        return fit
-    fitter.use_residual_as_noise(fit.residual)
-    return fitter.fitted((), [fit.z], fit.curve)
+    if brought is not problem:
+        brought = problem.at_one_load(coordinates.named(fit.z), report)
+        fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
+        fit = fitter.base([fit.z])
+    if not problem.replicated:
+        fitter.use_residual_as_noise(fit.residual)
+        fit = fitter.fitted((), [fit.z], fit.curve)
+    return brought, fit

@@ -139,7 +139,17 @@ class Fitter:
         depth: np.ndarray,
         effects: Mapping[str, np.ndarray] | None = None,
     ) -> Errors:
-        """Return the errors of the mean curves about `depth` (n_all,) [nm], with the amplitudes at coordinates z."""
+        """Return the errors of the mean curves about `depth` (n_all,) [nm], with the amplitudes at coordinates z.
+
+        Parameters
+        ----------
+        explanation, z
+            Mechanisms, and coordinates (k,) of the explanation.
+        depth : ndarray, shape (n_all,)
+            Simulated curves [nm].
+        effects
+            What mechanisms add to the curves (n_all,) [nm], where it is known.
+        """
         own = own_amplitudes(self.problem.amplitudes(explanation, z)) if explanation else ()
         if own not in self._noise:
             self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)

@@ -5,8 +5,8 @@ with the noise of the recordings, the error of the solver, and the prior of `pal
 model does not explain the recordings to these errors, chi-square is divided by its ratio to the degrees of freedom
 (R. T. Birge, Phys. Rev. 40 (1932) 207-227), so that the intervals are wider by the root of that.
 
-A parameter is identified when its interval is narrower than half its range and the estimate lies on no limit of the
-law: an interval that fills most of the range says little more than the range did.
+A parameter is identified when its interval is narrower than half its range and does not end at a limit of the law: an
+interval that fills most of the range says little more than the range did.
 """
 
 from __future__ import annotations
@@ -52,5 +52,6 @@ def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
     lower, upper = np.minimum(lower, fit.z), np.maximum(upper, fit.z)
     at_bound = fit.coordinates.at_limit(fit.z)
-    identified = (upper - lower < WIDEST_IDENTIFIED) & ~at_bound
+    open_ended = at_bound | fit.coordinates.at_limit(lower) | fit.coordinates.at_limit(upper)
+    identified = (upper - lower < WIDEST_IDENTIFIED) & ~open_ended
     return Intervals(lower, upper, at_bound, identified, np.atleast_2d(np.corrcoef(draws.T)), fit.misfit_ratio)

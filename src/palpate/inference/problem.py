@@ -8,7 +8,7 @@ unit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -55,6 +55,15 @@ class Problem:
         """Put those conditions of a study together whose recordings have the role ``calibrate``."""
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
         return cls(conditions, recorded, FiniteElements.of(study, [c.name for c in conditions]), scale_of(study))
+
+    def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
+        """Return the problem with each replicate brought to the load of its condition, with the material's `values`.
+
+        See `palpate.inference.own_loads`.
+        """
+        if not any(item.own for item in self.recorded.values()):
+            return self
+        return replace(self, recorded=self.forward.at_one_load(self.recorded, values, report))
 
     @cached_property
     def observed(self) -> dict[str, Observation]:

@@ -45,8 +45,8 @@ class Surrogates:
     def at_one_load(
         self, observed: Mapping[str, Observation], values: Mapping[str, float], report: Callable[[str], None]
     ) -> dict[str, Observation]:
-        """See `Forward`: surrogates know one load, under which replicates stay as they are."""
-        return dict(observed)
+        """Raise `InputError`: surrogates know one load alone."""
+        raise InputError("surrogates know one load for each condition", remedy="fit on the finite elements")
 
     def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Surrogates:
         """Raise `InputError`: surrogates know the base model alone."""

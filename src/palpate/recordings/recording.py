@@ -52,23 +52,9 @@ class Recording:
             raise InputError("time, load and depth differ in length", remedy="give one value of each a point")
         if self.stiffness is not None and len(self.stiffness) != len(self.time):
             raise InputError("time and stiffness differ in length", remedy="give one value of each a point")
-        for key, values in (("time_s", self.time), ("load_mN", self.load), ("depth_nm", self.depth)):
-            if not np.all(np.isfinite(values)):
-                row = int(np.flatnonzero(~np.isfinite(values))[0])
-                raise InputError(
-                    f"{key} is not a number at point {row + 1}", remedy="remove the point or fill it in", place=key
-                )
+        check_points(self.time, self.load, self.depth)
         if len(self.time) == 0:
             raise InputError("the recording is empty", remedy="export the test again")
-        steps = np.diff(self.time)
-        if np.any(steps <= 0):
-            row = int(np.flatnonzero(steps <= 0)[0])
-            raise InputError(
-                f"time does not increase from point {row + 1} ({self.time[row]:g} s) to point {row + 2} "
-                f"({self.time[row + 1]:g} s)",
-                remedy="sort the points and drop repeated times",
-                place="time_s",
-            )
 
     def __len__(self) -> int:
         return len(self.time)
@@ -156,6 +142,31 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: int = 1) -> None:
+    """Check that points (n,) are numbers and their times increase; the number of the `first` one is for messages.
+
+    Raises
+    ------
+    InputError
+        When one is not, or does not.
+    """
+    for key, values in (("time_s", time), ("load_mN", load), ("depth_nm", depth)):
+        if not np.all(np.isfinite(values)):
+            row = first + int(np.flatnonzero(~np.isfinite(values))[0])
+            raise InputError(
+                f"{key} is not a number at point {row}", remedy="remove the point or fill it in", place=key
+            )
+    steps = np.diff(time)
+    if np.any(steps <= 0):
+        row = int(np.flatnonzero(steps <= 0)[0])
+        raise InputError(
+            f"time does not increase from point {first + row} ({time[row]:g} s) to point {first + row + 1} "
+            f"({time[row + 1]:g} s)",
+            remedy="sort the points and drop repeated times",
+            place="time_s",
+        )
 
 
 def _told_apart(time: np.ndarray) -> bool:

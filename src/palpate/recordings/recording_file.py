@@ -1,11 +1,12 @@
 """Recordings in CSV files: found in a folder, read and checked.
 
-Large files are read by columns, in blocks; what such a reader does not accept is read again line by line, which says
-what is wrong and where.
+Files are read by columns, large ones in blocks; what such a reader does not accept is read again line by line, which
+says what is wrong and where.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,18 +17,21 @@ import numpy as np
 
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
-from palpate.recordings.recording import APART, HEADER, WITH_STIFFNESS, Recording
+from palpate.recordings.recording import APART, HEADER, WITH_STIFFNESS, Recording, check_points
 from palpate.study.protocol import DISPLACEMENT, LOAD
 
 LOAD_HISTORY = "time_s,load_mN"
 DISPLACEMENT_HISTORY = "time_s,displacement_nm"
-LARGE = 1_000_000  # bytes, from which a file is read by columns
+BLOCK = 1 << 22  # bytes that are read at once
+MOST = 200_000  # points that are kept of one recording
+LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
 
 
 def recording_files(folder: Path) -> list[Path]:
     """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
     files = folder.iterdir() if folder.is_dir() else ()
-    return sorted(file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
+    chosen = (file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
+    return sorted(chosen, key=lambda file: file.name)
 
 
 def condition_of(file: Path) -> str:
@@ -142,24 +146,52 @@ def _columns(lines: Iterable[tuple[int, str]], width: int, path: Path, notes: li
     return np.frombuffer(numbers, dtype=float).reshape(-1, width).T.copy()
 
 
+def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
+    """Return the columns (n,) of numbers in the lines of a small file; nothing where they hold anything else."""
+    rows = [line for _, line in lines if line.strip()]
+    try:
+        found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.empty((0, 0))
+    except ValueError:
+        return None
+    return list(found.T.copy()) if found.shape[1] == width else None
+
+
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
-    """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else."""
+    """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
+
+    Of more than `MOST` points every second, third, ... is kept, and the last: curves are compared at a hundred times.
+
+    Raises
+    ------
+    InputError
+        When a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
+    """
     import pyarrow as pa
     from pyarrow import csv
 
     names = [str(k) for k in range(width)]
-    reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=1 << 23)
+    reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=BLOCK)
     converting = csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()), null_values=[])
-    parts: list[list[np.ndarray]] = [[] for _ in names]
+    kept, count, every = list[np.ndarray](), 0, math.ceil((_line_count(path) - header) / MOST)
     try:
         with csv.open_csv(path, read_options=reading, convert_options=converting) as stream:
+            last = np.empty((width, 0))
             for block in stream:
-                for own, column in zip(parts, block.columns, strict=True):
-                    own.append(column.to_numpy())
+                rows = np.column_stack([last, np.array([column.to_numpy() for column in block.columns])])
+                check_points(rows[0], rows[1], rows[2], first=count + 1 - last.shape[1])
+                kept.append(rows[:, last.shape[1] + -count % every :: every].copy())
+                last, count = rows[:, -1:].copy(), count + len(block)
     except pa.ArrowInvalid:
         return None
-    found = [np.concatenate(parts.pop(0)) for _ in names if parts[0]]
-    return found if found and all(np.isfinite(column).all() for column in found) else None
+    if count and (count - 1) % every:
+        kept.append(last)
+    return list(np.concatenate(kept, axis=1)) if kept else None
+
+
+def _line_count(path: Path) -> int:
+    """Return how many lines of a file are ended."""
+    with path.open("rb") as stream:
+        return sum(block.count(b"\n") for block in iter(lambda: stream.read(BLOCK), b""))
 
 
 def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recording:
@@ -182,9 +214,10 @@ def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recor
             place=f"line {number}",
         )
     width = len(header.split(","))
-    found = _by_columns(path, number, width) if large else None
-    time, load, depth, *stiffness = _columns(lines, width, path, notes) if found is None else found
+    rest = lines if large else list(lines)
     try:
+        found = _by_columns(path, number, width) if large else _at_once(rest, width)
+        time, load, depth, *stiffness = _columns(rest, width, path, notes) if found is None else found
         return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
     except InputError as error:
         raise error.located(file=path) from None

@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
+import math
 import os
 import zipfile
 import zlib
@@ -31,6 +32,8 @@ from palpate.study.specification import Specification, of_equivalent_cone
 
 STORE = Path("results/store")
 AT_ONCE = 2 * LANES
+LEAST_CELLS = 24  # of a job: seconds of work, so that its start, two seconds, is not most of it
+JOBS = 400  # of a large study: Snakemake plans thousands of jobs in minutes, hundreds in seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,11 +105,15 @@ def address(specification: Specification) -> str:
 
 
 def plan(study: Study) -> list[Batch]:
-    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone."""
-    cells, size = study.cells, study.cells_per_job
+    """Divide the snapshots of a study's calibrate conditions into jobs; the plan rests on the configuration alone.
+
+    A study that does not say how many cells a job takes has about `JOBS` jobs, of at least `LEAST_CELLS` cells each.
+    """
+    cells, groups = study.cells, conditions_by_shape(study)
+    size = study.cells_per_job or max(LEAST_CELLS, math.ceil(len(cells) * len(groups) / JOBS))
     return [
         Batch(f"{conditions[0].name}_{first // size:03d}", study, tuple(conditions), tuple(cells[first : first + size]))
-        for conditions in conditions_by_shape(study)
+        for conditions in groups
         for first in range(0, len(cells), size)
     ]
 
@@ -115,6 +122,17 @@ def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
     """Return the snapshots of a study under one condition."""
     batches = [batch for batch in plan(study) if condition in [each.name for each in batch.conditions]]
     return [snapshot for batch in batches for snapshot in batch.snapshots if snapshot.condition == condition]
+
+
+def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict[str, Any]]:
+    """Return the contents of a study's snapshots under one condition; what is missing is computed with its batch."""
+    contents: list[dict[str, Any]] = []
+    for batch in plan(study):
+        own = [place(each.address, store) for each in batch.snapshots if each.condition == condition]
+        if None in map(_intact, own):
+            computed(batch.snapshots, store)
+        contents += map(read, own)
+    return contents
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
@@ -149,29 +167,22 @@ def computed(
 ) -> list[dict[str, Any]]:
     """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
 
-    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are.
-
-    Parameters
-    ----------
-    snapshots
-        What is needed.
-    store
-        Folder of the curves.
-    report
-        Called with one line on the progress.
-    solve
-        Simulates specifications.
+    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are. A cell that lacks one of
+    its conditions is solved under all of them, because of those that differ in size alone the first is simulated: what
+    was interrupted goes on to the last bit as if it had not been.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
-    missing = [snapshot for snapshot in snapshots if found[snapshot.address] is None]
+    lacking = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}
+    missing = [snapshot for snapshot in snapshots if tuple(snapshot.cell.values()) in lacking]
     at_once = AT_ONCE * len({snapshot.condition for snapshot in snapshots})
     for first in range(0, len(missing), at_once):
         chosen = missing[first : first + at_once]
         simulations = solve([snapshot.specification for snapshot in chosen])
         for snapshot, simulation in zip(chosen, simulations, strict=True):
-            file = place(snapshot.address, store)
-            write(file, simulation, snapshot.cell, snapshot.condition)
-            found[snapshot.address] = read(file)
+            if found[snapshot.address] is None:
+                file = place(snapshot.address, store)
+                write(file, simulation, snapshot.cell, snapshot.condition)
+                found[snapshot.address] = read(file)
         seconds = sum(simulation.solver_seconds for simulation in simulations)
         report(f"{first + len(chosen)} of {len(missing)} snapshots computed, {seconds:.1f} s")
     report(f"{len(snapshots)} snapshots, {len(missing)} computed")

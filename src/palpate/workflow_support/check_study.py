@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given, written_by_workflow
+from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import AreaFunction
 from palpate.surrogate import PODRBF
@@ -20,8 +22,13 @@ MOST_CHECKED = 3000  # snapshots; beyond, checking takes longer than a minute
 UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
 
 
-def checked(study: Study) -> Study:
+def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | None = None) -> Study:
     """Check a study's recordings, the settings of its calibration and what its diagnosis considers, and return it.
+
+    Parameters
+    ----------
+    look
+        See `palpate.inference.study_recordings.check_given`.
 
     Raises
     ------
@@ -32,7 +39,7 @@ def checked(study: Study) -> Study:
     _check_concealed(study)
     _check_reference(study)
     _check_surrogate(study)
-    check_given(study)
+    check_given(study, look)
     try:
         settings_of(study)
     except InputError as error:

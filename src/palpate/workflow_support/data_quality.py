@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.inference.study_recordings import find, written_by_workflow
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording, recording_files
+from palpate.recordings.recording_file import recording_files
 from palpate.study.recorded_history import averaged_noise, averaged_over
 
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
@@ -20,29 +19,23 @@ PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
-def data_quality(study: Study, name: str) -> Iterator[str]:
-    """Report the anomalies of set `name`.
+def doubts(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator[str]:
+    """Say what is odd about the tests of a condition.
 
-    Files that are not read; tests much deeper or shallower than the others of their condition, that begin elsewhere
-    than at contact, or last longer than the load that is followed; jumps of the depth, pulls on the tip, and loads that
-    are averaged as they are noisy or oscillate.
+    Those much deeper or shallower than the others, that begin elsewhere than at contact, or last longer than the load
+    that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or oscillate.
     """
-    if written_by_workflow(study, name):
-        return
-    yield from _passed_over(study.recordings[name])
-    for condition, files in find(study, name).items():
-        tests = [read_recording(file) for file in files]
-        yield from _apart(tests)
-        for test in filter(begins_off_contact, tests):
-            yield (
-                f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of this depth is "
-                "counted (`palpate read --contact auto` finds the contact point)"
-            )
-        yield from _jumps(tests)
-        yield from _pulled(tests)
-        yield from _averaged(study.condition(condition), tests)
-        if study.condition(condition).follows and not study.condition(condition).own_loads:
-            yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
+    yield from _apart(tests)
+    for test in filter(begins_off_contact, tests):
+        yield (
+            f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
+            "(`palpate read --contact auto` finds the contact point)"
+        )
+    yield from _jumps(tests)
+    yield from _pulled(tests)
+    yield from _averaged(study.condition(condition), tests)
+    if study.condition(condition).follows and not study.condition(condition).own_loads:
+        yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
 
 
 def _apart(tests: Sequence[Recording]) -> Iterator[str]:
@@ -57,8 +50,8 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
             )
 
 
-def _passed_over(folder: Path) -> Iterator[str]:
-    """Report files of a folder of recordings that are not read."""
+def passed_over(folder: Path) -> Iterator[str]:
+    """Say which files of a folder of recordings are not read."""
     visible = {file for file in folder.iterdir() if file.is_file() and not file.name.startswith(".")}
     for file in sorted(visible.difference(recording_files(folder))):
         yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"

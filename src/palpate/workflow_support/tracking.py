@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
+import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -47,12 +48,29 @@ def send(folder: Path, report: Callable[[str], None] = print) -> list[str]:
         try:
             _send(read_json(folder / name))
         except Exception as error:  # a server may answer with anything; results never depend on it
-            words = " ".join(str(error).split())[:200]
+            words = _problem(str(error))
             report(f"tracking: {len(waiting) - number} records stay on disk ({words}); palpate track --send sends them")
             return waiting[number:]
         sent = read_json(ledger) if ledger.is_file() else {}
         write_json(ledger, {**sent, name: checksum(folder / name)})
     return []
+
+
+def _problem(words: str) -> str:
+    """Return in one line what MLflow says, with the remedy where its own words lack it."""
+    uri = _uri()
+    if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", words):
+        return (
+            f"{uri.removeprefix('sqlite:///')} is of another version of MLflow, schema {found[1]} where {found[2]} is "
+            f"expected: move it away, or if it is older run mlflow db upgrade {uri}"
+        )
+    if "filesystem tracking backend" in words:
+        return f"MLFLOW_TRACKING_URI is {uri}, a folder, which MLflow writes no more: name a server or {STORE}"
+    return " ".join(words.split())[:200]
+
+
+def _uri() -> str:
+    return os.environ.get("MLFLOW_TRACKING_URI") or STORE
 
 
 def pending(folder: Path) -> list[str]:
@@ -70,7 +88,7 @@ def _send(record: Mapping[str, Any]) -> None:
     import mlflow
 
     logging.getLogger("mlflow").setLevel(logging.ERROR)
-    uri = os.environ.get("MLFLOW_TRACKING_URI") or STORE
+    uri = _uri()
     with _alone(uri):
         mlflow.set_tracking_uri(uri)
         client = mlflow.MlflowClient()

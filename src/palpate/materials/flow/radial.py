@@ -131,7 +131,9 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     further = log_q + order * 2.0 * (rho - last) / (rho + last)
     log_q = where_less(log_q, constant(rho, UNKNOWN), rough_log(rho) - rough_log(entry(step, COMPLIANCE)), further)
     q, order, push, change = rho, rho, rho, rho
+    found, found_log, found_order, found_push = rho, rho, rho, rho
     lowest, highest = constant(rho, LOWEST), constant(rho, HIGHEST)
+    zero, open = constant(rho, 0.0), constant(rho, 1.0)  # one in lanes that have not converged
     for _ in range(ITERATIONS):
         q = exponential(log_q)
         total, slope, curve, by_pressure = compliance(q, log_q, pressure, law, step)
@@ -145,23 +147,26 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
         push = by_pressure / growth
         change = (2.0 + (2.0 / 3.0) * excess * excess) * excess * order
         bent = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
-        change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, constant(bent, 0.0))
+        change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, zero)
         order = order + 2.0 * bent * order
-        if greatest(magnitude(change)) < TOLERANCE:
-            log_q = log_q - change
+        found = where_less(zero, open, q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0)))), found)
+        found_log = where_less(zero, open, log_q - change, found_log)
+        found_order, found_push = where_less(zero, open, order, found_order), where_less(zero, open, push, found_push)
+        open = where_less(constant(rho, TOLERANCE), magnitude(change), open, zero)
+        if greatest(open) == 0.0:
             break
-        if greatest(magnitude(excess)) > FAR:
+        if greatest(where_less(zero, open, magnitude(excess), zero)) > FAR:
+            away = where_less(constant(rho, FAR), magnitude(excess), open, zero)
             far = logarithm(value / rho) * both * inverse * total * total
             far = where_less(far, constant(far, DOWN), far, constant(far, DOWN))
             far = where_less(far, constant(far, -UP), constant(far, -UP), far)
-            highest = where_less(rho, value, log_q, highest)
-            lowest = where_less(value, rho, log_q, lowest)
+            highest = where_less(zero, away, where_less(rho, value, log_q, highest), highest)
+            lowest = where_less(zero, away, where_less(value, rho, log_q, lowest), lowest)
             middle = log_q - 0.5 * (lowest + highest)
             far = where_less(far, log_q - lowest, where_less(log_q - highest, far, far, middle), middle)
-            change = where_less(constant(far, FAR), magnitude(excess), far, change)
+            change = where_less(zero, away, far, change)
         log_q = log_q - change
-    q = q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0))))
-    push = constant(push, 0.0) - push * q
+    q, log_q, order, push = found, found_log, found_order, zero - found_push * found
     if whole(law, YIELD) > 0:
         least, _, _ = threshold(alpha, pressure, law, step)
         if greatest(q - least) > 0.0:
@@ -181,17 +186,23 @@ def flow(rho, q, log_q, order, push, least, alpha, pressure, law, step):
     slip = where_less(slip, floor, floor, slip) / share
     highest = logarithm(slip)
     lowest, log_slip = highest - DEEP, highest
-    new, slope, growth, by_pressure, hardening, by_strength = rho, rho, rho, rho, rho, rho
+    new, growth, by_pressure, hardening, by_strength = rho, rho, rho, rho, rho
+    open = where_less(least, q, constant(rho, 1.0), nothing)  # one in lanes that flow and have not converged
     for _ in range(ITERATIONS):
         slip = exponential(log_slip)
-        new, hardening, by_strength = threshold(alpha + slip, pressure, law, step)
-        total, slope, _, by_pressure = compliance(new, logarithm(new), pressure, law, step)
-        growth = total + slope
-        excess = total * new + share * slip - rho
-        slope = growth * hardening + share
-        change = excess / slope
-        if greatest(where_less(least, q, magnitude(excess), nothing) / rho) < SQUARED:
-            slip, new = slip - change, new - hardening * change
+        stress, harder, by_stress = threshold(alpha + slip, pressure, law, step)
+        total, slope, _, by_push = compliance(stress, logarithm(stress), pressure, law, step)
+        excess = total * stress + share * slip - rho
+        change = excess / ((total + slope) * harder + share)
+        closing = where_less(magnitude(excess) / rho, constant(rho, SQUARED), harder * change, nothing)
+        new, growth = where_less(nothing, open, stress - closing, new), where_less(nothing, open, total + slope, growth)
+        hardening, by_strength = (
+            where_less(nothing, open, harder, hardening),
+            where_less(nothing, open, by_stress, by_strength),
+        )
+        by_pressure = where_less(nothing, open, by_push, by_pressure)
+        open = where_less(constant(rho, SQUARED), magnitude(excess) / rho, open, nothing)
+        if greatest(open) == 0.0:
             break
         highest = where_less(nothing, excess, log_slip, highest)
         lowest = where_less(nothing, excess, lowest, log_slip)

@@ -15,7 +15,9 @@ from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import lacking, read_columns
 from palpate.recordings.readers.source import Source, number_of
+from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
+from palpate.recordings.readers.unknown import unknown
 from palpate.recordings.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -27,6 +29,7 @@ from palpate.recordings.readers.vendor import (
     messages,
     refuse_corrections,
     sound,
+    unless_all_fail,
 )
 from palpate.recordings.readers.zero import zeroed_each
 
@@ -108,7 +111,7 @@ def read_each(
     source = Source(path, content)
     try:
         tests = [_printable(test) for test in _whole(source, corrections, columns)]
-        return zeroed_each(path, tests, contact)
+        return unless_all_fail([set_aside(source, test) for test in zeroed_each(path, tests, contact)])
     except InputError as error:
         raise error.located(file=path) from None
 
@@ -176,13 +179,13 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
-    if columns is not None:
+    if columns is not None and not source.container:
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    missing = lacking(source)
+    missing = None if source.container else lacking(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
         raise InputError(
@@ -190,14 +193,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
             remedy=f"export the {missing} too, or name its column (--columns time=...,load=...,depth=...)",
             file=source.path,
         )
-    first = " ".join(source.first.split())
-    begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
-    raise InputError(
-        f"is of no format that palpate knows{begins}",
-        remedy="name the columns of its table (--columns time=...,load=...,depth=...); "
-        "`palpate read --formats` lists formats and units",
-        file=source.path,
-    )
+    raise unknown(source)
 
 
 def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
@@ -235,8 +231,8 @@ def select(
     named = {test.name: test for test in tests}
     numbered = {number_of(test.name) or count: test for count, test in enumerate(tests, 1)}
     if wanted in named:
-        return sound(named[wanted])
+        return sound(taken(named[wanted]))
     if wanted.isdecimal() and int(wanted) in numbered:
-        return sound(numbered[int(wanted)])
+        return sound(taken(numbered[int(wanted)]))
     names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

@@ -6,54 +6,82 @@ These files mark no contact; time and depth are counted from the start of the cu
 
 from __future__ import annotations
 
+import logging
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from palpate.errors import InputError
-from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
+from palpate.recordings.readers.igor import is_wave, sampling
+from palpate.recordings.readers.source import HDF5, ZIP, Source
+from palpate.recordings.readers.vendor import (
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    attempt,
+    refuse_corrections,
+    unless_all_fail,
+    usable,
+)
 from palpate.recordings.recording import Recording
 
-HDF5, IGOR, ZIP = b"\x89HDF\r\n", b"\x05\x00", b"PK\x03\x04"
-JPK_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data")
-CHANNELS = ("time", "force", "height (measured)")
+JPK_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series")
+HEIGHTS = ("height (measured)", "height (piezo)")
+BY_PIEZO = "the height is the piezo's voltage, not a sensor's: creep and hysteresis of the piezo are in the depth"
+UNCALIBRATED = "calibrate the cantilever in the vendor's program and save the curve again, or export its force as text"
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file is HDF5, an Igor wave with a spring constant, or a zip archive of JPK's properties."""
+    """Return whether this is a file of ``afmformats``, an Igor wave of a cantilever, or a zip archive of JPK's."""
     return _ending(source) is not None
 
 
 def _ending(source: Source) -> str | None:
     """Return the ending by which ``afmformats`` knows the format."""
     content = source.content
-    if content.startswith(HDF5):
+    if content.startswith(HDF5) and b"afmformats" in content:
         return ".h5"
-    if content.startswith(IGOR) and b"SpringConstant" in content:
+    if is_wave(content):
         return ".ibw"
     if content.startswith(ZIP) and b"header.properties" in content:
         return source.path.suffix if source.path.suffix in JPK_ENDINGS else JPK_ENDINGS[0]
     return None
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read all curves of the file, with their approach."""
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+    """Read all curves of the file, with their approach.
+
+    Raises
+    ------
+    InputError
+        When the library is missing, the file states no spring constant, or no curve can be read.
+    """
     refuse_corrections(source, corrections)
+    ending = _ending(source)
+    if ending == ".ibw" and b"SpringConstant:" not in source.content:
+        raise _lacking("spring constant")
     try:
         from afmformats import errors, load_data
     except ImportError as error:
         raise InputError(
             "force curves need the library afmformats", remedy="install it: pip install afmformats", file=source.path
         ) from error
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / f"curve{_ending(source)}"
+    with tempfile.TemporaryDirectory() as folder, _silence():
+        copy = Path(folder) / f"curve{ending}"
         copy.write_bytes(source.content)
         try:
-            curves = load_data(copy)
-            tests = [_test(source, number, curve) for number, curve in enumerate(curves, 1)]
-        except InputError:
-            raise
-        except (Exception, errors.AFMFileFormatError, errors.MissingMetaDataError) as error:
+            tests = [
+                attempt(source.path, f"curve {number}", _test, source, number, curve)
+                for number, curve in enumerate(load_data(copy), 1)
+            ]
+        except errors.MissingMetaDataError as error:
+            raise _lacking(*error.meta_keys) from error
+        except (Exception, errors.AFMFileFormatError) as error:
             raise InputError(
                 f"afmformats cannot read it ({type(error).__name__})",
                 remedy="copy or export it again",
@@ -61,23 +89,56 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
             ) from error
     if not tests:
         raise InputError("holds no force curve", remedy="export force-distance curves", file=source.path)
-    return tests
+    return unless_all_fail(tests)
 
 
-def _test(source: Source, number: int, curve) -> VendorTest:
+def _test(source: Source, number: int, curve: Any) -> VendorTest:
     """Return one curve of ``afmformats`` as a test."""
-    stiffness = curve.metadata.get("spring constant", 0.0)
-    missing = [name for name in CHANNELS if name not in curve] + ([] if stiffness > 0 else ["spring constant"])
+    stiffness = float(curve.metadata.get("spring constant", 0.0))
+    if not stiffness > 0:
+        raise _lacking("spring constant")
+    names = [name for name in HEIGHTS if name in curve]
+    missing = ["height"] * (not names) + ["force"] * ("force" not in curve)
     if missing:
-        raise InputError(f"curve {number} lacks {', '.join(missing)}", remedy="export it calibrated", file=source.path)
-    time, force, height = (curve[name] for name in CHANNELS)
+        raise InputError(f"lacks {' and '.join(missing)}", remedy="export it calibrated")
+    force, height = np.asarray(curve["force"]), np.asarray(curve[names[0]])
+    time, told = (np.asarray(curve["time"]), ()) if "time" in curve else _time(source, len(force))
     depth = -1e9 * (height + force / stiffness)
     kept, warnings = usable(source, f"curve {number}", time, force, depth)
     time, force, depth = time[kept], force[kept], depth[kept]
+    if names[0] != HEIGHTS[0]:
+        told = (*told, BY_PIEZO)
     notes = (f"from {source.path.name}",)
     recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts, warnings)
+    return VendorTest(str(number), recording, facts, (*warnings, *told))
+
+
+def _time(source: Source, count: int) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return the times [s] of the `count` points of an Igor wave, which has no column of them."""
+    if not is_wave(source.content):
+        raise InputError("lacks time", remedy="export it with time")
+    step, told = sampling(source.content)
+    return step * np.arange(count), told
+
+
+def _lacking(*names: str) -> InputError:
+    """Return the error of a curve whose deflection is no force."""
+    return InputError(f"states no {' and no '.join(names)}, so that its deflection is no load", remedy=UNCALIBRATED)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the libraries from printing what they meet; the caller says it in one line."""
+    loggers = [logging.getLogger(name) for name in ("afmformats", "igor2")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5; by afmformats)", matches, read)

@@ -11,12 +11,11 @@ Stiffness".
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import number
+from palpate.recordings.readers.sheets_of_tests import channel, facts_of, first_of, headings_of, surface, tests_of
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import (
     Corrections,
@@ -29,53 +28,68 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
-DEPTH, LOAD, TIME = "Displacement Into Surface", "Load On Sample", "Time On Sample"
-CHANNELS = {TIME: "time", LOAD: "load", DEPTH: "depth"}
-RAW = {TIME: "time", LOAD: "load", "Raw Displacement": "depth", "Raw Load": "load"}
-ALSO = {LOAD: "Force On Surface", TIME: "Time in Contact"}  # by the method of the test
+CHANNELS = {
+    "time": ("time on sample", "time in contact"),
+    "load": ("load on sample", "force on surface"),
+    "depth": ("displacement into surface",),
+}
 DRIFT, FRAME = "Drift Correction [nm/s]", "Frame Stiffness"
-STIFFNESS = {True: "Harmonic Contact Stiffness", False: "Harmonic Stiffness"}
+STIFFNESS = {True: "harmonic contact stiffness", False: "harmonic stiffness"}
 
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    choices = [(name, ALSO.get(name, name)) for name in CHANNELS]
-    return any(source.has_test_with(set(spelt)) for spelt in itertools.product(*choices))
+    return any(_names(source, sheet) for sheet in tests_of(source))
+
+
+def _names(source: Source, sheet: str) -> dict[str, str]:
+    """Return what a sheet calls its channels; empty where it lacks one."""
+    headings = headings_of(source, sheet)
+    found = {key: first_of(headings, spellings) for key, spellings in CHANNELS.items()}
+    return {key: name for key, name in found.items() if name} if all(found.values()) else {}
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
-    results, inputs = source.by_test("Results"), source.by_test("Required Inputs")
-    facts = {sheet: inputs.get(number, {}) | results.get(number, {}) for sheet, number in source.tests.items()}
+    facts = facts_of(source, ("Required Inputs", "Results"))
     return unless_all_fail(
-        [attempt(source.path, sheet, _test, source, sheet, facts[sheet], corrections) for sheet in facts]
+        [
+            attempt(source.path, sheet, _test, source, sheet, facts.get(number, {}), corrections)
+            for sheet, number in tests_of(source).items()
+        ]
     )
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
     """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
-    named = {str(cell).strip() for row in source.sheet(sheet)[:1] for cell in row}
-    wanted = CHANNELS if corrections is None else RAW
-    spelt = {name if name in named else ALSO.get(name, name): unit for name, unit in wanted.items()}
-    channels = source.columns(sheet, spelt)
+    names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
+    channels = {key: channel(source, sheet, name, key) for key, name in names.items()}
+    if corrections is not None:
+        channels["depth"] = channel(source, sheet, "raw displacement", "depth")
+        channels["raw"] = channel(source, sheet, "raw load", "load")
     kept, warnings = usable(source, sheet, *channels.values())
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
-    surface = int(np.argmax(time >= 0))
+    begin, marked = int(np.argmax(time >= 0)), surface(source, sheet)
+    if begin == 0 and marked is not None and marked <= kept[-1]:
+        begin = int(np.searchsorted(kept, marked))
+        time = time - time[begin]
     measured = STIFFNESS[corrections is None or "frame" in corrections]
+    named = headings_of(source, sheet)
     extra = {
-        name: source.columns(sheet, {name: "stiffness"})[name][kept] for name in (FRAME, measured) if name in named
+        name: channel(source, sheet, name, "stiffness")[kept] for name in (FRAME.casefold(), measured) if name in named
     }
-    if FRAME in extra:
-        metadata = metadata | {f"{FRAME} [N/m]": f"{extra[FRAME][surface]:g}"}
+    frame = float(extra[FRAME.casefold()][begin]) if FRAME.casefold() in extra else 0.0
+    if FRAME.casefold() in extra:
+        metadata = metadata | {f"{FRAME} [N/m]": f"{frame:g}"}
     if corrections is not None:
-        raw = force[0] - force[0][surface]
-        depth = depth - depth[surface]
+        raw = force[0] - force[0][begin]
+        depth = depth - depth[begin]
         if "drift" in corrections:
             depth = depth - _drift(metadata.get(DRIFT)) * time
         if "frame" in corrections:
-            depth = depth - raw * _compliance(float(extra[FRAME][surface]) if FRAME in extra else 0.0)
+            depth = depth - raw * _compliance(frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
     recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
     return VendorTest(sheet, recording, metadata, warnings)

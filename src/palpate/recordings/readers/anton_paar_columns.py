@@ -1,12 +1,19 @@
-"""Anton Paar column exports ``.TXT``: tests side by side, a time before each channel or for all, no settings."""
+"""Anton Paar column exports, as text or in a workbook: tests side by side, a time before each channel or for all.
+
+Where the columns are called ``Time [s]``, ``Pd [nm]``, ``Fn [mN]`` alone, the table is one test.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.numbers_in_text import require_tabs, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import scale
@@ -23,41 +30,104 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
-HEADING = re.compile(r"[XY]_(.+)_(Time|Fn|Pd)_\[(.+)\]")
+HEADING = re.compile(r"(?:[XY]_(.+?)[_ ]+)?(Time|Fn|Pd)[_ ]*[\[({<](.+)[\])}>]", re.IGNORECASE)
 KEYS = {"Time": "time", "Fn": "load", "Pd": "depth"}
 GAP = 10
+HEAD = 10  # rows of a sheet in which its headings are sought
 Series = tuple[np.ndarray, np.ndarray]
+Columns = Sequence[tuple[str, np.ndarray]]
 
 
 def matches(source: Source) -> bool:
-    """Return whether the first line names columns X_..._Time_[s], Y_..._Fn_[mN]."""
-    return source.first.startswith("X_") and "_Time_[" in source.first and "_Fn_[" in source.first
+    """Return whether the first line, or a row on a sheet, names columns X_..._Time_[s], Y_..._Fn_[mN]."""
+    return (
+        _names(source.first.split("\t"))
+        or (source.first.startswith("X_") and "_Time_[" in source.first)
+        or any(_header(source, sheet) is not None for sheet in source.sheets)
+    )
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests; depth is brought to the times of the load. A channel's time is the last one named before it.
 
-    The instrument writes the last point of a segment again as the first of the next; the repetition is dropped.
+    The instrument writes the last point of a segment again as the first of the next; the repetition is dropped. Sheets
+    of a workbook with another table come last, with what is wrong with them.
     """
     refuse_corrections(source, corrections)
+    if not source.workbook:
+        return unless_all_fail(_tests(source, "", _of_text(source)))
+    found = {sheet: attempt(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
+    tests: list[VendorTest | Unreadable] = []
+    for sheet, columns in found.items():
+        if not isinstance(columns, Unreadable):
+            tests += _tests(source, sheet, columns, {test.name for test in tests})
+    others = [replace(columns, sought=False) for columns in found.values() if isinstance(columns, Unreadable)]
+    return [*unless_all_fail(tests), *(sheet for sheet in others if source.sheet(sheet.name))]
+
+
+def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
+    """Return the tests in columns, each with its heading; the sheet's name stands before a test's that is `known`."""
+    time = np.full(len(columns[0][1]), np.nan)
+    tests: dict[str, dict[str, list[Series]]] = {}
+    for heading, values in columns:
+        found = HEADING.fullmatch(heading.strip())
+        if found:
+            key = KEYS[found[2].capitalize()]
+            channel = values * scale(key, found[3])
+            if key == "time":
+                time = channel
+            else:
+                name = found[1] or sheet or source.path.stem
+                tests.setdefault(name, {"load": [], "depth": []})[key].append((time, channel))
+    named = {f"{sheet} {name}" if name in known else name: both for name, both in tests.items()}
+    return [
+        attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in named.items()
+    ]
+
+
+def _names(cells: Sequence[Any]) -> bool:
+    """Return whether cells name the time and the other channels of a test, one of them where it is called by name."""
+    found = [named for cell in cells if (named := HEADING.fullmatch(str(cell).strip()))]
+    keys = {named[2].capitalize() for named in found}
+    return "Time" in keys and len(keys) > (1 if any(named[1] for named in found) else 2)
+
+
+def _header(source: Source, sheet: str) -> int | None:
+    """Return the row of a sheet that names the columns of tests; None where none does."""
+    return next((k for k, row in enumerate(source.sheet(sheet)[:HEAD]) if _names(row)), None)
+
+
+def _of_text(source: Source) -> Columns:
+    """Return the columns of a text file, each with its heading."""
     require_tabs(source.first, source.path)
     start = next(k for k, line in enumerate(source.lines) if line.strip())
     headings = source.lines[start].rstrip().split("\t")
     values = table(source.lines[start + 1 :], start + 2, len(headings), source.path)
-    time = np.full(len(values), np.nan)
-    tests: dict[str, dict[str, list[Series]]] = {}
-    for index, heading in enumerate(headings):
-        found = HEADING.fullmatch(heading.strip())
-        if found:
-            key = KEYS[found[2]]
-            channel = values[:, index] * scale(key, found[3])
-            if key == "time":
-                time = channel
-            else:
-                tests.setdefault(found[1], {"load": [], "depth": []})[key].append((time, channel))
-    return unless_all_fail(
-        [attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in tests.items()]
-    )
+    return list(zip(headings, values.T, strict=True))
+
+
+def _of_sheet(source: Source, sheet: str) -> Columns:
+    """Return the columns of a workbook's sheet, each with its heading."""
+    header = _header(source, sheet)
+    if header is None:
+        raise InputError(
+            "has no columns X_..._Time_[s], Y_..._Fn_[mN]", remedy="read it by --columns, if it holds tests"
+        )
+    first, rows = source.placed_sheet(sheet)
+    names = [str(cell) for cell in rows[header]]
+    wanted = [k for k, name in enumerate(names) if HEADING.fullmatch(name.strip())]
+    cells = [[row[k] for k in wanted] for row in rows[header + 1 :]]
+    if not cells:
+        raise InputError("holds no measured values", remedy="export the test again")
+    values = numbers(cells, lambda row: f"sheet {sheet}, row {first + header + 1 + row}")
+    words = np.argwhere(np.isnan(values))
+    if len(words):
+        row, column = (int(k) for k in words[0])
+        raise InputError(
+            f"{str(cells[row][column])[:40]!r} is no number", remedy="export the test again",
+            place=f"sheet {sheet}, row {first + header + 1 + row}",
+        )  # fmt: skip
+    return list(zip((names[k] for k in wanted), np.where(np.isfinite(values), values, np.nan).T, strict=True))
 
 
 def _test(source: Source, name: str, load: list[Series], depth: list[Series]) -> VendorTest:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.recordings.readers.clock import seconds
-from palpate.recordings.readers.column_map import ColumnMap, columns_of
-from palpate.recordings.readers.decimals import numbers
+from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
+from palpate.recordings.readers.several_tests import Part
 from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from palpate.recordings.readers.tables import NAME_WITH_UNIT, Table, tables_of
 from palpate.recordings.readers.units import CHANNELS, scale
 from palpate.recordings.readers.vendor import (
@@ -32,12 +30,13 @@ from palpate.recordings.recording import Recording
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Read the table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    A table that repeats its header, and begins its time anew there, holds several tests. Sheets that give none, and
-    hold a table, come last, with what is wrong with them: so the tests keep their numbers.
+    A table may hold several tests below one another (`palpate.recordings.readers.several_tests`). Sheets that give
+    none, and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
 
     The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
-    Rows without any number, of units and remarks, do no harm before and after the numbers; other rows without three, or
-    with a time that does not increase, are left out with a warning.
+    Rows without any number, of units and remarks, do no harm before and after the numbers, nor do rows that are written
+    twice or zeros at the end; other rows without three, or with a time that does not increase, are left out with a
+    warning.
 
     Raises
     ------
@@ -46,7 +45,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
         twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
     tables = tables_of(source)
-    found = [[test for test in _tests(table, columns) if test is not None] for table in tables]
+    found = [_tests(table, columns) for table in tables]
     tests = [test for of_table in found for test in of_table]
     if not tests:
         raise nothing_found(tables, columns)
@@ -62,91 +61,39 @@ def lacking(source: Source) -> str | None:
     for rows in [source.sheet(name) for name in source.sheets] or [text]:
         for row, *below in zip(rows, rows[1:], rows[2:], strict=False):
             named = {key: k for k, cell in enumerate(row) if isinstance(cell, str) and (key := channel_of(cell))}
-            if len(named) == len(CHANNELS) - 1 and any(_numeric(cells, named.values()) for cells in below):
+            if len(named) == len(CHANNELS) - 1 and any(is_numeric(cells, named.values()) for cells in below):
                 return next(key for key in CHANNELS if key not in named)
     return None
 
 
-def _numeric(row: Sequence[Any], indices: Iterable[int]) -> bool:
-    """Return whether cells of a row hold digits and no words."""
-    cells = [str(row[k]) if k < len(row) else "" for k in indices]
-    return all(re.search(r"\d", cell) and not is_word(cell) for cell in cells)
-
-
-def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable | None]:
-    """Return the tests in a table: one, or several below one another, each under the same row of names."""
+def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable]:
+    """Return the tests in a table: one, several below one another, or none without the columns or numbers in them."""
     path = table.source.path
-    parts = attempt(path, table.name, _parts, table, columns)
+    body = attempt(path, table.name, body_of, table, columns)
+    if body is None or isinstance(body, Unreadable):
+        return [] if body is None else [body]
+    parts = attempt(path, table.name, parts_of, body)
     if isinstance(parts, Unreadable):
         return [parts]
     names = [f"{table.name}_{number}" for number in range(1, len(parts) + 1)] if len(parts) > 1 else [table.name]
-    return [attempt(path, name, _test, name, part, columns) for name, part in zip(names, parts, strict=True)]
+    return [attempt(path, name, _test, name, body, part, columns) for name, part in zip(names, parts, strict=True)]
 
 
-def _parts(table: Table, columns: ColumnMap) -> list[Table]:
-    """Return the table, cut where its header is repeated and time does not go on; each has what stands above it.
-
-    Where time goes on, the header is repeated within a test.
-    """
-    found = columns_of(table.rows, columns)
-    if found is None:
-        return [table]
-    indices = found[1]
-    header = _header_above(table, indices) if found[0] is None else found[0]
-    if header is None:
-        return [table]
-    repeated = [k for k, row in enumerate(table.rows) if k > header and [*row] == [*table.rows[header]]]
-    if not repeated:
-        return [table]
-    body = table.body(None, indices)
-    time = numbers([[seconds(clock), *others] for clock, *others in body.rows], body.place)[:, 0]
-    cuts = [header]
-    for k in repeated:
-        past, coming = (part[np.isfinite(part)] for part in (time[cuts[-1] : k], time[k:]))
-        if len(past) and len(coming) and coming[0] <= past[-1]:
-            cuts.append(k)
-    return [table.at([*range(header), *range(*part)]) for part in pairwise([*cuts, len(table.rows)])]
-
-
-def _header_above(table: Table, indices: Sequence[int]) -> int | None:
-    """Return the header's row of columns that are given by their numbers; None where numbers come before any."""
-    first = next((k for k, row in enumerate(table.rows) if _numeric(row, indices)), 0)
-    rows = table.body(None, indices).rows[:first]
-    return _names([[str(cell).strip() for cell in row] for row in rows])
-
-
-def _test(name: str, table: Table, columns: ColumnMap) -> VendorTest | None:
-    """Return the test of a name in a table, or None when it has no such columns or no numbers in them."""
-    found = columns_of(table.rows, columns)
-    if found is None:
-        return None
-    named, indices = found
-    body = table.body(named, indices)
-    if not body.rows:
-        return None
-    clock = [seconds(row[0]) for row in body.rows]
-    values = numbers([[time, *others] for time, (_, *others) in zip(clock, body.rows, strict=True)], body.place)
-    whole = np.isfinite(values).all(axis=1)
-    if not whole.any():
-        return None
-    of_numbers = np.flatnonzero(whole) + len(table.rows) - len(body.rows)
-    above = [[str(cell).strip() for cell in row] for row in table.body(None, indices).rows[: of_numbers[0]]]
-    header = _names(above) if named is None else named
-    if named is not None or table.delimiter == ",":
-        _check_width(table, header, of_numbers)
-    kept, warnings = _kept(body, values)
-    units, assumed = _units(columns, above, header, told="s" if clock[kept[0]] != body.rows[kept[0]][0] else None)
+def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorTest:
+    """Return the test of a name from its part of a table."""
+    table, skipped = body.table, len(body.table.rows) - len(body.cells.rows)
+    whole = np.flatnonzero(np.isfinite(part.values).all(axis=1))
+    if body.named is not None or table.delimiter == ",":
+        _check_width(table, body.header, part.rows[whole] + skipped)
+    kept, told = _kept(body.cells.at(part.rows.tolist()), part.values, part.idle)
+    units, assumed = _units(columns, body.above, body.header, told="s" if body.of_clock else None)
+    told = (*body.told, *part.told, *told)
     if assumed:
-        warnings += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
-    time, load, depth = (values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
+        told += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
+    time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
-    return VendorTest(name, recording, facts, warnings)
-
-
-def _names(above: Sequence[Sequence[str]]) -> int | None:
-    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
-    return next((k for k, row in enumerate(above) if all(map(is_word, row)) and not is_row_of_units(row)), None)
+    return VendorTest(name, recording, facts, told)
 
 
 def _units(
@@ -191,29 +138,23 @@ def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
     raise InputError(f"has {len(table.rows[row])} cells, {problem}", remedy=remedy, place=table.place(row))
 
 
-def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def _kept(body: Table, values: np.ndarray, idle: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the rows of `values` (n, 3) that make a test, and what is left out in words.
 
-    Empty cells before the first and after the last whole row are no damage: a channel may begin later or end earlier.
+    Rows that are `idle` (n,) count for nothing. Empty cells before the first and after the last whole row are no
+    damage: a channel may begin later or end earlier.
     """
-    whole, partly = np.isfinite(values).all(axis=1), np.isfinite(values).any(axis=1)
+    whole, partly = np.isfinite(values).all(axis=1) & ~idle, np.isfinite(values).any(axis=1) & ~idle
     complete = np.flatnonzero(whole)
     row = np.arange(len(values))
-    between = (row >= complete[0]) & (row <= complete[-1])
+    between = (row >= complete[0]) & (row <= complete[-1]) & ~idle
     late = np.zeros(len(values), dtype=bool)
     late[complete[~increasing(values[complete, 0])]] = True
     spoilt = ~whole & (between | partly)
     counted = between | (spoilt & (row > complete[-1]) & np.isnan(values).any(axis=1))
     damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(whole & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
-        first = int(damaged[0])
-        cells = ", ".join(str(cell) for cell in body.rows[first])
-        raise InputError(
-            f"{cells!r} {'does not come later than the rows before' if late[first] else 'is not three numbers'}; "
-            f"{len(damaged)} of {counted.sum()} rows cannot be used",
-            remedy="correct them, export the test again, or write each of several tests to a file of its own",
-            place=body.place(first),
-        )
+        raise _too_many(body, values, damaged, late, int(counted.sum()))
     if len(kept) < 2:
         raise InputError("is the only row of numbers", remedy="export the test again", place=body.place(int(kept[0])))
     causes = [
@@ -223,3 +164,15 @@ def _kept(body: Table, values: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]
     ]
     left_out = int((spoilt | late).sum())
     return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+
+
+def _too_many(body: Table, values: np.ndarray, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
+    """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
+    first = int(damaged[0])
+    cells = ", ".join(str(cell) for cell in body.rows[first])
+    what = "does not come later than the rows before" if late[first] else "is not three numbers"
+    remedy = "correct them, export the test again, or write each of several tests to a file of its own"
+    if late[damaged].all() and (values[late, 0] == np.fmax.accumulate(values[:, 0])[late]).all():
+        what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
+    problem = f"{cells!r} {what}; {len(damaged)} of {count} rows cannot be used"
+    return InputError(problem, remedy=remedy, place=body.place(first))

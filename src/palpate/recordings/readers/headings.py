@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import MISSING
-from palpate.recordings.readers.units import CHANNELS, SCALES, plain
+from palpate.recordings.readers.units import CHANNELS, SCALES, plain, unit_of
 
 BRACKETS = "()[]{}<> "
 BRACKETED = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]+?)\s*[)\]}>]")
 LETTERS = re.compile(r"(?<![^\W_])[^\W\d_]+(?![^\W_])")
 LIKE_A_UNIT = re.compile(
-    r"V|cm|[pnumk][NgmsV]|[numkMG]?(?:gf|lbf?|Pa)"
+    r"V|cm|MN|[pnumk][NgmsV]|[numkMG]?(?:gf|lbf?|Pa)"
     r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
     r"|(?:milli|micro|nano)?seconds)"
 )
@@ -38,16 +38,16 @@ def is_word(cell: str) -> bool:
 def is_row_of_units(cells: Sequence[str]) -> bool:
     """Return whether at least two of the cells for time, load and depth (in this order) are units and nothing else."""
     units = [plain(cell).strip(BRACKETS) for cell in cells]
-    known = [unit in SCALES[key] or _like_a_unit(key, unit) for key, unit in zip(CHANNELS, units, strict=True)]
-    return sum(known) >= 2
+    known = [unit_of(key, unit) or LIKE_A_UNIT.fullmatch(unit) for key, unit in zip(CHANNELS, units, strict=True)]
+    return sum(map(bool, known)) >= 2
 
 
 def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
     """Return the unit that the table states for a column, or None where it says nothing of any.
 
-    What stands in brackets, behind a slash or alone in a cell is a unit: ``Load (uN)``, ``P / uN``. Without these, a
-    word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``. A single letter in it may also belong
-    to the name, as in ``F_N``.
+    What stands in brackets, behind a slash or comma or alone in a cell is a unit: ``Load (uN)``, ``P / uN``, ``P, N``.
+    Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``. A single letter in it
+    may also belong to the name, as in ``F_N``.
 
     Parameters
     ----------
@@ -65,33 +65,28 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     InputError
         When the unit is not known, may be part of the name, or is stated twice and differently.
     """
-    known = SCALES[key]
     texts = [plain(text) for text in (*alone, heading)]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
     name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
+    behind += [part for part in name.split(",")[1:] if unit_of(key, part)]
     marked = [unit.strip(BRACKETS) for unit in (*texts, *bracketed, *behind) if unit.strip(BRACKETS)]
     words = LETTERS.findall(name)
-    units = [unit for unit in marked if unit in known]
-    units = units or [word for word in words if word in known and (len(word) > 1 or word == CHANNELS[key])]
-    doubtful = marked or [word for word in words if word in known or _like_a_unit(key, word)]
-    if len({known[unit] for unit in units}) == 1:
+    units = [unit for text in marked if (unit := unit_of(key, text))]
+    if not units:
+        units = [unit for word in words if (unit := unit_of(key, word)) and (len(word) > 1 or word == CHANNELS[key])]
+    doubtful = marked or [word for word in words if unit_of(key, word) or LIKE_A_UNIT.fullmatch(word)]
+    if len(set(units)) == 1:
         return units[0]
     if not units and not doubtful:
         return None
     if units:
         problem = f"the {key}'s unit is stated as {' and '.join(dict.fromkeys(units))}"
-    elif doubtful[0] in known:
+    elif unit_of(key, doubtful[0]):
         problem = f"{doubtful[0]!r} may be the {key}'s unit or part of the name"
     else:
         problem = f"the {key}'s unit {doubtful[0]!r} is not known"
     raise InputError(
         problem,
-        remedy=f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(known)}",
+        remedy=f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(SCALES[key])}",
         place=f"column {column}",
     )
-
-
-def _like_a_unit(key: str, word: str) -> bool:
-    """Return whether a word is written like a unit: of any quantity, or of this channel's in other capitals."""
-    same = word.casefold() in {unit.casefold() for unit in SCALES[key] if len(unit) > 1}
-    return same or LIKE_A_UNIT.fullmatch(word) is not None

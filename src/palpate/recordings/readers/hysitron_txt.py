@@ -13,7 +13,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import counted, require_tabs
 from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.units import CHANNELS, SCALES, plain
+from palpate.recordings.readers.units import CHANNELS, SCALES, unit_of
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
 from palpate.recordings.recording import Recording
 
@@ -38,8 +38,8 @@ def columns(line: str) -> dict[str, tuple[int, float]]:
     for index, cell in enumerate(line.split("\t")):
         heading = HEADING.fullmatch(cell)
         if heading:
-            key, unit = heading[1].lower(), plain(heading[2])
-            if unit in SCALES[key]:
+            key = heading[1].lower()
+            if unit := unit_of(key, heading[2]):
                 found.setdefault(key, (index, SCALES[key][unit]))
         if SENSOR.fullmatch(cell):
             found[VOLTS] = (index, 1.0)

@@ -1,10 +1,27 @@
-"""KLA (InView, iNano, G200X) workbooks: time, load and depth of every test; contact is where the surface is marked."""
+"""KLA (InView, iNano, G200X) workbooks: time, load and depth of every test; contact is where the surface is marked.
+
+The names of the channels depend on the version and on what was exported: ``Depth``, ``DEPTH``, ``Displacement Into
+Surface``. The channels ``Displacement`` and ``Force`` are raw and no substitutes.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from palpate.recordings.readers.sheets_of_tests import (
+    MARKERS,
+    channel,
+    facts_of,
+    first_of,
+    headings_of,
+    stated_unit,
+    surface,
+    tests_of,
+)
 from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.units import unit_of
 from palpate.recordings.readers.vendor import (
     Corrections,
     Reader,
@@ -18,37 +35,56 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
-CHANNELS = {"Time": "time", "Load": "load", "Depth": "depth"}
-MARKERS = "Markers"
+CHANNELS = {
+    "time": ("time", "time on sample", "time in contact", "test time"),
+    "load": ("load", "load on sample", "force on surface", "corrected load"),
+    "depth": ("depth", "displacement into surface", "indentation depth", "penetration depth", "corrected depth"),
+}
 UNMARKED = "no marker says where the surface is; the test begins where the load does (--contact auto finds the touch)"
 
 
 def matches(source: Source) -> bool:
-    """Return whether a sheet ``Test ...`` has the columns Markers, Time, Load and Depth."""
-    return source.has_test_with({MARKERS, *CHANNELS})
+    """Return whether a sheet ``Test ...`` has columns of time, load and depth, and markers or all their units."""
+    for sheet in tests_of(source):
+        names = _names(source, sheet)
+        if names and (first_of(headings_of(source, sheet), MARKERS) or all(_units(source, sheet, names))):
+            return True
+    return False
+
+
+def _units(source: Source, sheet: str, names: Mapping[str, str]) -> list[str | None]:
+    """Return the units that a sheet states for its channels; None for what is none."""
+    return [unit_of(key, stated_unit(source, sheet, name)) for key, name in names.items()]
+
+
+def _names(source: Source, sheet: str) -> dict[str, str]:
+    """Return what a sheet calls its channels; empty where it lacks one."""
+    headings = headings_of(source, sheet)
+    found = {key: first_of(headings, spellings) for key, spellings in CHANNELS.items()}
+    return {key: name for key, name in found.items() if name} if all(found.values()) else {}
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers."""
     refuse_corrections(source, corrections)
-    tables = [source.by_test(name) for name in ("Pre-Test Inputs", "Post-Test Inputs", "Results")]
-    facts = {
-        sheet: {key: value for table in tables for key, value in table.get(number, {}).items()}
-        for sheet, number in source.tests.items()
-    }
-    return unless_all_fail([attempt(source.path, sheet, _test, source, sheet, facts[sheet]) for sheet in facts])
+    facts = facts_of(source, ("Pre-Test Inputs", "Post-Test Inputs", "Results"))
+    return unless_all_fail(
+        [
+            attempt(source.path, sheet, _test, source, sheet, facts.get(number, {}))
+            for sheet, number in tests_of(source).items()
+        ]
+    )
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
     """Return the test on a sheet; where no marker tells its contact, the load does."""
-    channels = source.columns(sheet, CHANNELS)
-    kept, warnings = usable(source, sheet, *channels.values())
-    time, load, depth = (channels[name][kept] for name in CHANNELS)
-    rows = source.sheet(sheet)
-    markers = [str(cell).strip() for cell in rows[0]].index(MARKERS)
-    surface = [k for k, row in enumerate(rows[2:]) if str(row[markers]).strip().lower().startswith("surface")]
-    if surface and surface[0] <= kept[-1]:
-        begin = int(np.searchsorted(kept, surface[0]))
+    names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
+    channels = [channel(source, sheet, names[key], key) for key in CHANNELS]
+    kept, warnings = usable(source, sheet, *channels)
+    time, load, depth = (values[kept] for values in channels)
+    marked = surface(source, sheet)
+    if marked is not None and marked <= kept[-1]:
+        begin = int(np.searchsorted(kept, marked))
     else:
         begin, warnings = contact(load, depth), (*warnings, UNMARKED)
     recording = Recording(time - time[begin], load, depth, sheet, (f"from {source.path.name}",))

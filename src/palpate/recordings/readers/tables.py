@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +19,7 @@ LISTED = 12
 NUMBER = rf"[-+]?(?:(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?|\d{{1,3}}(?:[{PARTING}]\d{{3}})+(?:[.,]\d*)?)"
 NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
 BLANKS = re.compile("[ \t]+")
+HALF_OF_DAY = re.compile(r"(?<=:\d\d)([.,]\d+)? +([ap]\.?m\.?)(?= |$)", re.IGNORECASE)
 NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
 
 
@@ -76,7 +78,8 @@ def tables_of(source: Source) -> list[Table]:
         if len(holding - at_blanks.keys()) > len(lines) / 2:
             split = [_cells(line, delimiter) for line in lines.values()]
             return [Table(source, source.path.stem, split, list(lines), delimiter)]
-    width = max(at_blanks.values(), default=0)
+    usual = Counter(len(HALF_OF_DAY.sub(r"\1\2", line).split()) for line in lines.values())
+    width = max(at_blanks.values(), default=max(usual, key=lambda count: usual[count], default=0))
     split = [_at_blanks(line, width) for line in lines.values()]
     return [Table(source, source.path.stem, split, list(lines), " ")]
 
@@ -84,9 +87,10 @@ def tables_of(source: Source) -> list[Table]:
 def _at_blanks(line: str, width: int) -> list[str]:
     """Return the cells of a line without # before it; units in brackets join their names where that gives `width`.
 
-    Blanks that break no line part cells only where no others do: elsewhere they may part a number's thousands.
+    The half of the day behind a clock belongs to it. Blanks that break no line part cells only where no others do:
+    elsewhere they may part a number's thousands.
     """
-    line = line.removeprefix("#")
+    line = HALF_OF_DAY.sub(r"\1\2", line.removeprefix("#"))
     cells = NAME_WITH_UNIT.findall(line)
     if len(cells) == width:
         return cells

@@ -1,4 +1,7 @@
-"""Units of time, load and depth, and what they are in s, mN and nm."""
+"""Units of time, load and depth, and what they are in s, mN and nm; how else they are spelled.
+
+The gram-force is 9.80665 mN exactly: a gram under the standard gravity of 9.80665 m/s^2 (3rd CGPM, 1901).
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,18 @@ from palpate.errors import InputError
 
 CHANNELS = {"time": "s", "load": "mN", "depth": "nm"}
 SCALES = {
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
-    "load": {"mN": 1.0, "uN": 1e-3, "nN": 1e-6, "N": 1e3},
-    "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "m": 1e9, "A": 0.1},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
+    "load": {"mN": 1.0, "uN": 1e-3, "nN": 1e-6, "pN": 1e-9, "N": 1e3, "gf": 9.80665, "mgf": 9.80665e-3, "kgf": 9806.65},
+    "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "A": 0.1, "pm": 1e-3},
 }
 STIFFNESS = {"N/m": 1.0}
+SPELLED = {
+    "time": {"second": "s", "sec": "s", "sek": "s", "minute": "min", "min": "min", "hour": "h", "hr": "h"},
+    "load": {"newton": "N", "gramforce": "gf", "gf": "gf"},
+    "depth": {"meter": "m", "metre": "m", "micron": "um", "angstrom": "A", "angström": "A"},
+}
+PREFIX = {"milli": "m", "micro": "u", "nano": "n", "pico": "p", "centi": "c", "kilo": "k", "m": "m", "u": "u", "k": "k"}
+CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not tell it from the millinewton
 MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
 TORN = re.compile("[ÂÃÎ][\x80-\xbf]")  # two bytes that begin as those of µ, ² or °, of ü, and of the Greek mu
 
@@ -25,12 +35,36 @@ def plain(unit: str) -> str:
     """
     for spelling in MICRO:
         unit = unit.replace(spelling, "u")
-    return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ", "uA"))
+    return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ【】〔〕", "uA[][]"))
 
 
 def mended(text: str) -> str:
     """Return text in which UTF-8 was read as Latin-1, such as ``Âµm`` or ``PrÃ¼fung``, as it was meant."""
     return TORN.sub(lambda torn: torn[0].encode("latin-1").decode("utf-8"), text)
+
+
+def unit_of(key: str, text: str) -> str | None:
+    """Return the unit of `SCALES` that a text means for a channel, or None for another text.
+
+    ``Sec``, ``sec.``, ``secs`` and ``SECONDS`` are s, ``microns`` is um, ``Grams-Force`` is gf, ``UN`` is uN. Capitals
+    that are two units, ``MN``, are none.
+    """
+    known, name = SCALES[key], plain(text).rstrip(".").rstrip()
+    if name in known:
+        return name
+    if name in CAPITALS_OF_TWO.get(key, ()):
+        return None
+    folded = re.sub(r"[\s-]", "", name.casefold())
+    for unit in known:
+        if unit.casefold() == folded and (len(unit) > 1 or unit == CHANNELS[key]):
+            return unit
+    for singular in (folded, folded.removesuffix("s"), folded.replace("gramsforce", "gramforce")):
+        for word, unit in SPELLED[key].items():
+            prefix = singular.removesuffix(word)
+            scaled = PREFIX.get(prefix, prefix) + unit if singular.endswith(word) else ""
+            if scaled in known:
+                return scaled
+    return None
 
 
 def scale(key: str, unit: str) -> float:
@@ -41,11 +75,12 @@ def scale(key: str, unit: str) -> float:
     InputError
         When the unit is not known.
     """
-    known = SCALES[key]
     name = plain(unit)
-    if name.removeprefix("-") not in known:
-        raise InputError(f"{key} in {unit!r} is not known", remedy=f"use one of: {', '.join(known)}", place="units")
-    return -known[name[1:]] if name.startswith("-") else known[name]
+    found = unit_of(key, name.removeprefix("-"))
+    if found is None:
+        known = ", ".join(SCALES[key])
+        raise InputError(f"{key} in {unit!r} is not known", remedy=f"use one of: {known}", place="units")
+    return -SCALES[key][found] if name.startswith("-") else SCALES[key][found]
 
 
 def to_turn(key: str) -> str:

@@ -12,6 +12,7 @@ from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
 from palpate.recordings.contact_point import noise_of, way_in
+from palpate.recordings.readers.several_tests import padding, written_twice
 from palpate.recordings.readers.source import Source
 from palpate.recordings.recording import Recording
 
@@ -56,11 +57,14 @@ class Unreadable:
         What is wrong with it.
     sought
         Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
+    tagged
+        The test, where it could be read and the vendor's file says not to count it.
     """
 
     name: str
     error: InputError
     sought: bool = True
+    tagged: VendorTest | None = None
 
 
 @dataclass(frozen=True)
@@ -114,8 +118,8 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 
 
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
-    """Return the tests of a file, all of which can be read; raises what is wrong with the first that cannot."""
-    return [sound(test) for test in tests if isinstance(test, VendorTest) or test.sought]
+    """Return the tests of a file, less tagged ones; raises what is wrong with the first that cannot be read."""
+    return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.tagged is None)]
 
 
 def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:
@@ -200,7 +204,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     """Return the indices of the points that make a test, and in words which are left out.
 
     Points without a number before the first whole one and after the last are no damage: a channel may begin later or
-    end earlier. Nor are repeated times: the last point of a segment is often written again as the first of the next.
+    end earlier. Nor are repeated times (the last point of a segment is often written again as the first of the next),
+    points written twice, and zeros at the end.
 
     Parameters
     ----------
@@ -215,14 +220,18 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
         When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
         than two are left.
     """
-    whole = np.asarray(np.isfinite([time, *others]).all(axis=0))
+    values = np.column_stack([time, *others])
+    zeros = padding(values)
+    idle = written_twice(values) | zeros
+    whole = np.isfinite(values).all(axis=1) & ~idle
     complete = np.flatnonzero(whole)
     if len(complete) < 2:
         raise InputError(
             "holds fewer than two points with a number in every channel", remedy="export the test again",
             file=source.path, place=place,
         )  # fmt: skip
-    between = np.arange(complete[0], complete[-1] + 1)
+    counted = np.flatnonzero(~idle)
+    between = counted[(counted >= complete[0]) & (counted <= complete[-1])]
     clock = time[complete]
     later = increasing(clock)
     back = np.maximum.accumulate(clock) - clock > 1e-9 * np.ptp(clock)
@@ -235,7 +244,9 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
             remedy="export the test again", file=source.path, place=place,
         )  # fmt: skip
     lost = sum(map(len, damaged.values()))
-    return kept, (f"{lost} of {count} points left out: {_listed(damaged)}",) if lost else ()
+    told = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
+    told += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
+    return kept, tuple(told)
 
 
 def _listed(causes: Mapping[str, np.ndarray]) -> str:

@@ -40,7 +40,19 @@ from palpate.materials.flow.row import (
 )
 from palpate.solver.axisymmetric.lanes import LANES, greatest, load, magnitude, splat, store, where_less
 
-__all__ = ["BULK", "NOTHING", "PRESSED", "UNKNOWN", "YIELD", "Points", "region_of", "solve_radial", "turn"]
+__all__ = [
+    "BULK",
+    "NOTHING",
+    "PRESSED",
+    "UNKNOWN",
+    "YIELD",
+    "Points",
+    "give_back",
+    "keep",
+    "region_of",
+    "solve_radial",
+    "turn",
+]
 STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
 FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
 
@@ -87,6 +99,24 @@ class Points(NamedTuple):
         pressure = np.zeros((count // 4, LANES))
         log_q = np.full((count, LANES), 2 * UNKNOWN)
         return cls(past, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
+
+
+@njit(cache=True)
+def keep(points, solved, lane):
+    """Note the solution of the radial equation in one lane: it is found again while others go on, but for rounding."""
+    for p in range(points.log_q.shape[0]):
+        solved[0, p, lane], solved[1, p, lane] = points.log_q[p, lane], points.secant[p, lane]
+        solved[2, p, lane], solved[3, p, lane] = points.order[p, lane], points.push[p, lane]
+
+
+@njit(cache=True)
+def give_back(points, solved, lanes):
+    """Write to the points what `keep` noted of some lanes (LANES,)."""
+    for lane in range(LANES):
+        if lanes[lane]:
+            for p in range(points.log_q.shape[0]):
+                points.log_q[p, lane], points.secant[p, lane] = solved[0, p, lane], solved[1, p, lane]
+                points.order[p, lane], points.push[p, lane] = solved[2, p, lane], solved[3, p, lane]
 
 
 @njit(cache=True, inline="always")

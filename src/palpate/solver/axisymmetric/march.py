@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import Contact, ContactState, begin_step, end_step
 from palpate.solver.axisymmetric.drive import Drives
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.law_lanes import Points, turn
-from palpate.solver.axisymmetric.newton import System, advance
+from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.study.specimen import halfway
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from palpate.materials.flow.row import structure
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load
 from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times
 from palpate.solver.axisymmetric.drive import NO_LOAD, Drives
@@ -34,7 +35,7 @@ from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march import March, States
 from palpate.solver.axisymmetric.mesh import Mesh, Resolution, polar_mesh
 from palpate.solver.axisymmetric.neighbours import Neighbours
-from palpate.solver.axisymmetric.newton import TIGHT, TOLERANCE, System
+from palpate.solver.axisymmetric.newton import TIGHT, TOLERANCE
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.axisymmetric.regularisation import contact_of, elastic_excess, first_contact
@@ -43,6 +44,8 @@ from palpate.solver.axisymmetric.trend import Trend
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
+
+DIGITS = 9  # of the logarithms of the rings' radii
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +84,11 @@ class Case:
         rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
         return rings * self.resolution.growth**self.shift
 
+    @cached_property
+    def shape(self) -> np.ndarray:
+        """Radii of the rings over that of the innermost one, rounded: of one kind they agree to the last bit."""
+        return np.exp(np.round(np.log(self.radii / self.radii[0]), DIGITS))
+
     @property
     def mergeable(self) -> bool:
         """Whether its innermost rings may be merged once more."""
@@ -113,8 +121,7 @@ class Case:
     @property
     def kind(self) -> tuple:
         """What cases that run together have in common."""
-        radii = self.radii
-        shape = np.round(np.log(radii / radii[0]), 6).tobytes()
+        shape = self.shape.tobytes()
         body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
         surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
         return self.resolution, shape, body, surface
@@ -204,7 +211,7 @@ def run_lanes(
         check_size(case.specimen, case.indenter, case.resolution, case.largest)
     lanes, others = padded(cases), [padded(row) for row in beside]
     units = np.array([case.radii[0] for case in lanes])
-    mesh = polar_mesh(lanes[0].radii / units[0], lanes[0].resolution.sectors)
+    mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
     body = Body.of(mesh)
     system = System.of(body, not any(case.indenter.friction for case in lanes))
     tolerance = TIGHT if beside else TOLERANCE

@@ -26,18 +26,18 @@ Arguments of several functions, beside those of `advance`:
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from palpate.solver.axisymmetric import element, hencky
 from palpate.solver.axisymmetric.banded import solve, solve_again
+from palpate.solver.axisymmetric.bordered import copy_of, put_back
 from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, share_of
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
-from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
+from palpate.solver.axisymmetric.law_lanes import give_back, keep
 
 _small_forces, _small_stiffness = element.internal_forces, element.stiffness
 _large_forces, _large_stiffness = hencky.internal_forces, hencky.stiffness
@@ -54,46 +54,6 @@ PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
 STIFFEST = 1e-3  # share of the force in the last equation, below which the line search takes it for that
 TRIES = 5  # of the line search
-
-
-class System(NamedTuple):
-    """The linearised system of `LANES` indentations, bordered by the depth.
-
-    Attributes
-    ----------
-    band, upper : ndarray, shape (size * width + 1, LANES)
-        Both halves of the matrix or of its factor; `upper` is empty without friction.
-    border, row : ndarray, shape (size + 1, LANES)
-        Derivatives of all forces by the depth, and of the load by the displacements; one array without friction.
-    corner : ndarray, shape (LANES,)
-        Derivative of the load by the depth.
-    sideways : ndarray, shape (size + 1, LANES)
-        Solution for the border.
-    widening, swelling : ndarray, shape (size + 1, LANES)
-        Derivatives of the area, and solution for those of all forces by it, see
-        `palpate.solver.axisymmetric.contact_coupling.spread`.
-    growth : ndarray, shape (LANES,)
-        Derivative of the load by the area.
-    """
-
-    band: np.ndarray
-    upper: np.ndarray
-    border: np.ndarray
-    row: np.ndarray
-    corner: np.ndarray
-    sideways: np.ndarray
-    widening: np.ndarray
-    swelling: np.ndarray
-    growth: np.ndarray
-
-    @classmethod
-    def of(cls, body: Body, symmetric: bool) -> System:
-        """Return storage for the systems of a body."""
-        band, border = np.empty((body.size * body.width + 1, LANES)), np.zeros((body.size + 1, LANES))
-        upper = np.empty((0, LANES)) if symmetric else np.empty_like(band)
-        row = border if symmetric else np.zeros_like(border)
-        sideways, widening, swelling = (np.zeros_like(border) for _ in range(3))
-        return cls(band, upper, border, row, np.zeros(LANES), sideways, widening, swelling, np.zeros(LANES))
 
 
 @njit(cache=True, error_model="numpy")
@@ -141,6 +101,7 @@ def advance(
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     limit = np.zeros(LANES)
     geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
+    solved = np.empty((4, *points.log_q.shape))
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
         fresh = not patient or iteration % REUSES == 0
@@ -172,6 +133,7 @@ def advance(
                 move(displacement, depth, state, direction, toward, wider, lane, -fraction[lane])
             elif max(imbalance, unlike * push / scale[lane] / LESS) < tolerance:
                 done[lane] = True
+                keep(points, solved, lane)
             elif (
                 searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
             ):
@@ -196,6 +158,7 @@ def advance(
         )  # fmt: skip
         indefinite = solving & ~np.isfinite(start)
         if np.any(indefinite):
+            before = copy_of(system)
             geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, coupling, geometric, system, forces, forward)
@@ -204,6 +167,7 @@ def advance(
                 wider, start,
             )  # fmt: skip
             geometric[:] = 1.0
+            put_back(system, before, indefinite)
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
@@ -211,6 +175,7 @@ def advance(
                 shorten(direction, toward, wider, start, lane, farthest[lane])
                 move(displacement, depth, state, direction, toward, wider, lane, 1.0)
     alive &= done
+    give_back(points, solved, alive)
 
 
 @njit(cache=True)

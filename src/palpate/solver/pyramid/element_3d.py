@@ -7,68 +7,124 @@ to know besides how its P = f_i F_i - F_z changes with the displacements, see `p
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from palpate.materials.flow.point import commit, history
 from palpate.solver.pyramid import hencky_3d, linear_3d
-from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS
+from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS, Points3D
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 
 DEPTH = DISPLACEMENTS  # the place of the depth, the twenty-fifth unknown of an element that touches the indenter
 SLOPE_1, SLOPE_2, CURVATURE_11, CURVATURE_12, CURVATURE_22, GAP = range(6)
 
 
+class Hexahedra(NamedTuple):
+    """The mesh; see `palpate.solver.pyramid.mesh_3d.Mesh3D`, whose weights are the volumes."""
+
+    elements: np.ndarray
+    equations: np.ndarray
+    turn: np.ndarray
+    gradients: np.ndarray
+    volumes: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: Mesh3D) -> Hexahedra:
+        """Return the arrays of a mesh."""
+        return cls(mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights)
+
+
+class Laws3D(NamedTuple):
+    """Law of each element.
+
+    Attributes
+    ----------
+    region : ndarray of int, shape (m,)
+        Number of the law of each element.
+    coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
+        The laws and their weights in the time step, see `palpate.materials.flow.row`.
+    """
+
+    region: np.ndarray
+    coefficients: np.ndarray
+    weights: np.ndarray
+
+
+class Touching(NamedTuple):
+    """Nodes in contact.
+
+    Attributes
+    ----------
+    nodes : ndarray of bool, shape (n,)
+        Whether a node is in contact.
+    rule : ndarray, shape (n, 6)
+        Slopes, curvatures and gap there, see `palpate.solver.pyramid.contact_3d.Contact3D`.
+    slot : ndarray of int, shape (n,)
+        Row of `System3D.pressing` that a surface node takes.
+    """
+
+    nodes: np.ndarray
+    rule: np.ndarray
+    slot: np.ndarray
+
+
+class System3D(NamedTuple):
+    """The assembled system, all output.
+
+    Attributes
+    ----------
+    band : ndarray, shape (size, bandwidth + 1)
+        ``band[j, i - j]`` holds the entry (i, j), i >= j.
+    residual, border : ndarray, shape (size,)
+        Internal forces, and derivative of the residual by the depth.
+    force : ndarray, shape (n, 3)
+        Force of the indenter on the nodes in contact, along the axes of each node.
+    pressing : ndarray, shape (k, 2 bandwidth + 2) or (0, any)
+        Derivatives of each P by the displacements, the one along z in the middle, and by the depth; none asked for
+        without friction. The curvature of the indenter is not in them.
+    pressure : ndarray, shape (m,)
+        Of each element [GPa], positive in compression.
+    """
+
+    band: np.ndarray
+    residual: np.ndarray
+    border: np.ndarray
+    force: np.ndarray
+    pressing: np.ndarray
+    pressure: np.ndarray
+
+
 @njit(cache=True)
-def assemble(
-    displacement, elements, equations, turn, gradients, volumes, region, coefficients, weights, past, alpha, guesses,
-    pressure, local, large, geometric, contact, rule, slot, band, residual, border, force, pressing,
-):  # fmt: skip
+def assemble(displacement, mesh, laws, points, contact, system, large, geometric):
     """Assemble the constrained system, still without friction, at the given displacements.
 
     Parameters
     ----------
     displacement : ndarray, shape (n, 3)
         Along the axes of each node.
-    elements, equations, turn, gradients, volumes
-        See `palpate.solver.pyramid.mesh_3d.Mesh3D`.
-    region : ndarray of int, shape (m,)
-        The law of each element.
-    coefficients, weights : ndarray, shapes (regions, c) and (regions, w)
-        The laws and what the time step makes of them, see `palpate.materials.flow.row`.
-    past, local : ndarray, shape (m, 8, 6)
-        Strain fixed by the history at each Gauss point; out: the tensor R of the radial equation.
-    alpha, guesses : ndarray, shape (m, 8)
-        Accumulated plastic strain at the start of the step; last q, updated here.
-    pressure : ndarray, shape (m,)
-        Out: of each element [GPa], positive in compression.
+    mesh, laws, contact : Hexahedra, Laws3D, Touching
+    points : Points3D
+        Of all elements; solutions are written to it.
+    system : System3D
+        Out: the system.
     large : bool
         Logarithmic instead of linear strains.
     geometric : bool
         Whether the tangent contains the stiffness that stress gives by changing directions. Newton's method needs it;
         far from equilibrium it may make the system indefinite.
-    contact : ndarray of bool, shape (n,)
-        Nodes in contact.
-    rule : ndarray, shape (n, 6)
-        Slopes, curvatures and gap there, see `palpate.solver.pyramid.contact_3d.Contact3D`.
-    slot : ndarray of int, shape (n,)
-        Row of `pressing` that a surface node takes.
-    band : ndarray, shape (size, bandwidth + 1)
-        Out: ``band[j, i - j]`` holds the entry (i, j), i >= j.
-    residual : ndarray, shape (size,)
-        Out: internal forces.
-    border : ndarray, shape (size,)
-        Out: derivative of the residual by the depth.
-    force : ndarray, shape (n, 3)
-        Out: force of the indenter on the nodes in contact, along the axes of each node.
-    pressing : ndarray, shape (k, 2 bandwidth + 2) or (0, any)
-        Out: derivatives of each P by the displacements, the one along z in the middle, and by the depth; none asked for
-        without friction. The curvature of the indenter is not in them.
 
     Returns
     -------
     float
         Diagonal entry of the depth; NaN when an element is inside out.
     """
+    elements, equations, turn, gradients, volumes = mesh
+    region, coefficients, weights = laws
+    past, alpha, guesses, local = points
+    band, residual, border, force, pressing, pressure = system
+    rule = contact.rule
     band[:] = 0.0
     residual[:] = 0.0
     border[:] = 0.0
@@ -88,33 +144,34 @@ def assemble(
             u[a, 1] = sin * displacement[node, 0] + cos * displacement[node, 1]
             u[a, 2] = displacement[node, 2]
             equation[3 * a : 3 * a + 3] = equations[node]
-        points = past[e], alpha[e], guesses[e], weights[region[e]], coefficients[region[e]], local[e]
+        here = Points3D(past[e], alpha[e], guesses[e], local[e])
+        law = weights[region[e]], coefficients[region[e]]
         if large:
-            pressure[e] = hencky_3d.element(gradients[e], volumes[e], u, *points, ke, fe, geometric)
+            pressure[e] = hencky_3d.element(gradients[e], volumes[e], u, here, law, ke, fe, geometric)
             if np.isnan(pressure[e]):
                 return np.nan
         else:
-            pressure[e] = linear_3d.element(gradients[e], volumes[e], u, *points, ke, fe)
+            pressure[e] = linear_3d.element(gradients[e], volumes[e], u, here, law, ke, fe)
         touching = False
         for a in range(8):
             node = elements[e, a]
             if turn[node, 1] != 0.0:
                 _turn(ke, fe, 3 * a, turn[node, 0], turn[node, 1])
-            touching |= contact[node]
+            touching |= contact.nodes[node]
         if touching:
             ke[DEPTH] = 0.0
             ke[:, DEPTH] = 0.0
             fe[DEPTH] = 0.0
             for a in range(8):
                 node = elements[e, a]
-                if contact[node] and rule[node, GAP] != 0.0:
+                if contact.nodes[node] and rule[node, GAP] != 0.0:
                     for i in range(DEPTH):
                         fe[i] += ke[i, 3 * a + 2] * rule[node, GAP]
             if len(pressing) > 0:
-                _press(ke, elements[e], equation, contact, rule, slot, rows, bandwidth, pressing)
+                _press(ke, elements[e], equation, contact, rows, bandwidth, pressing)
             for a in range(8):
                 node = elements[e, a]
-                if contact[node]:
+                if contact.nodes[node]:
                     for i in range(3):
                         force[node, i] += fe[3 * a + i]
                     _follow_indenter(ke, fe, 3 * a, rule[node])
@@ -145,17 +202,18 @@ def _turn(ke, fe, x, cos, sin):
 
 
 @njit(cache=True)
-def _press(ke, nodes, equation, contact, rule, slot, rows, bandwidth, pressing):
+def _press(ke, nodes, equation, contact, rows, bandwidth, pressing):
     """Add what an element's stiffness gives to the derivatives of P, with u_z = f - depth put in place of each u_z."""
+    rule, slot = contact.rule, contact.slot
     for a in range(8):
-        if contact[nodes[a]]:
+        if contact.nodes[nodes[a]]:
             x, held = 3 * a, equation[3 * a + 1] < 0
             one, two = rule[nodes[a], SLOPE_1], 0.0 if held else rule[nodes[a], SLOPE_2]
             for i in range(DEPTH):
                 rows[a, i] = one * ke[x, i] + two * ke[x + 1, i] - ke[x + 2, i]
             rows[a, DEPTH] = 0.0
             for b in range(8):
-                if contact[nodes[b]]:
+                if contact.nodes[nodes[b]]:
                     y, z = 3 * b + 1, 3 * b + 2
                     rows[a, y - 1] += rule[nodes[b], SLOPE_1] * rows[a, z]
                     rows[a, y] += rule[nodes[b], SLOPE_2] * rows[a, z]
@@ -199,24 +257,20 @@ def _follow_indenter(ke, fe, x, rule):
 
 
 @njit(cache=True)
-def begin_step(state, region, coefficients, weights, past, alpha):
-    """Write what the history fixes at every Gauss point into `past` (m, 8, 6) and `alpha` (m, 8).
-
-    Arguments are those of `assemble`; `state` (m, 8, k) holds the state variables.
-    """
+def begin_step(state, laws, points):
+    """Write what the history `state` (m, 8, k) fixes at every Gauss point to the `points` of all elements."""
+    region, coefficients, weights = laws
     for e in range(state.shape[0]):
         for g in range(8):
-            history(state[e, g], weights[region[e]], coefficients[region[e]], past[e, g])
-            alpha[e, g] = state[e, g, 2 * COMPONENTS]
+            history(state[e, g], weights[region[e]], coefficients[region[e]], points.past[e, g])
+            points.alpha[e, g] = state[e, g, 2 * COMPONENTS]
 
 
 @njit(cache=True)
-def end_step(local, solution, pressure, region, coefficients, weights, state):
-    """Advance `state` (m, 8, k) in place with the tensors R, invariants q and pressures of the converged step.
-
-    Arguments are those of `assemble`; `solution` (m, 8) holds q [GPa].
-    """
+def end_step(state, laws, points, pressure):
+    """Advance `state` (m, 8, k) in place, with the solution at `points` and the `pressure` (m,) under `laws`."""
+    region, coefficients, weights = laws
     for e in range(state.shape[0]):
         for g in range(8):
             law = coefficients[region[e]]
-            commit(state[e, g], local[e, g], solution[e, g], pressure[e], weights[region[e]], law)
+            commit(state[e, g], points.local[e, g], points.guesses[e, g], pressure[e], weights[region[e]], law)

@@ -189,8 +189,8 @@ def add_curvature(stress, pairs, triples, moduli):
 
 
 @njit(cache=True)
-def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe, geometric):
-    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q.
+def element(gradients, volumes, u, points, law, ke, fe, geometric):
+    """Write stiffness `ke` and internal force `fe` of one element, and the solution at its `points`.
 
     Without `geometric` the stiffness lacks the part that stress gives it. Of what remains unsymmetric, because stress
     counts per present area, it holds the symmetric part.
@@ -200,6 +200,8 @@ def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke
     float
         Pressure of the element [GPa], positive in compression; NaN when the deformation turns it inside out.
     """
+    past, alpha, guesses, local = points
+    weights, row = law
     strain, squared = np.empty((8, 3)), np.empty((8, 3))
     axes, images = np.empty((8, 3, 3)), np.empty((8, 3, 3))
     pairs, triples = np.empty((8, 3, 3)), np.empty((3, 3, 3))

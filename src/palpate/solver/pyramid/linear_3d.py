@@ -14,14 +14,14 @@ Arguments of `element`, here and in `palpate.solver.pyramid.hencky_3d`:
 - `gradients` (8, 8, 3), `volumes` (8,): gradients of the shape functions at each Gauss point [1/um], and its volume
   [um^3]
 - `u` (8, 3): displacements of the nodes [um]
-- `past` (8, 6), `alpha` (8,): strain fixed by the history, and equivalent plastic strain, at the start of the step
-- `guesses` (8,): q [GPa]; in: the last one; out: the solution
-- `weights` (w,), `row` (c,): what the time step makes of the law, and the law, see `palpate.materials.flow.row`
-- `local` (8, 6): out: the tensor R of the radial equation
+- `points`: `Points3D`
+- `law`: weights (w,) of the law in the time step, and its row (c,), see `palpate.materials.flow.row`
 - `ke` (24 or more, same), `fe` (24 or more,): out: stiffness and internal force
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -32,15 +32,38 @@ from palpate.materials.flow.row import BULK
 COMPONENTS, DISPLACEMENTS = 6, 24
 
 
+class Points3D(NamedTuple):
+    """The eight Gauss points of an element; of m elements every shape begins with m.
+
+    Attributes
+    ----------
+    past : ndarray, shape (8, 6)
+        Strain fixed by the history, at the start of the step.
+    alpha : ndarray, shape (8,)
+        Equivalent plastic strain, likewise.
+    guesses : ndarray, shape (8,)
+        Invariant q [GPa]; in: the last one; out: the solution.
+    local : ndarray, shape (8, 6)
+        Out: the tensor R of the radial equation.
+    """
+
+    past: np.ndarray
+    alpha: np.ndarray
+    guesses: np.ndarray
+    local: np.ndarray
+
+
 @njit(cache=True)
-def element(gradients, volumes, u, past, alpha, guesses, weights, row, local, ke, fe):
-    """Write stiffness `ke` and internal force `fe` of one element; `local` (8, 6) receives R, `guesses` (8,) q.
+def element(gradients, volumes, u, points, law, ke, fe):
+    """Write stiffness `ke` and internal force `fe` of one element, and the solution at its `points`.
 
     Returns
     -------
     float
         Pressure of the element [GPa], positive in compression.
     """
+    past, alpha, guesses, local = points
+    weights, row = law
     volume = volumes.sum()
     mean = np.zeros(DISPLACEMENTS)
     v = np.empty(DISPLACEMENTS)

@@ -16,8 +16,18 @@ from palpate.solver.pyramid.adhesion_3d import attract
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.coupled import Coupling3D, coupled_direction
 from palpate.solver.pyramid.eased import grown
-from palpate.solver.pyramid.element_3d import CURVATURE_11, CURVATURE_22, assemble, begin_step, end_step
-from palpate.solver.pyramid.linear_3d import COMPONENTS
+from palpate.solver.pyramid.element_3d import (
+    CURVATURE_11,
+    CURVATURE_22,
+    Hexahedra,
+    Laws3D,
+    System3D,
+    Touching,
+    assemble,
+    begin_step,
+    end_step,
+)
+from palpate.solver.pyramid.linear_3d import COMPONENTS, Points3D
 from palpate.solver.pyramid.linear_system import Search3D, newton_direction, retreat
 from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.tip_3d import Tip
@@ -209,10 +219,13 @@ def advance(
     midway = halfway(state.depth, state.load, load)
     coefficients = problem.coefficients
     weights = step_weights(coefficients, time - state.time, problem.specimen.resistance(1e3 * midway))
-    begin_step(state.material, problem.region, coefficients, weights, work.past, work.alpha)
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
+    laws, points = Laws3D(problem.region, coefficients, weights), Points3D(work.past, work.alpha, guesses, work.local)
+    begin_step(state.material, laws, points)
     contact = Contact3D.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
+    hexahedra = Hexahedra.of(mesh)
+    system = System3D(work.band, work.residual, work.border[:, 0], force, work.pressing, work.pressure)
     free, search, geometric, coupling = mesh.equations >= 0, None, True, None
     farthest, limit, delicate = np.inf, ITERATIONS, problem.adhesion is not None
     if problem.adhesion is not None:
@@ -221,12 +234,8 @@ def advance(
     for iteration in range(limit):
         same = contact.follow(displacement, depth)
         contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= geometric
-        corner = assemble(
-            displacement, mesh.elements, mesh.equations, mesh.turn, mesh.gradients, mesh.weights, problem.region,
-            coefficients, weights, work.past, work.alpha, guesses, work.pressure, work.local, problem.large, geometric,
-            contact.touching, contact.rule, work.slot, work.band, work.residual, work.border[:, 0], force,
-            work.pressing,
-        )  # fmt: skip
+        touching = Touching(contact.touching, contact.rule, work.slot)
+        corner = assemble(displacement, hexahedra, laws, points, touching, system, problem.large, geometric)
         work.iterations += 1
         if not np.isfinite(corner):
             back = retreat(search, state.time)
@@ -247,7 +256,7 @@ def advance(
         norm = np.abs(forces).max() / part
         if norm < TOLERANCE and not pulled.any() and not contact.joined:
             material = state.material.copy()
-            end_step(work.local, guesses, work.pressure, problem.region, coefficients, weights, material)
+            end_step(material, laws, points, work.pressure)
             anchor = contact.anchors(displacement)
             return State(time, depth, displacement, material, contact.touching, guesses, force, anchor)
         if search is not None and same and (shorter := search.shorten(forces)) != 0.0:

@@ -1,0 +1,160 @@
+"""Whether a recording can be one of a condition: its points, signs, drive, duration and depth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from palpate.configuration.study_file import Condition, Study
+from palpate.errors import InputError
+from palpate.inference.observation import WHOLE
+from palpate.inference.own_loads import stretched
+from palpate.recordings.alignment import aligned
+from palpate.recordings.readers.units import CHANNELS, to_turn
+from palpate.recordings.recording import Recording
+from palpate.study.indenter import Indenter
+from palpate.study.protocol import LOAD, Protocol
+from palpate.study.recorded_history import averaged_noise
+
+LOAD_TOLERANCE = 0.05
+LEAST_POSITIVE = 0.05
+SHALLOWEST = 0.2
+DEEPEST = 30.0
+OWN_SIZE = 0.5  # by which the largest loads of tests with loads of their own may differ from their condition's
+OWN_COURSE = 0.1  # and the courses of these, each in its largest
+NOISE_PEAK = 4.0  # standard deviations by which noise lets a largest value stick out
+DEEPEST_IN_SPHERE = 3.0  # radii; a zero point that is off by a radius is not a mistaken unit
+
+
+def checked_recording(study: Study, condition: Condition, recording: Recording) -> Recording:
+    """Return the recording from contact on, on the clock of its condition where that follows a recorded load, checked.
+
+    Raises
+    ------
+    InputError
+        When points are too few, load or depth is negative, or the recording is not one of the condition.
+    """
+    count = len(study.free_parameters)
+    if len(recording) <= count:
+        raise InputError(f"has {len(recording)} points for {count} free parameters", remedy="export the whole curve")
+    for channel, values in (("load", recording.load), ("depth", recording.depth)):
+        if values.max() < LEAST_POSITIVE * -values.min():
+            unit = CHANNELS[channel]
+            raise InputError(
+                f"the {channel} is negative, down to {values.min():.4g} {unit}: its sign is wrong",
+                remedy=to_turn(channel),
+                place=f"{channel}_{unit}",
+            )
+    begun = recording.from_contact(condition.protocol.drive_of(recording.load, recording.depth))
+    if condition.follows and not condition.own_loads:
+        begun = aligned(begun, condition.protocol)
+    _check_one(study, condition, begun)
+    return begun
+
+
+def _check_one(study: Study, condition: Condition, recording: Recording) -> None:
+    """Check drive, duration and depth.
+
+    No body is shallower than an elastic one of its modulus, and soft metals in long creep lie within about ten times
+    that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
+    more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
+    """
+    check_drive(condition.protocol, recording, condition.own_loads)
+    radius, depth = study.indenter.radius, recording.depth.max()
+    low, high = study.indenter.holds_between
+    if not low < depth < high:
+        raise InputError(
+            f"the largest depth is {depth:.4g} nm, the tip's area function is positive and grows from {low:.4g} to "
+            f"{high:.4g} nm",
+            remedy="use an area function that was calibrated at the depths of the test",
+            place="depth_nm",
+        )
+    if study.indenter.shape == "sphere" and depth > DEEPEST_IN_SPHERE * radius:
+        raise InputError(
+            f"the largest depth is {depth:.4g} nm, under a sphere of {radius:g} nm; is the radius in um?",
+            remedy="write indenter.radius in nm",
+            place="depth_nm",
+        )
+    elastic = [
+        depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, recording.load.max(), modulus)
+    ]
+    for wrong, words in (
+        (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
+        (depth > DEEPEST * max(elastic), "are depths in pm, or loads in N?"),
+    ):
+        if wrong:
+            raise InputError(
+                f"the largest depth is {depth:.4g} nm, where elastic bodies of the study's moduli give "
+                f"{min(elastic):.4g} to {max(elastic):.4g} nm; {words}",
+                remedy="write depths in nm and loads in mN, or correct the moduli",
+                place="depth_nm",
+            )
+
+
+def check_drive(protocol: Protocol, recording: Recording, own_loads: bool = False) -> None:
+    """Check that what was prescribed in a recording is what a protocol prescribes, to a twentieth of the largest.
+
+    Where tests have loads of their own, their course is compared, and their size may differ by a half.
+
+    Raises
+    ------
+    InputError
+        When the largest load or displacement, the duration, or the history differs.
+    """
+    control, unit = protocol.control, protocol.unit
+    drive = protocol.drive_of(recording.load, recording.depth)
+    peak, expected = drive.max(), protocol.largest_drive
+    place = "load_mN" if control == LOAD else "depth_nm"
+    noise = averaged_noise(recording.time, drive)
+    if abs(peak / expected - 1) > (OWN_SIZE if own_loads else LOAD_TOLERANCE) + NOISE_PEAK * noise / expected:
+        wrong = ("loads in uN", "loads in N") if control == LOAD else ("depths in pm", "depths in um")
+        hint = f"; are {wrong[0]}?" if peak > 100 * expected else f"; are {wrong[1]}?" if peak < expected / 100 else ""
+        raise InputError(
+            f"the largest {control} is {peak:.4g} {unit}, the condition's is {expected:.4g} {unit}{hint}",
+            remedy=f"correct the unit{'' if control == LOAD else ', the spring'} or max_{control}",
+            place=place,
+        )
+    if own_loads:
+        recording, drive = stretched(protocol, recording), drive * (expected / peak)
+    duration, times = recording.time[-1], protocol.sample_time
+    if duration < WHOLE * times[-1]:
+        raise InputError(
+            f"ends after {duration:.4g} s, the condition lasts {times[-1]:.4g} s",
+            remedy="export the whole test or correct the times",
+            place="time_s",
+        )
+    departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, drive))
+    departure -= protocol.sample_drive
+    allowed = (OWN_COURSE if own_loads else LOAD_TOLERANCE) * expected
+    if np.sqrt(np.mean(departure**2)) > np.hypot(allowed, noise):
+        worst = int(np.argmax(np.abs(departure)))
+        hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
+        raise InputError(
+            f"the {control} departs from the condition's, by {departure[worst]:.3g} {unit} at {times[worst]:.4g} "
+            f"s{hint}",
+            remedy="correct the times of the condition, or give it `load_history: recorded`",
+            place=place,
+        )
+
+
+def _moduli(study: Study) -> Iterable[float]:
+    return study.levels.get("youngs_modulus") or (study.fixed["youngs_modulus"],)
+
+
+def elastic_depths(indenter: Indenter, load: float, modulus: float) -> list[float]:
+    """Return the depth [nm] of an elastic, incompressible body under the cone (Sneddon) and the sphere (Hertz).
+
+    A rounded cone has both, and its true depth lies between them.
+
+    Parameters
+    ----------
+    load, modulus
+        [mN], [GPa]; the effective modulus is 4/3 of Young's.
+    """
+    reduced, depths = 4 / 3 * modulus, []
+    if np.isfinite(indenter.slope):
+        depths.append(1e3 * float(np.sqrt(0.5 * np.pi * load / reduced * indenter.slope)))
+    if indenter.radius:
+        depths.append(1e3 * float((9 / 16 * (load / reduced) ** 2 / (indenter.radius * 1e-3)) ** (1 / 3)))
+    return depths

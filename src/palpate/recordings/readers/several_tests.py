@@ -1,0 +1,162 @@
+"""Where a table's rows part: into tests below one another, or into segments of one test, each with a clock of its own.
+
+Time alone does not tell them apart. Where load and depth go on while time begins anew, the rows are the next segment of
+the same test; where they begin as the test did, they are another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+SAME = 0.02  # of a channel's range: how far load and depth may step where they go on
+LIKE = 0.05  # of a channel's range: how near another test begins to where the first one began
+BESIDE = 5  # steps on either side of a cut that tell how far load and depth step there anyway
+OFTEN = 10  # of the usual step in time: what begins anew goes on with steps such as these
+ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
+
+
+@dataclass(frozen=True)
+class Part:
+    """The rows of one test.
+
+    Parameters
+    ----------
+    rows : ndarray
+        Their numbers in the table.
+    values : ndarray, shape (n, 3)
+        Time, load and depth; time goes on over segments.
+    idle : ndarray of bool, shape (n,)
+        Rows that are no damage and hold nothing new: written twice, or zeros at the end.
+    told
+        What the user should know.
+    """
+
+    rows: np.ndarray
+    values: np.ndarray
+    idle: np.ndarray
+    told: tuple[str, ...] = ()
+
+
+def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
+    """Return the tests in a table's `values`.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, 3)
+        Time, load and depth; not finite where a row holds no number.
+    broken : ndarray of bool, shape (n,)
+        Whether a blank row or a repeated header stands before a row.
+    place
+        Where rows stand in the file, for messages.
+    """
+    idle = written_twice(values) | padding(values)
+    kept = np.flatnonzero(np.isfinite(values).all(axis=1) & ~idle)
+    if len(kept) < 3:
+        return [Part(np.arange(len(values)), values, idle, _told(idle, values, place))]
+    breaks = np.cumsum(broken)
+    cuts = _cuts(values[kept], np.diff(breaks[kept], prepend=breaks[kept[0]]) > 0)
+    clock, values, begins = values[kept, 0], values.copy(), [0]
+    segments: dict[int, list[int]] = {}
+    unmarked = []
+    for k, kind in cuts.items():
+        if kind == "segment":
+            goes_on = float(values[kept[k - 1], 0]) + _until_next(clock, values[kept, 1:], k)
+            values[kept[k] + 1 :, 0] += goes_on - values[kept[k], 0]
+            values[kept[k], 0] = goes_on
+            segments.setdefault(len(begins), []).append(int(kept[k]))
+        else:
+            first = np.flatnonzero(broken[kept[k - 1] + 1 : kept[k] + 1])
+            begins.append(int(kept[k - 1] + 1 + first[-1]) if len(first) else int(kept[k]))
+            if not len(first):
+                unmarked.append(len(begins))
+    idle |= written_twice(values)
+    parts = []
+    for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(values)], strict=True), 1):
+        rows = np.arange(begin, end)
+        told = _told(idle[rows], values[rows], lambda *each, rows=rows: place(*rows[list(each)]))
+        if number in segments:
+            where = place(*segments[number])
+            told += (f"time begins anew where load and depth go on ({where}): joined as segments of one test",)
+        if number in unmarked:
+            told += (f"begins at {place(begin)}, where time, load and depth begin anew as in the test before",)
+        parts.append(Part(rows, values[rows], idle[rows], told))
+    return parts
+
+
+def written_twice(values: np.ndarray) -> np.ndarray:
+    """Return which rows of `values` (n, k) are whole and equal to the last whole row before them."""
+    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
+    twice = np.zeros(len(values), dtype=bool)
+    twice[whole[1:]] = (values[whole[1:]] == values[whole[:-1]]).all(axis=1)
+    return twice
+
+
+def padding(values: np.ndarray) -> np.ndarray:
+    """Return which rows of `values` (n, k) are zeros that follow a test: at the end, or before more zeros."""
+    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
+    zero = (values[whole] == 0).all(axis=1)
+    padded = np.zeros(len(values), dtype=bool)
+    if zero.all():
+        return padded
+    padded[whole] = zero & np.append(zero[1:], True) & (np.arange(len(whole)) > np.argmin(zero))
+    return padded
+
+
+def _told(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -> tuple[str, ...]:
+    """Return in words which rows count for nothing."""
+    zeros = padding(values) & idle
+    twice = idle & ~zeros
+    return tuple(
+        f"{count} row{'s' if count > 1 else ''} {what} ({place(*np.flatnonzero(rows))})"
+        for what, rows in (("written twice, counted once", twice), ("of zeros at the end left out", zeros))
+        if (count := int(rows.sum()))
+    )
+
+
+def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
+    """Return at which of whole rows `values` (m, 3) a ``test`` or a ``segment`` begins.
+
+    `apart` (m,) says where a blank row or a repeated header stands before.
+    """
+    time, others = values[:, 0], values[:, 1:]
+    span = np.ptp(others, axis=0)
+    steps = np.abs(np.diff(others, axis=0))
+    forward = np.diff(time)[np.diff(time) > 0]
+    usual = float(np.median(forward)) if len(forward) else 0.0
+    cuts: dict[int, str] = {}
+    test = segment = 0
+    for k in np.flatnonzero(apart | (np.diff(time, prepend=-np.inf) <= 0)):
+        if k < segment + 2:
+            continue
+        back = time[k] <= time[k - 1]
+        runs = k + 1 < len(time) and time[k + 1] < time[k - 1] and 0 < time[k + 1] - time[k] <= OFTEN * usual
+        anew = back and runs and time[k] - time[segment] <= 2 * usual
+        beside = np.concatenate([steps[max(k - 1 - BESIDE, 0) : k - 1], steps[k : k + BESIDE]])
+        goes_on = (steps[k - 1] <= np.maximum(SAME * span, 1.5 * beside.max(axis=0, initial=0.0))).all()
+        as_first = np.abs(others[k] - others[test]) <= LIKE * span
+        unloaded = abs(others[k - 1, 0] - others[test, 0]) <= LIKE * span[0]
+        from_first, from_last = abs(others[k, 1] - others[test, 1]), steps[k - 1, 1]
+        returned = unloaded and as_first.all() and from_first <= from_last
+        if anew and goes_on and not returned:
+            cuts[int(k)] = "segment"
+        elif (anew and as_first[0]) or (apart[k] and (back or (returned and from_last > SAME * span[1]))):
+            cuts[int(k)] = "test"
+        else:
+            continue
+        segment, test = int(k), test if cuts[int(k)] == "segment" else int(k)
+    return cuts
+
+
+def _until_next(clock: np.ndarray, others: np.ndarray, k: int) -> float:
+    """Return how long after the last point before it a segment begins that starts at point `k` of `clock` (n,).
+
+    Not at all where its first point is the last one again; a step where both segments are sampled at one rate, or where
+    the clock tells nothing; else as long as the clock says. `others` (n, 2) are load and depth.
+    """
+    step, following = clock[k - 1] - clock[k - 2], clock[k + 1] - clock[k]
+    if clock[k] == 0 and (others[k] == others[k - 1]).all():
+        return 0.0
+    return float(clock[k] if abs(following - step) > ALIKE * step and 0 < clock[k] <= step else step)

@@ -1,0 +1,138 @@
+"""Workbooks with a sheet for each test: names in the first row, units beside them or in the second, then numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.recordings.readers.decimals import numbers
+from palpate.recordings.readers.headings import BRACKETED, is_word
+from palpate.recordings.readers.source import Source, number_of
+from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
+
+MARKERS = ("markers", "marker")
+SURFACE = "surface"
+
+
+def tests_of(source: Source) -> dict[str, str]:
+    """Return names of the sheets ``Test 001``, in the order of their numbers, each with its number as ``1``."""
+    numbers = {name: number for name in source.sheets if (number := number_of(name)) is not None}
+    return {name: str(number) for name, number in sorted(numbers.items(), key=lambda item: item[1])}
+
+
+def headings_of(source: Source, sheet: str) -> dict[str, int]:
+    """Return the columns of a sheet by their names in small letters, without units: ``load`` for ``LOAD (mN)``."""
+    found: dict[str, int] = {}
+    for index, cell in enumerate([*source.sheet(sheet)[:1], []][0]):
+        found.setdefault(_name(cell), index)
+    return found
+
+
+def first_of(names: Collection[str], spellings: Sequence[str]) -> str | None:
+    """Return the first of some spellings that is among the names; None where none is."""
+    return next((spelling for spelling in spellings if spelling in names), None)
+
+
+def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
+    """Return a column (n,) of a sheet in s, nm, mN or N/m, be its cells numbers or text.
+
+    Empty cells, words and the 1.8e308 that stands for "invalid" are NaN.
+
+    Parameters
+    ----------
+    name
+        As `headings_of` gives it.
+    quantity
+        What it holds: ``time``, ``load``, ``depth`` or ``stiffness``.
+
+    Raises
+    ------
+    InputError
+        When the column is missing or has a unit that is none of what it holds.
+    """
+    first, rows = source.placed_sheet(sheet)
+    index = headings_of(source, sheet).get(name)
+    start = 1 + has_row_of_units(source, sheet)
+    if index is None or len(rows) < start + 1:
+        raise InputError(
+            f"lacks the column {name!r} or its values", remedy="export it too", file=source.path,
+            place=f"sheet {sheet}",
+        )  # fmt: skip
+    stated, known = stated_unit(source, sheet, name), SCALES.get(quantity, STIFFNESS)
+    unit = unit_of(quantity, stated) if quantity in SCALES else stated
+    if unit not in known:
+        raise InputError(
+            f"{BRACKETED.sub('', plain(str(rows[0][index]))).strip()} is in {stated!r}",
+            remedy=f"export it in one of: {', '.join(known)}", file=source.path, place=f"sheet {sheet}",
+        )  # fmt: skip
+    cells = [[row[index]] for row in rows[start:]]
+    (values,) = numbers(cells, lambda row: f"sheet {sheet}, row {first + start + row}").T
+    return known[unit] * np.where(np.isfinite(values), values, np.nan)
+
+
+def stated_unit(source: Source, sheet: str, name: str) -> str:
+    """Return the unit that a sheet states for a column, in brackets beside its name or in the second row, as it is."""
+    rows, index = source.sheet(sheet), headings_of(source, sheet)[name]
+    bracketed = BRACKETED.findall(plain(str(rows[0][index])))
+    below = str(rows[1][index]) if len(rows) > 1 and has_row_of_units(source, sheet) else ""
+    return bracketed[-1] if bracketed else plain(below)
+
+
+def has_row_of_units(source: Source, sheet: str) -> bool:
+    """Return whether the second row of a sheet holds units, not the first numbers."""
+    second = [str(cell) for row in source.sheet(sheet)[1:2] for cell in row]
+    return not any(re.search(r"\d", cell) and not is_word(cell) for cell in second)
+
+
+def surface(source: Source, sheet: str) -> int | None:
+    """Return the row of numbers, from 0, that the column of markers calls the surface; None where none is."""
+    index = headings_of(source, sheet).get(first_of(headings_of(source, sheet), MARKERS) or "")
+    if index is None:
+        return None
+    rows = source.sheet(sheet)[1 + has_row_of_units(source, sheet) :]
+    marked = (k for k, row in enumerate(rows) if str(row[index]).strip().casefold().startswith(SURFACE))
+    return next(marked, None)
+
+
+def facts_of(source: Source, sheets: Sequence[str]) -> dict[str, dict[str, str]]:
+    """Return what sheets of results or inputs say of each test, as text, by the number of the test.
+
+    Each has names, units, and one row a test. What a later one says replaces what an earlier one does.
+    """
+    wanted = {name.casefold(): name for name in source.sheets}
+    facts: dict[str, dict[str, str]] = {}
+    for sheet in sheets:
+        rows = source.sheet(wanted[sheet.casefold()]) if sheet.casefold() in wanted else []
+        names = _headings(rows[0][1:]) if rows else []
+        for row in rows[2:]:
+            number = re.search(r"\d+", _text(row[0]))
+            if number:
+                facts.setdefault(str(int(number[0])), {}).update(
+                    (f"{name} [{_text(unit)}]" if _text(unit) else name, _text(cell))
+                    for name, unit, cell in zip(names, rows[1][1:], row[1:], strict=False)
+                    if name and _text(cell)
+                )
+    return facts
+
+
+def _name(cell: Any) -> str:
+    return " ".join(re.sub(r"[_\s]+", " ", BRACKETED.sub(" ", plain(str(cell)))).casefold().split())
+
+
+def _headings(cells: Sequence[Any]) -> list[str]:
+    """Return headings as text; one that the vendor tore at a comma, ``On? (1-Y`` and ``0-N)``, counts as one."""
+    headings: list[str] = []
+    for text in map(_text, cells):
+        if headings and "(" in headings[-1].rpartition(")")[2] and ")" in text.partition("(")[0]:
+            headings[-1] += f", {text}"
+        else:
+            headings.append(text)
+    return headings
+
+
+def _text(cell: Any) -> str:
+    return f"{cell:.9g}" if isinstance(cell, float) else " ".join(str(cell).split())

@@ -1,0 +1,124 @@
+"""The rows of time, load and depth in a table: what stands above them, their numbers, and how they part into tests."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.errors import InputError
+from palpate.recordings.readers.clock import seconds
+from palpate.recordings.readers.column_map import ColumnMap, columns_of
+from palpate.recordings.readers.decimals import numbers
+from palpate.recordings.readers.headings import is_row_of_units, is_word
+from palpate.recordings.readers.several_tests import Part, parted
+from palpate.recordings.readers.tables import Table
+
+
+@dataclass(frozen=True)
+class TableBody:
+    """A table's rows of time, load and depth.
+
+    Parameters
+    ----------
+    table
+        The whole table.
+    cells
+        Its cells of the three columns, below the header where the columns are given by their names.
+    named, header
+        The row in the table that holds the columns' names, and the header's: the former, or, where the columns are
+        given by their numbers, the first row of words above the numbers. None where there is none.
+    above
+        The cells for time, load and depth in the rows before the first number.
+    values : ndarray, shape (n, 3)
+        The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
+    repeated, broken : ndarray of bool, shape (n,)
+        Whether a row is the header again, and whether that or a blank row stands before it.
+    of_clock
+        Whether the times are read off a clock, in seconds.
+    told
+        What the user should know of that.
+    """
+
+    table: Table
+    cells: Table
+    named: int | None
+    header: int | None
+    above: list[list[str]]
+    values: np.ndarray
+    repeated: np.ndarray
+    broken: np.ndarray
+    of_clock: bool
+    told: tuple[str, ...]
+
+
+def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
+    """Return the rows of a table that has the columns and numbers in them; None for another."""
+    found = columns_of(table.rows, columns)
+    if found is None:
+        return None
+    cells = table.body(*found)
+    numeric = [k for k, row in enumerate(cells.rows) if is_numeric(row, (1, 2))]
+    if not numeric:
+        return None
+    heading = " ".join(str(row[found[1][0]]) for row in table.rows[: numeric[0] + 1] if len(row) > found[1][0])
+    clock = [row[0] for row in cells.rows]
+    shown, told = seconds([clock[k] for k in numeric], heading)
+    for k, time in zip(numeric, shown, strict=True):
+        clock[k] = time
+    values = numbers([[time, *others] for time, (_, *others) in zip(clock, cells.rows, strict=True)], cells.place)
+    whole = np.isfinite(values).all(axis=1)
+    if not whole.any():
+        return None
+    first = int(np.argmax(whole))
+    above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
+    header = row_of_names(above) if found[0] is None else found[0]
+    rows, numbered = table.rows[-len(cells.rows) :], np.array(cells.numbers)
+    repeated = np.array([header is not None and [*row] == [*table.rows[header]] for row in rows])
+    blank = np.array([not any(map(str, row)) for row in rows]) | (np.diff(numbered, prepend=numbered[0]) > 1)
+    of_clock = clock[first] != cells.rows[first][0]
+    return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, told)
+
+
+def parts_of(body: TableBody) -> list[Part]:
+    """Return the tests below one another in a table; raises `InputError` where one of them has names of its own."""
+    parts = parted(body.values, body.broken, body.cells.place)
+    whole = np.isfinite(body.values).all(axis=1)
+    for part in parts[1:]:
+        begin = int(part.rows[np.argmax(whole[part.rows])])
+        last = int(np.flatnonzero(whole[:begin])[-1])
+        between = range(last + 1, begin)
+        named = [
+            k for k, row in zip(between, words_of(body.cells.rows[last + 1 : begin]), strict=True) if _is_header(row)
+        ]
+        if any(not body.repeated[k] for k in named):
+            raise InputError(
+                f"{', '.join(map(str, body.cells.rows[named[0]]))!r} are other names than those of the test before",
+                remedy="write each of several tests to a file of its own",
+                place=body.cells.place(named[0]),
+            )
+    return parts
+
+
+def row_of_names(above: Sequence[Sequence[str]]) -> int | None:
+    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
+    return next((k for k, row in enumerate(above) if _is_header(row)), None)
+
+
+def _is_header(row: Sequence[str]) -> bool:
+    """Return whether the cells of a row are three words that are no units."""
+    return all(map(is_word, row)) and not is_row_of_units(row)
+
+
+def is_numeric(row: Sequence[Any], indices: Iterable[int]) -> bool:
+    """Return whether cells of a row hold digits and no words."""
+    cells = [str(row[k]) if k < len(row) else "" for k in indices]
+    return all(re.search(r"\d", cell) and not is_word(cell) for cell in cells)
+
+
+def words_of(rows: Sequence[Sequence[Any]]) -> list[list[str]]:
+    """Return the cells of rows as text without blanks around it."""
+    return [[str(cell).strip() for cell in row] for row in rows]

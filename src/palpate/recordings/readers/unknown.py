@@ -1,0 +1,23 @@
+"""What to say of a file that no reader knows: what it seems to be, and what its owner can do."""
+
+from __future__ import annotations
+
+from palpate.errors import InputError
+from palpate.recordings.readers.source import Source
+
+LIST = "`palpate read --formats` lists formats and units"
+BY_COLUMNS = "name the columns of its table (--columns time=...,load=...,depth=...); " + LIST
+NANOSCOPE = (rb"\*Force file list", rb"\*File list", rb"?*File list")
+
+
+def unknown(source: Source) -> InputError:
+    """Return the error of a file of no known format: a container, a NanoScope file, or another with its first line."""
+    kind, remedy = source.container, f"unpack it, or export its tests as text; {LIST}"
+    if source.content.startswith(NANOSCOPE):
+        kind = "a NanoScope file, which the library afmformats does not read either"
+        remedy = "export the force curve as text with time, force and separation, and name these by --columns"
+    if kind:
+        return InputError(f"is of no format that palpate knows: {kind}", remedy=remedy, file=source.path)
+    first = " ".join(source.first.split())
+    begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
+    return InputError(f"is of no format that palpate knows{begins}", remedy=BY_COLUMNS, file=source.path)
