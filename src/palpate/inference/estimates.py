@@ -44,11 +44,12 @@ def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate
     """
     coordinates, outside = fit.coordinates, np.abs(fit.z - 0.5) > 0.5 + 1e-9
     low, high = coordinates.named(found.lower), coordinates.named(found.upper)
+    ended = coordinates.at_limit(found.lower) | coordinates.at_limit(found.upper)
     places = {name: k for k, name in enumerate(coordinates.names)}
     found_estimates = {}
     for name, value in coordinates.named(fit.z).items():
         free, k = name in places, places.get(name, 0)
-        flags = [bool(free and flag[k]) for flag in (found.identified & explained, found.at_bound, outside)]
+        flags = [bool(free and flag[k]) for flag in (found.identified & explained & ~ended, found.at_bound, outside)]
         found_estimates[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
     return found_estimates
 

@@ -52,6 +52,5 @@ def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
     lower, upper = np.minimum(lower, fit.z), np.maximum(upper, fit.z)
     at_bound = fit.coordinates.at_limit(fit.z)
-    open_ended = at_bound | fit.coordinates.at_limit(lower) | fit.coordinates.at_limit(upper)
-    identified = (upper - lower < WIDEST_IDENTIFIED) & ~open_ended
+    identified = (upper - lower < WIDEST_IDENTIFIED) & ~at_bound
     return Intervals(lower, upper, at_bound, identified, np.atleast_2d(np.corrcoef(draws.T)), fit.misfit_ratio)
