@@ -40,6 +40,7 @@ AMPLITUDES, MEMORIES = (0.1, 0.3, 1.0, 3.0, 10.0), (0.0005, 0.0015, 0.005, 0.015
 LIKELY, POSSIBLE, COUNTS = 4.0, 10.0, 12.0  # nats below the best: combined with one another, tried again, counted
 EVEN = 400
 MOST = 6  # baselines, and kinds of correlated noise, that are combined
+ROUNDING = 1e-10  # of the largest variance, added to all: equal covariances of noise-free points stay definite
 Value = TypeVar("Value")
 
 
@@ -67,8 +68,10 @@ class Blocks:
         """Average channels between the indices `edges`, from 0 to the number of points that count."""
         count = np.diff(edges)
         clock, way, force = (np.add.reduceat(c[: edges[-1]], edges[:-1]) / count for c in (time, depth, load))
-        half = 0.5 * float(np.median(np.diff(time)))
-        return cls(clock, way, force, count, time[edges[:-1]] - half, time[edges[1:] - 1] + half)
+        between = 0.5 * (time[:-1] + time[1:])[edges[1:-1] - 1]
+        before, behind = (0.5 * float(time[k + 1] - time[k]) for k in (0, edges[-1] - 2))
+        begin, end = np.append(time[0] - before, between), np.append(between, time[edges[-1] - 1] + behind)
+        return cls(clock, way, force, count, begin, end)
 
 
 @dataclass(frozen=True)
@@ -175,7 +178,9 @@ class Evidence:
     def products(self, noise: ResidualNoise) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
         """Return half of log |C|, and the products of loads and terms, of these with laws, and of laws, over C."""
         if noise not in self._products:
-            factor = cholesky(self.covariance(noise), lower=True, check_finite=False)
+            covariance = self.covariance(noise)
+            covariance[np.diag_indices(len(covariance))] += ROUNDING * covariance.diagonal().max()
+            factor = cholesky(covariance, lower=True, check_finite=False)
             whitened = solve_triangular(factor, self.columns, lower=True, check_finite=False)
             linear, laws = np.split(whitened, [1 + len(self.terms)], axis=1)
             half = float(np.log(np.diag(factor)).sum())
