@@ -190,12 +190,12 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
             rough = [self.coordinates.named(u)["a"] > 1.0 for u in points]
             return ["unknown" if r else found for r, found in zip(rough, super().tangents(points), strict=True)]
 
-    data, model, lines = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough(), []
+    data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough()
     measured = {name: item.mean for name, item in data.items()}
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
-    found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, lines.append)
+    found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40)
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
-    assert found.converged and len(lines) < 40
+    assert found.converged
 
 
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():

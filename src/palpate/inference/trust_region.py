@@ -16,7 +16,7 @@ is given up.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -87,7 +87,6 @@ def descend(
     model: Forward,
     starts: Sequence[np.ndarray | Descent],
     iterations: int,
-    report: Callable[[str], None] = lambda line: None,
     tolerance: float = TOLERANCE,
     exact: bool = True,
 ) -> Descent:
@@ -99,8 +98,6 @@ def descend(
         The least-squares problem.
     model
         Gives curves and derivatives.
-    report
-        Called with one line for each iteration.
     starts
         Coordinates (k,), or searches that have ended.
     iterations
@@ -128,7 +125,6 @@ def descend(
         _advance(misfit, model, going, tolerance, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least = min(rms.values())
-        report(f"iteration {iteration + 1}: residual {least:.4g} nm")
         for search in searches:
             search.active &= iteration < PATIENCE or rms[search] <= BEHIND * least
     weights = misfit.weights(min(misfit.discrepancy(misfit.residual(search.curves)) for search in searches))
@@ -140,7 +136,6 @@ def resumed(
     model: Forward,
     way: Descent,
     iterations: int,
-    report: Callable[[str], None] = lambda line: None,
     tolerance: float = TOLERANCE,
     exact: bool = True,
 ) -> Descent:
@@ -152,12 +147,12 @@ def resumed(
     ----------
     way
         The search that ended.
-    misfit, model, iterations, report, tolerance, exact
+    misfit, model, iterations, tolerance, exact
         See `descend`.
     """
     for start in [way.u, *reversed(way.path)]:
         try:
-            return descend(misfit, model, [start], iterations, report, tolerance, exact)
+            return descend(misfit, model, [start], iterations, tolerance, exact)
         except PalpateError as error:
             failed = error
     raise failed
