@@ -38,7 +38,7 @@ HOW = {
         "snakemake --cores 2": DRY,
         "pytest -n auto": TESTS,
         "mkdocs build": INSTALLS,
-        "palpate draft FILE ... -o my_study": "palpate draft anonNI.TXT -o my_study",
+        "palpate draft FILES_OR_FOLDER -o my_study": "palpate draft anonNI.TXT -o my_study",
         "palpate check my_study/study.yaml": "",
         "palpate run my_study/study.yaml": DRY,
     },
@@ -57,7 +57,7 @@ HOW = {
     "own_recordings.md": {
         "palpate read 'Lab/2024-03-05/Test 2 mN 20 s site 1.txt' --columns "
         "'time=Time [s],load=Force [uN],depth=Depth [um]' --survey -o look": "",
-        "palpate draft Lab/*/*.txt --columns 'time=Time [s],load=Force [uN],depth=Depth [um]' -o my_polymer": "",
+        "palpate draft Lab/2024-03-05 --columns 'time=Time [s],load=Force [uN],depth=Depth [um]' -o my_polymer": "",
         "palpate check my_polymer/study.yaml": "",
         "palpate run my_polymer/study.yaml --cores 2": DRY,
         "snakemake --unlock --configfile my_polymer/study.yaml": "",
@@ -84,6 +84,10 @@ HOW = {
         "mlflow ui --backend-store-uri sqlite:///results/mlflow.db": "is a server that does not end",
         "palpate track": "",
         "palpate track --send": "",
+        "pip install psycopg2-binary": INSTALLS,
+        "mlflow db upgrade postgresql://USER@HOST/mlflow": "is tried by `.ci/postgresql`",
+        "mlflow server --backend-store-uri postgresql://USER@HOST/mlflow --artifacts-destination /srv/mlflow "
+        "--host 0.0.0.0": "likewise",
     },
     "tutorial.md": {
         "palpate read anonNI.TXT --survey -o look": "",

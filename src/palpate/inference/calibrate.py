@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -142,8 +142,8 @@ def base_fit(
 
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
-    replicates the noise is what a first fit leaves beside slow trends, see
-    `palpate.inference.covariance.noise_of`.
+    replicates noise cannot be told from what the law lacks: the fit allows for a discrepancy, and intervals take what
+    it leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
 
     Parameters
     ----------
@@ -168,5 +168,5 @@ def base_fit(
         fit = fitter.base([fit.z])
     if not problem.replicated:
         fitter.use_residual_as_noise(fit.residual)
-        fit = fitter.fitted((), [fit.z], fit.curve)
+        fit = replace(fit, errors=fitter.errors((), fit.z, fit.curve))
     return brought, fit

@@ -17,8 +17,8 @@ class FitPolicy:
         That go on, from the best of all places.
     iterations
         Largest number of iterations of a search; those that converge take 4 to 8, and 1 to 3 where one ended before.
-    iterations_from_afar
-        The same of one that begins at scattered places.
+    base_iterations
+        The same of the base model, whose search begins far away and may follow a long valley.
     first_tolerance, tolerance
         Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
         estimate.
@@ -30,7 +30,7 @@ class FitPolicy:
     scattered: int = 16
     searches: int = 2
     iterations: int = 12
-    iterations_from_afar: int = 30
+    base_iterations: int = 30
     first_tolerance: float = 0.5
     tolerance: float = 0.02
     poor_fit: float = 50.0

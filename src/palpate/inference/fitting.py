@@ -99,7 +99,8 @@ class Fitter:
             When the forward model fails at all starts.
         """
         problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
-        misfit, limit = self._misfit(explanation, self.errors(explanation, starts[0], depth)), policy.iterations
+        misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
+        limit = policy.iterations if explanation else policy.base_iterations
         end = None if explanation else self._near_start(model, starts)
         if end is None:
             end = descend(misfit, model, starts, limit, tolerance=policy.first_tolerance)
@@ -176,9 +177,7 @@ class Fitter:
         best = [starts[k] for k in np.argsort(left, kind="stable")[: policy.searches] if np.isfinite(left[k])]
         if not best:
             raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
-        return descend(
-            misfit, cheaper, best, policy.iterations_from_afar, tolerance=policy.first_tolerance, exact=False
-        )
+        return descend(misfit, cheaper, best, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
 
     def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended."""

@@ -29,6 +29,7 @@ SMALLEST_SIGMA = 1e-5
 SMALLEST_VARIANCE = 1e-12
 MARGIN = 30.0
 AT_BOUND = 1e-4
+LEAST_LEFT = 0.25  # of the points, beside slow trends
 OFF_BOUNDARY = ("site", "random_walk")
 AUTOCORRELATIONS = (0.5, 0.95)  # where the search begins
 
@@ -81,17 +82,29 @@ def contrasts(depth: np.ndarray) -> np.ndarray:
 
 
 def without_trend(segments: Sequence[np.ndarray], degree: int = 3) -> np.ndarray:
-    """Return an orthonormal basis (d, n) of what is left when each segment (bool, n) loses a polynomial."""
+    """Return an orthonormal basis (d, n) of what is left when each segment (bool, n) loses a polynomial.
+
+    Where that would leave less than `LEAST_LEFT` of the points, or than two, the degree is lower, or nothing is lost.
+    """
     count = len(segments[0])
+    while degree >= 0:
+        trends = _trends(segments, degree)
+        if count - len(trends) >= max(LEAST_LEFT * count, 2):
+            return np.linalg.qr(np.column_stack(trends), mode="complete")[0][:, len(trends) :].T
+        degree -= 1
+    return np.eye(count)
+
+
+def _trends(segments: Sequence[np.ndarray], degree: int) -> list[np.ndarray]:
+    """Return the powers (n,) of each segment (bool, n) up to a degree."""
     trends = []
     for segment in segments:
         x = np.linspace(-1, 1, int(segment.sum()))
         for power in range(min(degree, len(x) - 1) + 1):
-            column = np.zeros(count)
+            column = np.zeros(len(segment))
             column[segment] = x**power
             trends.append(column)
-    full = np.linalg.qr(np.column_stack(trends), mode="complete")[0]
-    return full[:, len(trends) :].T
+    return trends
 
 
 def fit_noise(
