@@ -142,8 +142,9 @@ def base_fit(
 
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
-    replicates noise cannot be told from what the law lacks: the fit allows for a discrepancy, and intervals take what
-    it leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
+    replicates noise cannot be told from what the law lacks: the fit comes as close to the curves as it can, with no
+    factor of the site free, and allows for a discrepancy; intervals allow for sites, and take what the fit leaves
+    beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
 
     Parameters
     ----------
@@ -159,14 +160,16 @@ def base_fit(
         Called with one line on the progress.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
-    fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
+    scatter = settings.site_scatter if problem.replicated else 0.0
+    fitter = Fitter(brought, scatter, settings.solver_error)
     begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
     fit = fitter.base([*begin, *fitter.scattered(rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), report)
-        fitter = Fitter(brought, settings.site_scatter, settings.solver_error)
+        fitter = Fitter(brought, scatter, settings.solver_error)
         fit = fitter.base([fit.z])
     if not problem.replicated:
+        fitter = replace(fitter, site_scatter=settings.site_scatter)
         fitter.use_residual_as_noise(fit.residual)
         fit = replace(fit, errors=fitter.errors((), fit.z, fit.curve))
     return brought, fit
