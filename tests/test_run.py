@@ -104,7 +104,7 @@ def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(undi
     (tmp_path / "results/elastic/lab/calibrations/all.json").unlink()
     planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
     rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
-    assert {"calibration", "tables", "report", "tracking"} <= rules
+    assert {"calibration_on_all", "tables", "report", "tracking"} <= rules
 
 
 @pytest.mark.faults(before="bash: /home/me/My: No such file or directory")
