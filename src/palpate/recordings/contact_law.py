@@ -64,8 +64,9 @@ class Laws:
         way = np.clip(depth[:, None] - contacts, 0.0, None) / (end - contacts)
         with np.errstate(divide="ignore"):
             powers = np.exp(np.log(way)[:, :, None] * self.powers)
-        way, cap = way[:, :, None], self.rounded
-        sharp, round_ = (way + cap / 3) ** 2, (4 / 3 * cap) ** 2 * (way / cap) ** 1.5
+        cap, round_ = self.rounded, (way * np.sqrt(way))[:, :, None]
+        way, round_ = way[:, :, None], 16 / 9 * np.sqrt(cap) * round_
+        sharp = (way + cap / 3) ** 2
         return np.concatenate([powers, np.where(way > cap, sharp, round_) / (1 + cap / 3) ** 2], axis=2)
 
     def narrowed(self, weight: np.ndarray) -> Laws:

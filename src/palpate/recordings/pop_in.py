@@ -45,6 +45,8 @@ def pop_ins(recording: Recording) -> list[PopIn]:
     usual = np.maximum(before, after) * step
     beyond = growth - 0.5 * (before + after) * step
     sudden = (growth > FASTER * usual) & (load[:-1] > FIRST * load[-1]) & (usual > 0.0)
+    if not sudden.any():
+        return []
     starts = np.flatnonzero(np.diff(np.concatenate([[False], sudden, [False]]).astype(int)))
     least = max(CLEAR * noise_of(depth), LEAST * float(depth.max()))
     found = [(first, float(beyond[first:last].sum())) for first, last in zip(starts[::2], starts[1::2], strict=True)]

@@ -22,7 +22,7 @@ def air_before(recording: Recording) -> ContactPoint | None:
     test's depth, or where the tip retreats by as much before it touches. The search is made only where a coarse fit, or
     a load that stays in its noise, gives reason to.
     """
-    if max(resting(recording), rough_share(recording)) <= SHARE and not _retreats(recording):
+    if resting(recording) <= SHARE and rough_share(recording) <= SHARE and not _retreats(recording):
         return None
     try:
         point = first_touch(recording.time, recording.load, recording.depth)
@@ -69,7 +69,8 @@ def rough_share(r: Recording) -> float:
 
 def _retreats(r: Recording) -> bool:
     """Return whether the tip moves away from where it begins before the load is largest."""
-    return _first_retreat(r) > max(SHARE * float(np.ptp(r.depth)), CLEAR * noise_of(r.depth))
+    retreat = _first_retreat(r)
+    return retreat > SHARE * float(np.ptp(r.depth)) and retreat > CLEAR * noise_of(r.depth)
 
 
 def _first_retreat(r: Recording) -> float:
@@ -80,13 +81,11 @@ def _first_retreat(r: Recording) -> float:
 
 def air_at_start(r: Recording) -> tuple[str, ...]:
     """Return a warning where a recording that should begin at contact begins in air."""
-    share = min(resting(r), rough_share(r))
     if _retreats(r):
         said = f"the tip retreats by {_first_retreat(r):.3g} nm after contact, before the load rises"
-    elif share > SHARE:
-        said = (
-            f"the load does not rise over the first {100 * share:.2g} % of the depth, counted from the file's contact"
-        )
+    elif (still := resting(r)) > SHARE and (rough := rough_share(r)) > SHARE:
+        share = 100 * min(still, rough)
+        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
     else:
         return ()
     return (f"{said} (--contact auto finds the touch)",)
