@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.inference.calibration_result import Calibration
+from palpate.inference.calibration_result import MOST_MISFIT, Calibration
 from palpate.inference.estimates import condition_errors, described, estimates, named_matrix
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
@@ -19,7 +19,6 @@ from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.problem import Problem
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
-MOST_MISFIT = 1.5  # chosen, of chi-square per degree of freedom: above it the model lacks something
 
 
 @dataclass(frozen=True)

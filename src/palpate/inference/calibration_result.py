@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+MOST_MISFIT = 1.5  # chosen, of chi-square per degree of freedom: above it the model lacks something
+
 
 @dataclass(frozen=True)
 class Estimate:

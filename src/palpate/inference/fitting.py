@@ -101,9 +101,10 @@ class Fitter:
         problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
-        end = None if explanation else self._near_start(model, starts)
-        if end is None:
-            end = descend(misfit, model, starts, limit, tolerance=policy.first_tolerance)
+        begun: Sequence[np.ndarray | Descent] = starts if explanation else self._with_slopes(model, starts)
+        end = begun[0]
+        if not (isinstance(end, Descent) and self._begins_near(model, end)):
+            end = descend(misfit, model, begun, limit, tolerance=policy.first_tolerance)
         weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
@@ -120,14 +121,15 @@ class Fitter:
             end = resumed(goal, record, end, limit, tolerance=policy.tolerance, exact=False)
         return self._fit(explanation, record, end, fit.errors)
 
-    def _near_start(self, model: Forward, starts: Sequence[np.ndarray]) -> Descent | None:
-        """Return the only start of the base model, where that is near to what noise leaves already."""
+    def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
+        """Return the starts of the base model, a single one with its derivatives where the model does not fail."""
         found = model.tangents(starts)[0] if len(starts) == 1 else ""
-        if isinstance(found, str):
-            return None
-        end = Descent(starts[0], *found)
-        fit = self._fit((), model, end, self.errors((), end.u, self.problem.stacked(end.curves)))
-        return end if self.near(fit) else None
+        return starts if isinstance(found, str) else [Descent(starts[0], *found)]
+
+    def _begins_near(self, model: Forward, begun: Descent) -> bool:
+        """Return whether a search of the base model begins near to what noise leaves already."""
+        errors = self.errors((), begun.u, self.problem.stacked(begun.curves))
+        return self.near(self._fit((), model, begun, errors))
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""

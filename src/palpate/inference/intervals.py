@@ -30,8 +30,10 @@ class Intervals:
     ----------
     lower, upper : ndarray, shape (k,)
         Ends of the intervals.
-    at_bound, identified : ndarray of bool, shape (k,)
-        See the module.
+    at_bound : ndarray of bool, shape (k,)
+        Whether the estimate lies on a limit of the law.
+    identified : ndarray of bool, shape (k,)
+        Whether the interval is narrow enough; `palpate.inference.estimates.estimates` asks where it ends, too.
     correlation : ndarray, shape (k, k)
         Of the posterior.
     misfit_ratio
@@ -52,5 +54,5 @@ def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
     lower, upper = np.minimum(lower, fit.z), np.maximum(upper, fit.z)
     at_bound = fit.coordinates.at_limit(fit.z)
-    identified = (upper - lower < WIDEST_IDENTIFIED) & ~at_bound
+    identified = upper - lower < WIDEST_IDENTIFIED
     return Intervals(lower, upper, at_bound, identified, np.atleast_2d(np.corrcoef(draws.T)), fit.misfit_ratio)

@@ -11,6 +11,8 @@ from string import Template
 import numpy as np
 import pandas as pd
 
+from palpate.inference.calibration_result import MOST_MISFIT
+
 PAGE = Template("""<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>$title</title>
 <style>
@@ -97,7 +99,7 @@ def misfit_sentence(calibration: Mapping) -> str:
             "rather than noise, means that the model lacks something."
         )
     ratio = calibration["misfit_ratio"]
-    if ratio < 1.5:
+    if ratio < MOST_MISFIT:
         return (
             f"{span} Taken as a whole that is about the noise of the recordings (chi-square per degree of freedom: "
             f"{ratio:.2f}); a small effect may still be present, which the diagnosis tests."

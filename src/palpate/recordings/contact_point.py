@@ -175,10 +175,7 @@ def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, la
 
 def loading(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
     """Return the first and last index of the first loading: from the farthest retreat to nearly the largest load."""
-    smooth = median_filter(load, 5, mode="nearest")
-    smooth = smooth[: _first_cycle(smooth, depth, noise_of(load))]
-    peak = int(np.argmax(smooth))
-    risen = smooth - smooth[: peak + 1].min()
+    risen, peak = _rise(load, depth)
     last = int(np.argmax(risen >= MOSTLY * risen[peak]))
     return int(np.argmin(depth[: last + 1])), last
 
@@ -190,13 +187,18 @@ def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
     stick out do not count. Where fewer than ten points lie between, as in coarse recordings, ten are taken, up to half
     of that load.
     """
-    smooth = median_filter(load, 5, mode="nearest")
-    smooth = smooth[: _first_cycle(smooth, depth, noise_of(load))]
-    peak = int(np.argmax(smooth))
-    risen = smooth - smooth[: peak + 1].min()
+    risen, peak = _rise(load, depth)
     last = int(np.argmax(risen > LOADED * risen[peak]))
     first = int(np.argmin(depth[: last + 1]))
     return first, max(last, min(first + 10, int(np.argmax(risen > 0.5 * risen[peak]))))
+
+
+def _rise(load: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return the loads of the first cycle (k,) above the least one before its peak, and the index of the peak."""
+    smooth = median_filter(load, 5, mode="nearest")
+    smooth = smooth[: _first_cycle(smooth, depth, noise_of(load))]
+    peak = int(np.argmax(smooth))
+    return smooth - smooth[: peak + 1].min(), peak
 
 
 def _first_cycle(load: np.ndarray, depth: np.ndarray, noise: float) -> int:

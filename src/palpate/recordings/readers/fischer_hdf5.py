@@ -16,12 +16,12 @@ from palpate.recordings.readers.several_tests import parted
 from palpate.recordings.readers.source import HDF5, Source
 from palpate.recordings.readers.units import SCALES, unit_of
 from palpate.recordings.readers.vendor import (
-    PLACES,
     Corrections,
     Reader,
     Unreadable,
     VendorTest,
     attempt,
+    first_few,
     refuse_corrections,
     unfinished,
     unless_all_fail,
@@ -79,9 +79,7 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
     values = attempt(source.path, name, _values, group)
     if isinstance(values, Unreadable):
         return [Unreadable(name, values.error)]
-    parts = parted(
-        values, np.zeros(len(values), dtype=bool), lambda *rows: f"point {', '.join(str(r + 1) for r in rows)}"
-    )
+    parts = parted(values, np.zeros(len(values), dtype=bool), _point)
     peaks = [float(part.values[:, 1].max()) for part in parts]
     pressed = [part for part, peak in zip(parts, peaks, strict=True) if peak > APPROACH * max(peaks)]
     tests: list[VendorTest | Unreadable] = []
@@ -96,7 +94,7 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
 
 def _point(*rows: int) -> str:
     """Return which points are meant, from 1, for messages."""
-    return f"point {', '.join(str(row + 1) for row in rows[:PLACES])}{' and more' if len(rows) > PLACES else ''}"
+    return f"point {first_few([row + 1 for row in rows])}"
 
 
 def _values(group: Columns) -> np.ndarray:

@@ -11,7 +11,7 @@ from typing import Any
 
 from palpate.recordings.readers.decimals import PARTING
 from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.vendor import PLACES
+from palpate.recordings.readers.vendor import first_few
 
 DELIMITERS = ("\t", ";", ",")
 WORD = re.compile(r"[^\W\d_]")
@@ -45,9 +45,8 @@ class Table:
 
     def place(self, *rows: int) -> str:
         """Return where the first few of `rows` stand, and how many more there are."""
-        named = ", ".join(str(self.numbers[row]) for row in rows[:PLACES])
-        more = f" and {len(rows) - PLACES} more" if len(rows) > PLACES else ""
-        return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named + more
+        named = first_few([self.numbers[row] for row in rows])
+        return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named
 
     def at(self, kept: Sequence[int]) -> Table:
         """Return the table of some of its rows."""

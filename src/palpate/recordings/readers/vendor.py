@@ -252,11 +252,16 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     return kept, tuple(told)
 
 
+def first_few(numbers: Sequence[int] | np.ndarray) -> str:
+    """Return the first few of some numbers, and how many more there are."""
+    more = f" and {len(numbers) - PLACES} more" if len(numbers) > PLACES else ""
+    return ", ".join(str(number) for number in numbers[:PLACES]) + more
+
+
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
     """Return each cause with the numbers of the first few points that it strikes, counted from 1."""
     said = []
     for cause, points in causes.items():
         if len(points):
-            more = f" and {len(points) - PLACES} more" if len(points) > PLACES else ""
-            said.append(f"{cause} (point {', '.join(str(point + 1) for point in points[:PLACES])}{more})")
+            said.append(f"{cause} (point {first_few(points + 1)})")
     return ", ".join(said)
