@@ -41,15 +41,15 @@ def run(arguments: argparse.Namespace) -> int:
 def examined(study: Study) -> Iterator[str]:
     """Check a study and its recordings, each of which is read once, and say what will be done; raises `InputError`."""
     from palpate.workflow_support.check_study import checked
-    from palpate.workflow_support.data_quality import doubts
+    from palpate.workflow_support.data_quality import anomalies
 
-    odd: dict[str, list[str]] = {name: [] for name in study.recordings}
-    checked(study, lambda name, condition, tests: odd[name].extend(doubts(study, condition, tests)))
-    yield from _described(study, odd)
+    found: dict[str, list[str]] = {name: [] for name in study.recordings}
+    checked(study, lambda name, condition, tests: found[name].extend(anomalies(study, condition, tests)))
+    yield from _described(study, found)
 
 
-def _described(study: Study, odd: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Say what a study simulates, which tests each set of recordings holds, what is `odd` in it, and left open."""
+def _described(study: Study, anomalies: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Say what a study simulates, which tests each set of recordings holds, their `anomalies`, and limits."""
     from palpate.inference.study_recordings import written_by_workflow
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
@@ -68,7 +68,7 @@ def _described(study: Study, odd: Mapping[str, Sequence[str]]) -> Iterator[str]:
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
         yield f"recordings {name} in {folder.resolve()}: {found}"
         unread = () if written_by_workflow(study, name) else passed_over(folder)
-        yield from (f"recordings {name}: {remark}" for remark in (*unread, *odd[name]))
+        yield from (f"recordings {name}: {remark}" for remark in (*unread, *anomalies[name]))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"

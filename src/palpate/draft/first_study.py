@@ -155,7 +155,7 @@ def _drafted(
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
     study = _written(output / "study.yaml", text, folder, groups, tests)
-    return FirstStudy(study, [*_doubts(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
+    return FirstStudy(study, [*_on_stiffness(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
 
 
 def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
@@ -167,7 +167,7 @@ def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
     return [test for test in tests if test.recording not in left_out]
 
 
-def _doubts(law: str, solid: Solid) -> list[str]:
+def _on_stiffness(law: str, solid: Solid) -> list[str]:
     """Return a remark on a solid that is as stiff as no polymer is, or as soft as no plastic."""
     told = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is"
     if law == POLYMER and solid.stiff:

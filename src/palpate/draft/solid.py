@@ -51,11 +51,11 @@ class Solid:
         cls, recordings: Sequence[Recording], tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO
     ) -> Solid:
         """Analyse recordings under a tip; raises `InputError` when the tip has not sunk in at the largest load."""
-        told = [by_unloading(recording, tip, poisson_ratio) for recording in recordings]
+        moduli = [by_unloading(recording, tip, poisson_ratio) for recording in recordings]
         secant = np.median([secant_modulus(recording, tip, poisson_ratio) for recording in recordings])
         return cls(
             float(secant),
-            *_medians([pair for pair in told if not math.isnan(pair[0])], 2),
+            *_medians([pair for pair in moduli if not math.isnan(pair[0])], 2),
             *_medians([(_creep(recording),) for recording in recordings], 1),
             *_medians([(_returned(recording),) for recording in recordings], 1),
         )
@@ -67,8 +67,8 @@ class Solid:
 
 
 def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
-    told = [each for each in values if not any(map(math.isnan, each))]
-    return [float(value) for value in np.median(told, axis=0)] if told else [math.nan] * count
+    known = [each for each in values if not any(map(math.isnan, each))]
+    return [float(value) for value in np.median(known, axis=0)] if known else [math.nan] * count
 
 
 def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> tuple[float, float]:

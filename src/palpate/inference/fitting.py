@@ -1,9 +1,9 @@
 """Fits of an explanation, material and mechanisms together, to the recordings on a forward model.
 
-A fit is weighed by the errors that are known: noise of the recordings, told by replicates, and error of the solver.
-What the model lacks beside them counts as a discrepancy, see `palpate.inference.least_squares`. Where a fit comes near
-to what noise leaves it goes on with the model of record, known there, weighed by the noise of the recordings alone. The
-explanation without a mechanism is the base model: a calibration fits it, and a diagnosis begins with it.
+A fit is weighted by the known errors: the noise of the recordings, estimated from replicates, and the error of the
+solver. Further misfit counts as a discrepancy of the model, see `palpate.inference.least_squares`. Where a fit comes
+near to what noise leaves it goes on with the model of record, known there, weighted by the noise of the recordings
+alone. The explanation without a mechanism is the base model: a calibration fits it, and a diagnosis begins with it.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ class Fitter:
     problem
         The recordings, and a forward model: that of record from the first fit of the base model on.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where replicates do not tell it [-].
+        Assumed standard deviation of the depth factor between sites, where no replicates give it [-].
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-].
     policy
         How far a fit goes.
     laws
-        What exact laws say about amplitudes: data, too.
+        Amplitudes given by exact laws; they are data as well.
     """
 
     problem: Problem

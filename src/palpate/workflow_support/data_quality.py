@@ -20,8 +20,8 @@ PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
-def doubts(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator[str]:
-    """Say what is odd about the tests of a condition.
+def anomalies(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator[str]:
+    """Report the anomalies of the tests of a condition.
 
     Those much deeper or shallower than the others, that begin elsewhere than at contact, or in air, or last longer than
     the load that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or
@@ -29,7 +29,7 @@ def doubts(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator
     """
     yield from _apart(tests)
     for test in tests:
-        yield from (f"{test.name}.csv: {said}" for said in air_at_start(test))
+        yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test))
     for test in filter(begins_off_contact, tests):
         yield (
             f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "

@@ -1,4 +1,4 @@
-"""Vendors' files: every module of this folder that defines ``READER`` is found by itself; files are told by content."""
+"""Vendors' files: modules of this folder that define ``READER`` are found; formats are detected from the content."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from palpate.base.discovery import discover
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
-from palpate.recordings.readers.columns import lacking, read_columns
+from palpate.recordings.readers.columns import missing_channel, read_columns
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
@@ -185,7 +185,7 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    missing = None if source.container else lacking(source)
+    missing = None if source.container else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
         raise InputError(

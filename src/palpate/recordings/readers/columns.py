@@ -54,7 +54,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
     return [*unless_all_fail(tests), *(sheet for sheet in without if sheet)]
 
 
-def lacking(source: Source) -> str | None:
+def missing_channel(source: Source) -> str | None:
     """Return the channel that a table lacks whose header, with numbers below, names the others; None without such."""
     parted = re.compile(r"[\t;,]")
     text = [parted.split(line) if parted.search(line) else NAME_WITH_UNIT.findall(line) for line in source.lines]
