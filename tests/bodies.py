@@ -4,9 +4,21 @@ import numpy as np
 
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
-from palpate.solver.axisymmetric.march_cases import Case, run_lanes
+from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.variation import applied_to_body
+from palpate.study.indenter import Indenter
+from palpate.study.specimen import Specimen
+
+CONE = Indenter("cone", 70.3)
+STANDARD = RESOLUTIONS["standard"]
+
+
+def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):
+    """Return the simulated depths (n,) [nm] at the samples of a protocol."""
+    (outcome,) = indent_batch([Case(Specimen(coefficients), indenter, protocol, resolution, large)])
+    assert not outcome.reason
+    return outcome.depth
 
 
 def case_of(specification):
