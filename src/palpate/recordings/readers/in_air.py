@@ -12,6 +12,7 @@ from palpate.recordings.recording import Recording
 SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
+FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
 VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
 
 
@@ -54,11 +55,16 @@ def share_in_air(recording: Recording, point: ContactPoint) -> float:
 
 
 def resting(r: Recording) -> float:
-    """Return by which share of its largest the depth grows before the load leaves its noise."""
+    """Return by which share of its largest the depth grows before the load leaves its noise.
+
+    Where it leaves the level of its first points within these, it does not rest, and the share is zero.
+    """
     smooth = median_filter(r.load, 5, mode="nearest")
-    level = float(np.median(smooth[:5]))
-    risen = np.flatnonzero(smooth > level + CLEAR * max(noise_of(r.load), 1e-4 * float(np.ptp(r.load))))
-    left = int(risen[0]) if len(risen) else len(r) - 1
+    level = float(np.median(smooth[:FIRST]))
+    risen = smooth > level + CLEAR * max(noise_of(r.load), 1e-4 * float(np.ptp(r.load)))
+    left = int(np.argmax(risen)) if risen.any() else len(r) - 1
+    if left < FIRST:
+        return 0.0
     return float(r.depth[left] - r.depth[0]) / max(float(np.ptp(r.depth)), 1e-300)
 
 
