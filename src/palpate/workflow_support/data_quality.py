@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.recordings.pop_in import pop_ins
-from palpate.recordings.readers.in_air import air_at_start
+from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import other_files
@@ -28,7 +28,7 @@ def anomalies(study: Study, condition: str, tests: Sequence[Recording]) -> Itera
     oscillate.
     """
     yield from _apart(tests)
-    for test in tests:
+    for test in suspects(tests):
         yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test))
     for test in filter(begins_off_contact, tests):
         yield (
