@@ -199,7 +199,7 @@ def test_what_acts_on_the_body_is_screened_and_fitted_on_the_forward_model():
 
     planted = recordings(np.random.default_rng(4), lambda c, r: rounded(c.protocol, {"radius": 60.0}))
     search = search_of(problem(planted, tip_rounding=rounded), [*RECORD_ONLY, "tip_rounding"])
-    assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.25, 0.75, 1.0])
+    assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.05, 0.25, 0.75, 1.0])
     found = search.examined(search.joined(search.base.fit, "tip_rounding"))
     assert search.base.p_value < 0.01 < found.p_value
     radius, slope = found.fit.problem.quantity(("tip_rounding",), found.fit.z, "tip_rounding.radius")
