@@ -11,9 +11,6 @@ class SearchPolicy:
 
     Parameters
     ----------
-    starts
-        Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
-        advance side by side, and one that falls behind is given up.
     behind_best
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     behind_adequate
@@ -27,7 +24,6 @@ class SearchPolicy:
         Schwarz's.
     """
 
-    starts: int = 2
     behind_best: float = 40.0
     behind_adequate: float = 10.0
     least: int = 5

@@ -98,9 +98,7 @@ class Search:
 
     def joined(self, fit: Fit, key: str) -> Fit:
         """Fit an explanation and one more mechanism; raises as `fitted`."""
-        several = self.screen.trials[key].shape[1] > 1
-        starts = self.screen.starts(fit, key, self.policy.starts if several else 1)
-        return self.fitted((*fit.explanation, key), starts, fit.curve)
+        return self.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""
