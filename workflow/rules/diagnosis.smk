@@ -19,6 +19,7 @@ rule diagnosis:
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         code=code("scripts/diagnosis.py"),
+    threads: 2
     message:
         "diagnosis of {wildcards.recordings}"
     script:
