@@ -13,13 +13,13 @@ rule diagnosis:
         f"{FOLDER}/logs/diagnosis_{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
+    threads: 2
     params:
         title=constant(STUDY.title),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         code=code("scripts/diagnosis.py"),
-    threads: 2
     message:
         "diagnosis of {wildcards.recordings}"
     script:
