@@ -22,6 +22,8 @@ class SearchPolicy:
         By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
         the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
         Schwarz's.
+    threads
+        Fits that run at once, each on a core; what is found does not depend on it.
     """
 
     behind_best: float = 40.0
@@ -30,3 +32,4 @@ class SearchPolicy:
     most: int = 8
     most_sets: int = 5
     mechanism_penalty: float = 2.0
+    threads: int = 1

@@ -10,6 +10,7 @@ and the directions in which the residual is tested.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -50,18 +51,18 @@ class Screen:
     failed: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, fit: Fit, keys: Sequence[str]) -> Screen:
-        """Return the effects of mechanisms at the optimum of the base model."""
+    def of(cls, fit: Fit, keys: Sequence[str], threads: int = 1) -> Screen:
+        """Return the effects of mechanisms at the optimum of the base model, simulated on some threads."""
         trials, effects, failed = {}, {}, {}
-        for key in keys:
-            places = _places(fit.problem, key)
-            if fit.problem.is_simulated(key):
-                try:
-                    trials[key], effects[key] = _simulated(fit, key, places)
-                except PalpateError as error:
-                    failed[key] = str(error)
-            else:
-                trials[key], effects[key] = places, np.array([_added(fit, key, place) for place in places])
+        with ThreadPoolExecutor(threads) as pool:
+            begun = {
+                key: pool.submit(_simulated if fit.problem.is_simulated(key) else _added, fit, key) for key in keys
+            }
+        for key, found in begun.items():
+            try:
+                trials[key], effects[key] = found.result()
+            except PalpateError as error:
+                failed[key] = str(error)
         return cls(trials, effects, failed)
 
     @property
@@ -159,15 +160,18 @@ def _places(problem: Problem, key: str) -> np.ndarray:
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 
-def _added(fit: Fit, key: str, place: np.ndarray) -> np.ndarray:
-    """Return what a mechanism at its coordinates (d,) adds to the depths of all conditions (n_all,) [nm]."""
-    problem = fit.problem
-    values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
-    return np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions])
+def _added(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates (m, d) of a mechanism, and what it adds to the depths of all conditions (m, n_all) [nm]."""
+    problem, effects = fit.problem, []
+    places = _places(problem, key)
+    for place in places:
+        values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
+        effects.append(np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions]))
+    return places, np.array(effects)
 
 
-def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the coordinates among `places` (m, d) at which the forward model succeeds, and the effects there.
+def _simulated(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates (m, d) of a mechanism at which the forward model succeeds, and the effects (m, n_all) [nm].
 
     Raises
     ------
@@ -175,6 +179,7 @@ def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.n
         When it fails at all of them.
     """
     problem = fit.problem
+    places = _places(problem, key)
     outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
     good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
     if not good:

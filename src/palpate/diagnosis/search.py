@@ -85,7 +85,7 @@ class Search:
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
         self.problem = self._fitter.problem
-        self.screen = Screen.of(base, keys)
+        self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
