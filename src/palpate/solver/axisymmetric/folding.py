@@ -14,22 +14,21 @@ import math
 import numpy as np
 
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.study.specimen import Specimen
 
 RINGS = 5
-DOUBLINGS = 3
+DOUBLINGS = {True: 2, False: 3}  # under sharp tips and others
 
 
-def mergings(specimen: Specimen, large: bool) -> int:
-    """Return how many times the innermost rings may be merged, one wider than the other."""
-    return DOUBLINGS if large else 0
+def mergings(sharp: bool, large: bool) -> int:
+    """Return how many times the innermost rings may be merged under a `sharp` tip or another, at `large` strains."""
+    return DOUBLINGS[sharp] if large else 0
 
 
 def merged(radii: np.ndarray, resolution: Resolution, rounded: bool, times: int) -> np.ndarray:
     """Return the `radii` of the rings with the innermost merged so many times, or as they are; all beyond stay.
 
     Under a `rounded` tip what is merged reaches to the smallest contact that counts, then twice and four times as far.
-    Under a sharp one the innermost ring becomes twice, four and eight times as wide.
+    Under a sharp one the innermost ring becomes twice and four times as wide.
 
     Parameters
     ----------

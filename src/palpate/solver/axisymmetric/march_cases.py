@@ -80,7 +80,7 @@ class Case:
         """Radii of the rings of nodes [um]."""
         usual = self.rings
         if usual is None:
-            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
+            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution, self.large)
         rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
         return rings * self.resolution.growth**self.shift
 
@@ -92,12 +92,12 @@ class Case:
     @property
     def mergeable(self) -> bool:
         """Whether its innermost rings may be merged once more."""
-        return self.merged < mergings(self.specimen, self.large)
+        return self.merged < mergings(self.indenter.sharp, self.large)
 
     @property
     def and_merged(self) -> Iterator[Case]:
         """The case, and as it is with its innermost rings merged, once more each time."""
-        for times in range(self.merged, 1 + mergings(self.specimen, self.large)):
+        for times in range(self.merged, 1 + mergings(self.indenter.sharp, self.large)):
             yield replace(self, merged=times)
 
     @cached_property
@@ -316,7 +316,7 @@ def begun(
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
-        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
+        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, area, smallest,
         np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)
