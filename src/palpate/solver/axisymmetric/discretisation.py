@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from palpate.solver.axisymmetric.contact_size import LEAST_LOAD, contact_range
@@ -19,17 +17,11 @@ RESOLUTIONS = {
     ),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
 }
-FLOWING = 0.5  # innermost ring over the smallest contact, under a sharp tip on a body that flows at large strains
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
 
 
-def mesh_radii(
-    specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution, large: bool = False
-) -> np.ndarray:
+def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
     """Return the radii [um] of the rings of the mesh that an indentation needs.
-
-    At large strains a body that yields flows out along the flank from under a sharp apex, by about 0.4 of the depth
-    (`folding`). Rings much narrower than that fold, and stiffen the body before they do.
 
     Parameters
     ----------
@@ -37,11 +29,7 @@ def mesh_radii(
         Body, tip and load history.
     resolution
         See `RESOLUTIONS`.
-    large
-        Whether strains are large.
     """
-    if large and specimen.yields:
-        resolution = replace(resolution, inner=max(resolution.inner, FLOWING))
     return ring_radii(*contact_range(specimen, indenter, protocol), resolution, not indenter.sharp)
 
 

@@ -45,6 +45,8 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
 
+HALVINGS = 6  # of a step that finds no equilibrium
+FEW_HALVINGS = 2  # where the innermost rings of a body that yields may be merged instead
 DIGITS = 9  # of the logarithms of the rings' radii
 
 
@@ -80,7 +82,7 @@ class Case:
         """Radii of the rings of nodes [um]."""
         usual = self.rings
         if usual is None:
-            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution, self.large)
+            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
         rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
         return rings * self.resolution.growth**self.shift
 
@@ -92,12 +94,17 @@ class Case:
     @property
     def mergeable(self) -> bool:
         """Whether its innermost rings may be merged once more."""
-        return self.merged < mergings(self.indenter.sharp, self.large)
+        return self.merged < mergings(self.large)
+
+    @property
+    def halvings(self) -> int:
+        """How many times a step that finds no equilibrium is halved."""
+        return FEW_HALVINGS if self.mergeable and self.specimen.yields else HALVINGS
 
     @property
     def and_merged(self) -> Iterator[Case]:
         """The case, and as it is with its innermost rings merged, once more each time."""
-        for times in range(self.merged, 1 + mergings(self.indenter.sharp, self.large)):
+        for times in range(self.merged, 1 + mergings(self.large)):
             yield replace(self, merged=times)
 
     @cached_property
@@ -316,14 +323,15 @@ def begun(
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
-        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, area, smallest,
+        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
         np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)
     depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
     onset = np.stack([touching.area, depth])
     march = March(
-        large, body, bodies, contact, drives, units, system, tolerance, onset, *np.zeros((2, LANES), dtype=np.int64)
+        large, body, bodies, contact, drives, units, system, tolerance, onset, np.array([c.halvings for c in hosts]),
+        *np.zeros((2, LANES), dtype=np.int64),
     )  # fmt: skip
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),

@@ -47,6 +47,7 @@ TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls belo
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
 CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
+APART = 0.1  # of the area, by which it differs from that of the nodes: then its change may unbalance calm forces
 TIGHT = 1e-10  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -135,7 +136,10 @@ def advance(
                 done[lane] = True
                 keep(points, solved, lane)
             elif (
-                searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
+                searching[lane]
+                and not (changed[lane] and patient)
+                and not (calm and unlike > APART)
+                and unbalanced(work[lane], start[lane], tries[lane])
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))

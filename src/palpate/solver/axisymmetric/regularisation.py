@@ -102,7 +102,7 @@ def contact_of(
 
 def first_contact(
     profiles: Sequence[Profile], specimens: Sequence[Specimen], durations: Sequence[float], distance: np.ndarray,
-    area: np.ndarray, smallest: np.ndarray, loads: np.ndarray,
+    smallest: np.ndarray, loads: np.ndarray,
 ) -> ContactState:  # fmt: skip
     """Return the state of a contact before it begins, as it is expected at the end of the first step.
 
@@ -112,8 +112,6 @@ def first_contact(
         Of each lane; lengths in its unit, durations in s.
     distance : ndarray, shape (k,)
         Of the surface nodes from the axis.
-    area : ndarray, shape (k,)
-        That belongs to each node; that of the first two is the least a contact may begin with.
     smallest : ndarray, shape (LANES,)
         Smallest contact radius that counts.
     loads : ndarray, shape (LANES,)
@@ -124,15 +122,14 @@ def first_contact(
         for _ in range(ROUNDS if load > 0.0 else 0):
             mean = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
             radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * mean)))
-    radius = np.maximum(radius, math.sqrt((area[0] + area[1]) / math.pi))
     slope = np.array([p.slope_for(a) for p, a in zip(profiles, radius, strict=True)])
     height = np.array([p.depth_for(a) for p, a in zip(profiles, radius, strict=True)])
     pressure = np.array(
         [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
     )
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
-    touching, stiffness, none = np.asarray(np.pi * radius**2), np.asarray(STIFFNESS * pressure), np.zeros(LANES)
+    area, stiffness, none = np.asarray(np.pi * radius**2), np.asarray(STIFFNESS * pressure), np.zeros(LANES)
     return ContactState(
-        touching, pressure, stiffness, rise, np.full(LANES, BLEND), np.zeros((3, LANES)), none, none.copy(), places,
+        area, pressure, stiffness, rise, np.full(LANES, BLEND), np.zeros((3, LANES)), none, none.copy(), places,
         np.zeros_like(places), places.copy(),
     )  # fmt: skip
