@@ -8,7 +8,7 @@ displacements, depth and area, those of the area v and b, and what S is too larg
     K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh - e.
 
 A factor of the matrix serves `REUSES` iterations. Each lane searches along Newton's direction, by the secant, until the
-work of the forces along it falls below 0.8 of what it was. All lanes are assembled and factored together, at iterations
+work of the forces along it falls below 0.8 of what it was, or 2 where nodes begin or cease to slip. All lanes are assembled and factored together, at iterations
 that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
 never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
 
@@ -55,6 +55,8 @@ PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
 STIFFEST = 1e-3  # share of the force in the last equation, below which the line search takes it for that
 TRIES = 5  # of the line search
+LESS_WORK = 0.8  # of what it was, below which the work of the forces ends it
+MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
 @njit(cache=True, error_model="numpy")
@@ -137,9 +139,8 @@ def advance(
                 keep(points, solved, lane)
             elif (
                 searching[lane]
-                and not (changed[lane] and patient)
                 and not (calm and unlike > APART)
-                and unbalanced(work[lane], start[lane], tries[lane])
+                and unbalanced(work[lane], start[lane], tries[lane], MORE if changed[lane] and patient else LESS_WORK)
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
@@ -241,9 +242,9 @@ def stiffness(large, body, points, laws, displacement, geometric, band):
 
 
 @njit(cache=True)
-def unbalanced(work, start, tries):
-    """Return whether the line search goes on."""
-    return tries < TRIES and work * start <= 0.0 and abs(work) >= 0.8 * abs(start)
+def unbalanced(work, start, tries, share):
+    """Return whether the line search goes on, until the work is less than some `share` of what it was."""
+    return tries < TRIES and work * start <= 0.0 and abs(work) >= share * abs(start)
 
 
 @njit(cache=True)
