@@ -47,7 +47,7 @@ from palpate.solver.axisymmetric.coulomb_friction import anchored, friction_rati
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.tip import Tip, profile_at
 
-FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
+FARTHEST = 4.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 STEEP, BEFORE = 2.0, 1.0  # a node within touches, one at the edge by its half: Phi(STEEP (x + BEFORE))
 STEEPEST = 2.25  # exponent of a tip that counts
