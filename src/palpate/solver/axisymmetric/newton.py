@@ -59,7 +59,7 @@ LESS_WORK = 0.8  # of what it was, below which the work of the forces ends it
 MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def advance(
     large, body, points, contact, state, laws, weights, equation, scale, tolerance, farthest, displacement, depth,
     reaction, system, alive, spent,
