@@ -8,9 +8,11 @@ displacements, depth and area, those of the area v and b, and what S is too larg
     K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh - e.
 
 A factor of the matrix serves `REUSES` iterations. Each lane searches along Newton's direction, by the secant, until the
-work of the forces along it falls below 0.8 of what it was, or 2 where nodes begin or cease to slip. All lanes are assembled and factored together, at iterations
-that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
-never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
+work of the forces along it falls below 0.8 of what it was, or below 2 where nodes begin or cease to slip. While the
+area is far from that of the nodes, calm forces do not hold back its change. All lanes are assembled and factored
+together, at iterations that depend on their number alone; a lane that has converged or searches along a line leaves the
+solution unused: lanes never depend on each other. A lane whose matrix is not positive definite takes its step without
+what takes that away.
 
 Arguments of several functions, beside those of `advance`:
 
@@ -243,7 +245,15 @@ def stiffness(large, body, points, laws, displacement, geometric, band):
 
 @njit(cache=True)
 def unbalanced(work, start, tries, share):
-    """Return whether the line search goes on, until the work is less than some `share` of what it was."""
+    """Return whether the line search goes on: up to `TRIES` times, until the work is less than a `share` of the start.
+
+    Parameters
+    ----------
+    tries
+        Of the search so far.
+    share
+        `LESS_WORK` or `MORE`.
+    """
     return tries < TRIES and work * start <= 0.0 and abs(work) >= share * abs(start)
 
 
