@@ -46,7 +46,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
 
 HALVINGS = 6  # of a step that finds no equilibrium
-FEW_HALVINGS = 2  # where the innermost rings of a body that yields may be merged instead
+FEW_HALVINGS = 2  # where the innermost rings may be merged instead; adhesion makes surfaces jump, which merging does not cure
 DIGITS = 9  # of the logarithms of the rings' radii
 
 
@@ -99,7 +99,7 @@ class Case:
     @property
     def halvings(self) -> int:
         """How many times a step that finds no equilibrium is halved."""
-        return FEW_HALVINGS if self.mergeable and self.specimen.yields else HALVINGS
+        return FEW_HALVINGS if self.mergeable and not self.specimen.adhesion else HALVINGS
 
     @property
     def and_merged(self) -> Iterator[Case]:
