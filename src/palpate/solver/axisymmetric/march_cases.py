@@ -46,7 +46,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
 
 HALVINGS = 6  # of a step that finds no equilibrium
-FEW_HALVINGS = 2  # where the innermost rings may be merged instead; adhesion makes surfaces jump, which merging does not cure
+FEW_HALVINGS = 2  # where the innermost rings may be merged instead; where adhesion makes surfaces jump, that is no cure
 DIGITS = 9  # of the logarithms of the rings' radii
 
 
