@@ -14,14 +14,16 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
-from palpate.recordings.baseline import FOR_OFFSET
-from palpate.recordings.contact_search import begins_in_air, coarse, searched
+from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
+from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
 
 LOADED = 0.1
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
 FEWEST = 6
 CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has moved
 MOSTLY = 0.95  # of the largest load, where the loading ends
+THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
+MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
 
 _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed and drawn, and searched once
@@ -79,8 +81,8 @@ def long_run_noise(values: np.ndarray) -> float:
 def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of first touch: the median of its posterior, with the 95 % region of highest density.
 
-    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), and at
-    least one standard deviation of the depth's noise on either side.
+    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
+    side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's.
 
     Parameters
     ----------
@@ -120,11 +122,32 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
         if retreated or found.in_air >= FOR_OFFSET:
             break
     contact, lower, upper = (path[0] + way * share for share in (found.contact, found.lower, found.upper))
+    contact, lower = _before(contact, lower, instants, force, path)
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
-    lower, upper = min(lower, contact - error), max(upper, contact + error)
+    error = max(error, MODEL_ERROR * float(path[-1] - contact))
+    lower, upper = min(lower, contact) - error, max(upper, contact) + error
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
+
+
+def _before(contact: float, lower: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float]:
+    """Return contact and lower end of its interval, moved to where what was taken for air is left earlier.
+
+    What is touched before the body is thin beside the test. Without six points in air, or where fewer than thirty rise
+    all the way, the interval reaches the first point: a touch from there on and a tilted baseline are one.
+    """
+    air = int(np.argmax(depth > lower))
+    least = lower - THIN * float(depth[-1] - lower)
+    while air >= FEWEST and (earlier := earlier_touch(time[:air], load[:air], depth[:air])) is not None:
+        if earlier < least:
+            break
+        contact = earlier
+        lower = min(earlier, lower) - float(np.median(np.abs(np.diff(depth[:air]))))
+        air = int(np.argmax(depth > lower))
+    if air < FEWEST or (air < FOR_CURVE and rises_steadily(load[:air])):
+        lower = min(lower, float(depth[0]))
+    return contact, lower
 
 
 def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
