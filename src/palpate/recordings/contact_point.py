@@ -134,13 +134,15 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
 def _before(contact: float, lower: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float]:
     """Return contact and lower end of its interval, moved to where what was taken for air is left earlier.
 
-    What is touched before the body is thin beside the test. Without six points in air, or where fewer than thirty rise
-    all the way, the interval reaches the first point: a touch from there on and a tilted baseline are one.
+    What is touched before the body is thin beside the test, unless the load rises from the first point on. Without six
+    points in air, or where fewer than thirty rise all the way, the interval reaches the first point: a touch from there
+    on and a tilted baseline are one.
     """
     air = int(np.argmax(depth > lower))
     least = lower - THIN * float(depth[-1] - lower)
     while air >= FEWEST and (earlier := earlier_touch(time[:air], load[:air], depth[:air])) is not None:
-        if earlier < least:
+        whole = rises_steadily(load[:air]) and lower - depth[0] < depth[-1] - lower
+        if earlier < least and not whole:
             break
         contact = earlier
         lower = min(earlier, lower) - float(np.median(np.abs(np.diff(depth[:air]))))
