@@ -19,7 +19,7 @@ def main(snakemake):
     with tracked_runs(study.name, output.record, answer) as runs:
         with open(snakemake.log[0], "w", encoding="utf-8") as log:
             report = functools.partial(print, file=log, flush=True)
-            content, curves = run_diagnosis(study, recordings, calibrated, report)
+            content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
         steps.write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         synthetic, title = recordings in study.laboratory, f"{study.title}: {recordings}"

@@ -13,6 +13,7 @@ from palpate.diagnosis.accepted import may_be_named, without_redundant
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _special_cases
 from palpate.diagnosis.locate import location
+from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
@@ -199,7 +200,7 @@ def test_what_acts_on_the_body_is_screened_and_fitted_on_the_forward_model():
 
     planted = recordings(np.random.default_rng(4), lambda c, r: rounded(c.protocol, {"radius": 60.0}))
     search = search_of(problem(planted, tip_rounding=rounded), [*RECORD_ONLY, "tip_rounding"])
-    assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.25, 0.75, 1.0])
+    assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.05, 0.25, 0.75, 1.0])
     found = search.examined(search.joined(search.base.fit, "tip_rounding"))
     assert search.base.p_value < 0.01 < found.p_value
     radius, slope = found.fit.problem.quantity(("tip_rounding",), found.fit.z, "tip_rounding.radius")
@@ -215,6 +216,27 @@ def test_location_points_at_the_part_that_differs():
     assert (first["condition"], first["segment"]) == ("b", "hold")
     assert first["q_value"] < 0.05
     assert first["residual_nm"] > 0
+
+
+def test_what_is_missing_grows_with_the_load_where_the_recordings_say_so():
+    """Large tests are deeper by 2 % than the law with the parameters that the small ones have; or none is."""
+
+    def of_load(condition, replicate):
+        return 0.02 * cone(condition.protocol, **TRUTH) * (condition.name == "c")
+
+    def trend(effect, seed):
+        fit = fitted(problem(recordings(np.random.default_rng(seed), effect, replicates=6, site=0.002)))
+        true = np.concatenate([cone(condition.protocol, **TRUTH) for condition in CONDITIONS])
+        trends = missing_physics(replace(fit, curve=true, tangent=0.0 * fit.tangent))["trends"]
+        return {row["by"]: row for row in trends}["load"]
+
+    found = trend(of_load, 2)
+    assert (found["from"], found["to"]) == (0.2, 4.0)
+    assert found["p_value"] < 1e-3
+    assert found["residual_to"] - found["residual_from"] == pytest.approx(0.02, abs=0.006)
+    without = [trend(lambda c, r: 0.0, seed)["p_value"] for seed in range(3, 13)]
+    assert min(without) > 1e-3
+    assert max(without) > 0.1
 
 
 def pair_of_tests(compliance, replicates):

@@ -59,7 +59,7 @@ def test_a_weak_one_is_found_from_where_least_squares_put_its_amplitudes():
     fit = search.joined(search.base.fit, KEY)
     place = fit.problem.place(fit.explanation, f"{KEY}.amplitude")
     amplitude, slope = fit.problem.quantity(fit.explanation, fit.z, f"{KEY}.amplitude")
-    begun = search.screen.starts(search.base.fit, KEY, 1)[0][place]
+    begun = search.screen.starts(search.base.fit, KEY)[0][place]
     assert amplitude == pytest.approx(6.0, abs=2.5)
     assert abs(begun - fit.z[place]) * slope < 6.0
     assert search.examined(fit).p_value > 0.01

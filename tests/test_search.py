@@ -12,6 +12,7 @@ from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_o
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases, diagnose
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate, Search
+from palpate.diagnosis.side_by_side import SideBySide
 from palpate.errors import PalpateError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
@@ -164,7 +165,7 @@ def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [
         return candidate(key, *proves.get(key, (promises[key], 0.0)))
 
     search = searching(promises, policy=policy, joined=joined, examined=examined, neighbours=neighbours)
-    found = _fitted(search, [candidate("", 0.0)], most, LEVEL, failed, lambda said: None)
+    found = _fitted(SideBySide(search), [candidate("", 0.0)], most, failed, lambda said: None)
     return asked, named(found), failed
 
 
@@ -174,7 +175,8 @@ def searching(promises, **methods):
     def gain(fit, key):
         return 2.0 * promises[key] if not fit.log_evidence else 0.0
 
-    return SimpleNamespace(screen=SimpleNamespace(keys=list(promises), gain=gain), **methods)
+    screen = SimpleNamespace(keys=list(promises), gain=gain)
+    return SimpleNamespace(screen=screen, study=SimpleNamespace(diagnosis={"significance": LEVEL}), **methods)
 
 
 FAR = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
@@ -235,7 +237,7 @@ def test_what_failed_among_sets_is_recorded_by_all_its_mechanisms():
         raise PalpateError("no convergence")
 
     search, failed = searching({"adhesion": 5.0}, policy=POLICY, joined=joined, examined=None), {}
-    assert _fitted(search, [candidate("friction", 3.0)], 5, LEVEL, failed, lambda said: None) == []
+    assert _fitted(SideBySide(search), [candidate("friction", 3.0)], 5, failed, lambda said: None) == []
     assert failed == {"friction+adhesion": "no convergence"}
 
 
@@ -344,6 +346,27 @@ def test_two_effects_are_found_together():
     found = diagnosed(problem(recordings(np.random.default_rng(5), both)))
     assert found.verdict == "identified"
     assert set(found.accepted[0].fit.explanation) == {"frame_compliance", "thermal_drift"}
+
+
+def test_what_is_found_does_not_depend_on_the_number_of_threads():
+    """Fits begun early that nobody asks for later leave no trace, and errors come where they would have come."""
+
+    def told(threads):
+        class Failing(Search):
+            def joined(self, fit, key):
+                if key == "zero_offset":
+                    raise PalpateError("lost contact")
+                return super().joined(fit, key)
+
+        both = lambda c, r: frame(c, r) + (0.3 + 0.05 * r) * c.protocol.sample_time  # noqa: E731
+        task, policy, lines = problem(recordings(np.random.default_rng(5), both)), SearchPolicy(threads=threads), []
+        search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=policy)
+        found = diagnose(search, lines.append)
+        return lines, found.failed, [(each.fit.explanation, each.fit.z.tolist(), each.p_value) for each in found.tried]
+
+    alone = told(1)
+    assert alone[1] == {"zero_offset": "lost contact"}
+    assert alone == told(2) == told(3)
 
 
 def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.inference.surrogate_space import Space
+from palpate.inference.surrogate_forward import Surrogates
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.protocol import trapezoid
 from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
@@ -239,9 +239,9 @@ class Bowl:
 @pytest.mark.parametrize("optimiser", OPTIMISERS)
 def test_every_optimiser_reaches_the_bottom_of_a_bowl_or_spends_its_budget(optimiser, monkeypatch):
     monkeypatch.setattr(optimisers, "BUDGET", 30000)
-    space = Space({"a": (0.0, 1.0), "b": (0.0, 2.0)})
+    model = Surrogates({"one": Bowl(), "two": Bowl()}, {"a": (0.0, 1.0), "b": (0.0, 2.0)})
     bottom = np.array([0.3, 1.4])
-    problem = Problem({"one": Bowl(), "two": Bowl()}, {"one": bottom, "two": bottom + 0.1}, space, least=0.005)
+    problem = Problem(model, {"one": bottom, "two": bottom + 0.1}, least=0.005)
     with pytest.raises(Finished):
         OPTIMISERS[optimiser](problem, 1)
     assert problem.evaluations <= 30000 + 200

@@ -41,6 +41,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
             "before": {"youngs_modulus": quantity(3.0)},
             "after": {"youngs_modulus": {"estimate": 3.2, "lower": 3.15, "upper": 3.25}},
         },
+        "missing": {"mechanisms": [], "location": [], "trends": []},
         "discriminating_test": None,
         "undetected_effects": {},
         "tried": [{"mechanisms": [], "p_value": 0.001, "parameters": {}}],
@@ -115,3 +116,15 @@ def test_a_suspicion_names_the_effect_that_may_be_none():
     shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
     said = sentence(content("suspected", shifted))
     assert "do not suffice to name it, as the zero offset may be zero on average" in said
+
+
+def test_what_the_missing_physics_would_have_to_change_is_said_with_figures():
+    rows = [("unloading", "late", -9.0, 1e-4), ("hold", "whole", 4.0, 1e-3), ("loading", "early", 1.0, 0.4)]
+    names = ("segment", "part", "residual_nm", "q_value")
+    located = [{"condition": "P1", **dict(zip(names, row, strict=True))} for row in rows]
+    trend = {"by": "load", "unit": "mN", "from": 1.0, "to": 10.0}
+    trends = [trend | {"residual_from": 0.001, "residual_to": 0.02, "p_value": 0.001}]
+    said = sentence(content("unexplained") | {"missing": {"mechanisms": [], "location": located, "trends": trends}})
+    parts = "let it recover more late in unloading of P1 (-9 nm) and let it creep more in the hold of P1 (+4 nm)"
+    trend_words = "from a load of 1 to 10 mN the difference goes from +0.1% to +2.0% of the depth"
+    assert f"What is missing would have to {parts}; {trend_words}." in said

@@ -17,8 +17,7 @@ from scipy.optimize import differential_evolution, least_squares
 
 from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.inference.study_recordings import observations
-from palpate.inference.surrogate_space import Space
-from palpate.surrogate import PODRBF
+from palpate.inference.surrogate_forward import Surrogates
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED
 from studies.thesis.study import Context, Finding, Outcome, ThesisStudy
@@ -39,23 +38,28 @@ class Problem:
 
     Parameters
     ----------
-    surrogates, recorded
-        Predictor and mean recorded depth of each condition.
-    space
-        The parameters.
+    model
+        The surrogates, within their bounds.
+    recorded
+        Mean recorded depth of each condition.
     least
         Least value known; infinite while it is not.
     """
 
-    def __init__(self, surrogates: dict[str, PODRBF], recorded: dict[str, np.ndarray], space: Space, least: float):
-        self.surrogates, self.recorded, self.space, self.least = surrogates, recorded, space, least
+    def __init__(self, model: Surrogates, recorded: dict[str, np.ndarray], least: float):
+        self.model, self.recorded, self.least = model, recorded, least
         self.evaluations, self.best, self.began = 0, np.inf, time.perf_counter()
         self.reached: dict[float, tuple[int, float]] = {}
 
+    @property
+    def dimensions(self) -> int:
+        """Number of free parameters."""
+        return len(self.model.coordinates.free)
+
     def errors(self, u: np.ndarray) -> np.ndarray:
         """Return weighted residuals (n, points) at points (n, k), whose squares sum to the objective."""
-        x = self.space.physical(u)
-        parts = [(self.surrogates[n].predict(x) - h) / np.sqrt(len(h)) for n, h in self.recorded.items()]
+        x = self.model.parameters(u)
+        parts = [(self.model.predictors[n].predict(x) - h) / np.sqrt(len(h)) for n, h in self.recorded.items()]
         found = np.hstack(parts)
         self._account(np.sum(found**2, axis=1))
         return found
@@ -83,7 +87,7 @@ class Problem:
 def genetic(problem: Problem, seed: int) -> None:
     """Run the thesis' genetic algorithm on the sum of objectives."""
     settings = GeneticSettings(tolerance=0)
-    evolve(lambda u: problem.values(u)[:, None], problem.space.dimensions, settings, np.random.default_rng(seed))
+    evolve(lambda u: problem.values(u)[:, None], problem.dimensions, settings, np.random.default_rng(seed))
 
 
 def multi_objective(problem: Problem, seed: int) -> None:
@@ -93,7 +97,7 @@ def multi_objective(problem: Problem, seed: int) -> None:
         parts = np.split(problem.errors(u) ** 2, len(problem.recorded), axis=1)
         return np.column_stack([part.sum(axis=1) for part in parts])
 
-    evolve(each, problem.space.dimensions, GeneticSettings(tolerance=0), np.random.default_rng(seed))
+    evolve(each, problem.dimensions, GeneticSettings(tolerance=0), np.random.default_rng(seed))
 
 
 def covariance_adaptation(problem: Problem, seed: int) -> None:
@@ -103,7 +107,7 @@ def covariance_adaptation(problem: Problem, seed: int) -> None:
         options = {"bounds": [0, 1], "seed": int(rng.integers(1, 2**31)), "verbose": -9, "verb_log": 0}
         import cma
 
-        strategy = cma.CMAEvolutionStrategy(rng.random(problem.space.dimensions), 0.3, options)
+        strategy = cma.CMAEvolutionStrategy(rng.random(problem.dimensions), 0.3, options)
         while not strategy.stop():
             points = strategy.ask()
             strategy.tell(points, problem.values(np.array(points)).tolist())
@@ -114,7 +118,7 @@ def evolution_of_differences(problem: Problem, seed: int) -> None:
     for restart in range(1000):
         differential_evolution(
             lambda u: problem.values(u.T),
-            [(0.0, 1.0)] * problem.space.dimensions,
+            [(0.0, 1.0)] * problem.dimensions,
             vectorized=True,
             updating="deferred",
             polish=False,
@@ -128,7 +132,7 @@ def multistart(problem: Problem, seed: int) -> None:
     """Run least squares from random points until the end."""
     rng = np.random.default_rng(seed)
     while True:
-        start = rng.uniform(1e-3, 1 - 1e-3, problem.space.dimensions)
+        start = rng.uniform(1e-3, 1 - 1e-3, problem.dimensions)
         least_squares(lambda u: problem.errors(u[None])[0], start, problem.slope, bounds=(0, 1), max_nfev=100)
 
 
@@ -147,12 +151,13 @@ def run(context: Context) -> Outcome:
     measured = observations(study, "virtual")
     surrogates = epoxy_surrogates(context)
     recorded = {name: measured[name].mean for name in CALIBRATED}
-    space = Space({name: (min(levels), max(levels)) for name, levels in study.levels.items()})
-    least = least_known(surrogates, recorded, space, study.seed)
+    bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
+    model = Surrogates({name: surrogates[name] for name in CALIBRATED}, bounds)
+    least = least_known(model, recorded, study.seed)
     runs: list[dict[str, Any]] = []
     for label, optimiser in OPTIMISERS.items():
         for seed in range(study.seed, study.seed + SEEDS):
-            problem = Problem(surrogates, recorded, space, least)
+            problem = Problem(model, recorded, least)
             with contextlib.suppress(Finished):
                 optimiser(problem, seed)
             runs.append({"optimiser": label, "seed": seed, "best": problem.best, "reached": problem.reached})
@@ -194,11 +199,11 @@ def run(context: Context) -> Outcome:
     )
 
 
-def least_known(surrogates: dict[str, PODRBF], recorded: dict[str, np.ndarray], space: Space, seed: int) -> float:
+def least_known(model: Surrogates, recorded: dict[str, np.ndarray], seed: int) -> float:
     """Return the least value that least squares finds from many starts."""
-    problem = Problem(surrogates, recorded, space, 0.0)
+    problem = Problem(model, recorded, 0.0)
     rng = np.random.default_rng([seed, STARTS])
-    starts = rng.uniform(0.01, 0.99, (STARTS, space.dimensions))
+    starts = rng.uniform(0.01, 0.99, (STARTS, problem.dimensions))
     found = [least_squares(lambda u: problem.errors(u[None])[0], u, problem.slope, bounds=(0, 1)) for u in starts]
     return float(2 * min(result.cost for result in found))
 

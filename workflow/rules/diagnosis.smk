@@ -13,6 +13,7 @@ rule diagnosis:
         f"{FOLDER}/logs/diagnosis_{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
+    threads: 2
     params:
         title=constant(STUDY.title),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),

@@ -18,6 +18,7 @@ from palpate.diagnosis.accepted import (
     zero_on_average,
 )
 from palpate.diagnosis.search import Candidate, Search
+from palpate.diagnosis.side_by_side import Prospect, SideBySide
 from palpate.errors import PalpateError
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Explanation
@@ -52,28 +53,6 @@ class Diagnosis:
     failed: dict[str, str]
 
 
-@dataclass(frozen=True, eq=False)
-class Prospect:
-    """An explanation that may be fitted.
-
-    Parameters
-    ----------
-    fit, key
-        The smaller explanation, and the mechanism that joins it.
-    optimistic
-        Logarithm of the evidence that it may reach, to first order.
-    """
-
-    fit: Fit
-    key: str
-    optimistic: float
-
-    @property
-    def members(self) -> frozenset[str]:
-        """Its mechanisms."""
-        return frozenset((*self.fit.explanation, self.key))
-
-
 def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
     """Diagnose the recordings of a search.
 
@@ -93,26 +72,49 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
     if base.adequate(level):
         return Diagnosis("adequate", base, [], [], [base], failed)
-    tried, found, accepted = [base], [base], []
-    for number in range(search.study.diagnosis["largest_set"]):
-        most = search.policy.most_sets if number else search.policy.most
-        found = _fitted(search, found, most, level, failed, report)
-        tried = best_first(found + tried)
-        if accepted := accepted_of(found, tried, level):
-            special = _special_cases(search, accepted[0], tried, report)
-            larger: list[Candidate] = []
-            if number + 1 < search.study.diagnosis["largest_set"]:
-                likelier = max(each.fit.log_evidence for each in special + accepted) + search.policy.behind_adequate
-                larger = _fitted(search, accepted, search.policy.most_sets, level, failed, report, likelier)
-            tried = likeliest_of_each(larger + special + tried)
-            accepted = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
-            break
+    with SideBySide(search) as side_by_side:
+        accepted, tried = _accepted(side_by_side, failed, report)
     verdict, probabilities = verdict_of(accepted)
     if verdict == "identified":
         best = accepted[0].fit
         if not may_be_named(search.problem, best.explanation) or zero_on_average(best):
             verdict = "suspected"
     return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
+
+
+def _accepted(
+    side_by_side: SideBySide, failed: dict[str, str], report: Callable[[str], None]
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Return the accepted explanations, and all that were fitted, both best first.
+
+    Parameters
+    ----------
+    side_by_side
+        Fits explanations.
+    failed
+        Gains the reasons why others could not be fitted.
+    report
+        Called with one line on the progress.
+    """
+    search = side_by_side.search
+    level, largest, policy = (
+        search.study.diagnosis["significance"],
+        search.study.diagnosis["largest_set"],
+        search.policy,
+    )
+    tried, found = [search.base], [search.base]
+    for number in range(largest):
+        found = _fitted(side_by_side, found, policy.most_sets if number else policy.most, failed, report)
+        tried = best_first(found + tried)
+        if accepted := accepted_of(found, tried, level):
+            special = _special_cases(search, accepted[0], tried, report)
+            larger: list[Candidate] = []
+            if number + 1 < largest:
+                likelier = max(each.fit.log_evidence for each in special + accepted) + policy.behind_adequate
+                larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
+            tried = likeliest_of_each(larger + special + tried)
+            return without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level)), tried
+    return [], tried
 
 
 def _special_cases(
@@ -165,10 +167,9 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
 
 
 def _fitted(
-    search: Search,
+    side_by_side: SideBySide,
     smaller: Sequence[Candidate],
     most: int,
-    level: float,
     failed: dict[str, str],
     report: Callable[[str], None],
     floor: float = -np.inf,
@@ -181,17 +182,18 @@ def _fitted(
     linearisation holds near one point only: where the residual of a set is close to noise, sets with another mechanism
     in place of one of its own are estimated again from there, and their search starts there.
     """
-    policy, done = search.policy, list[Candidate]()
+    search, done = side_by_side.search, list[Candidate]()
+    policy, level = search.policy, search.study.diagnosis["significance"]
     behind, ways = -np.inf, _prospects(search, [candidate.fit for candidate in smaller])
     for _ in range(min(most, len(ways))):
-        way = max(ways.values(), key=lambda way: way.optimistic)
+        way, *likely = sorted(ways.values(), key=lambda way: -way.optimistic)
         del ways[way.members]
         enough = len(done) >= policy.least or any(candidate.adequate(level) for candidate in done)
         if way.optimistic < floor or (enough and way.optimistic < behind):
             break
         name = "+".join([*way.fit.explanation, way.key])
         try:
-            candidate = search.examined(search.joined(way.fit, way.key))
+            candidate = search.examined(side_by_side.fitted(way, likely))
         except PalpateError as error:
             failed[name] = str(error)
             report(f"{name}: {error}")

@@ -13,6 +13,7 @@ from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.locate import location
+from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import discriminating_test
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
@@ -236,6 +237,7 @@ def to_mapping(
         "verdict": verdict,
         "p_value": base.p_value,
         "location": location(base.fit),
+        "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "candidates": candidates,

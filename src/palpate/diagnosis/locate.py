@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,29 +17,69 @@ from palpate.inference.prescribed_segments import segments
 CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported
 
 
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """What a fit leaves, with its covariance and what the noise does not determine.
+
+    Attributes
+    ----------
+    fit
+        The fit.
+    left : ndarray, shape (n_all, n_all)
+        Takes from recorded curves what the fit does not absorb.
+    covariance : ndarray, shape (n_all, n_all)
+        Of the residual after the fit [nm^2], C - T (T' C^-1 T)^+ T'.
+    """
+
+    fit: Fit
+    left: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def of(cls, fit: Fit) -> Residuals:
+        """Return those of a fit."""
+        white = fit.whiten(fit.tangent)
+        absorbed = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
+        left = np.eye(len(absorbed)) - cho_solve((fit.factor, True), absorbed)
+        return cls(fit, left, fit.errors.covariance - absorbed)
+
+    def weighted(self, weights: np.ndarray) -> tuple[float, float]:
+        """Return the weighted sum of recorded less simulated depths, and the probability that it is noise.
+
+        Student's distribution allows for a noise that is estimated, see `palpate.inference.estimated_noise`.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (n_all,)
+        """
+        value, variance = float(weights @ self.fit.residual), float(weights @ self.covariance @ weights)
+        variance = max(variance, 1e-12 * float(weights @ weights))
+        free = freedom(self.fit, self.left @ weights, variance)
+        return value, float(2 * student.sf(abs(value) / np.sqrt(variance), free))
+
+    def compared(self, first: np.ndarray, second: np.ndarray) -> tuple[tuple[float, float], float]:
+        """Return two weighted sums, by weights (n_all,), and the probability that they differ by noise."""
+        return (self.weighted(first)[0], self.weighted(second)[0]), self.weighted(second - first)[1]
+
+
 def location(fit: Fit) -> list[dict[str, Any]]:
     """Return the mean residual (recorded less simulated) of each part, the most certain first.
 
-    Its variance is that of the residual after the fit, C - T (T' C^-1 T)^+ T', and Student's distribution allows for a
-    noise that is estimated (`estimated_noise`); q-values after Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995)
-    289-300.
+    The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
     """
-    white = fit.whiten(fit.tangent)
-    absorbed = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
-    left = np.eye(len(absorbed)) - cho_solve((fit.factor, True), absorbed)
-    covariance = fit.errors.covariance - absorbed
-    rows, p_values = [], []
-    first = 0
+    residuals, first = Residuals.of(fit), 0
+    rows: list[dict[str, Any]] = []
+    p_values = []
     for condition in fit.problem.conditions:
         for name, where in segments(condition.protocol).items():
             places = first + np.flatnonzero(where)
             half = (len(places) + 1) // 2
             for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
-                mean = float(fit.residual[chosen].mean())
-                variance = max(covariance[np.ix_(chosen, chosen)].mean(), 1e-12)
-                free = freedom(fit, left[:, chosen].mean(axis=1), variance)
+                weights = np.zeros(len(fit.residual))
+                weights[chosen] = 1.0 / len(chosen)
+                mean, p_value = residuals.weighted(weights)
                 rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
-                p_values.append(2 * student.sf(abs(mean) / np.sqrt(variance), free))
+                p_values.append(p_value)
         first += len(condition.protocol.sample_time)
     for row, q in zip(rows, false_discovery_control(p_values), strict=True):
         row["q_value"] = float(q)

@@ -11,9 +11,6 @@ class SearchPolicy:
 
     Parameters
     ----------
-    starts
-        Amplitudes from which the fit of a mechanism with several quantities begins; with one, the best is enough. They
-        advance side by side, and one that falls behind is given up.
     behind_best
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     behind_adequate
@@ -25,12 +22,14 @@ class SearchPolicy:
         By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
         the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
         Schwarz's.
+    threads
+        Fits that run at once, each on a core; what is found does not depend on it.
     """
 
-    starts: int = 2
     behind_best: float = 40.0
     behind_adequate: float = 10.0
     least: int = 5
     most: int = 8
     most_sets: int = 5
     mechanism_penalty: float = 2.0
+    threads: int = 1

@@ -10,6 +10,7 @@ and the directions in which the residual is tested.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,11 +24,12 @@ from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
-SIMULATED = (0.25, SHOWN, 1.0)  # of the range of a single amplitude
+SIMULATED = (0.05, 0.25, SHOWN, 1.0)  # of the range of a single amplitude
 ADDED = np.linspace(0.0, 1.0, 9)
 SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
+PROMISING = 3  # amplitudes of least misfit, at which a search may begin
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,18 +51,18 @@ class Screen:
     failed: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, fit: Fit, keys: Sequence[str]) -> Screen:
-        """Return the effects of mechanisms at the optimum of the base model."""
+    def of(cls, fit: Fit, keys: Sequence[str], threads: int = 1) -> Screen:
+        """Return the effects of mechanisms at the optimum of the base model, simulated on some threads."""
         trials, effects, failed = {}, {}, {}
-        for key in keys:
-            places = _places(fit.problem, key)
-            if fit.problem.is_simulated(key):
-                try:
-                    trials[key], effects[key] = _simulated(fit, key, places)
-                except PalpateError as error:
-                    failed[key] = str(error)
-            else:
-                trials[key], effects[key] = places, np.array([_added(fit, key, place) for place in places])
+        with ThreadPoolExecutor(threads) as pool:
+            begun = {
+                key: pool.submit(_simulated if fit.problem.is_simulated(key) else _added, fit, key) for key in keys
+            }
+        for key, found in begun.items():
+            try:
+                trials[key], effects[key] = found.result()
+            except PalpateError as error:
+                failed[key] = str(error)
         return cls(trials, effects, failed)
 
     @property
@@ -93,19 +95,24 @@ class Screen:
         change = np.linalg.lstsq(fit.whiten(fit.tangent), left, rcond=1e-8)[0]
         return replace(fit, curve=fit.curve + effect + fit.tangent @ change)
 
-    def starts(self, fit: Fit, key: str, count: int) -> list[np.ndarray]:
-        """Return where searches begin for a fit and one more mechanism, the amplitudes of least misfit first.
+    def starts(self, fit: Fit, key: str) -> list[np.ndarray]:
+        """Return where searches may begin for a fit and one more mechanism, the most promising first.
 
-        The material's parameters, and the other amplitudes, take half of their first-order step.
+        At the amplitudes of least misfit, the material's parameters and the other amplitudes take half of their
+        first-order step. Where the model bends much that step leads astray, so at others they stay; the last is the
+        weakest effect, which leaves the fit about as it is.
         """
         if not fit.problem.is_simulated(key) and self.trials[key].shape[1] > 1:
-            return _linear_starts(fit, key, self.trials[key])[:count]
+            return _linear_starts(fit, key, self.trials[key])
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
         change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
-        order = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:count]
+        moved = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:PROMISING]
         change = np.clip(0.5 * change, -0.5, 0.5)
-        return [np.concatenate([fit.z + change[:, i], self.trials[key][i]]) for i in order]
+        staying = np.argsort(np.sum(left**2, axis=0))[:PROMISING]
+        weakest = np.argmin(np.sum(fit.whiten(self.effects[key].T) ** 2, axis=0))
+        steps = [(change[:, i], i) for i in moved] + [(np.zeros(len(fit.z)), i) for i in (*staying, weakest)]
+        return [np.concatenate([fit.z + step, self.trials[key][i]]) for step, i in steps]
 
     def _shares(self, fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the factor of each effect (m,) that lowers chi-square most, and the decrease."""
@@ -119,9 +126,9 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
     """Return the starts of a mechanism that only adds to the depth, those of least misfit first.
 
     At each of the coordinates `places` (m, d) the amplitudes are replaced by those of linear least squares with priors,
-    together with all free parameters; the mechanism's other parameters stay.
+    together with all free parameters; the mechanism's other parameters stay. The last one adds nothing.
     """
-    problem, material, found = fit.problem, fit.problem.material, []
+    problem, material, found = fit.problem, fit.problem.material, list[tuple[float, np.ndarray]]()
     mechanism, explanation = MECHANISMS[key], (key,)
     where = [problem.place(explanation, f"{key}.{name}") for name in mechanism.amplitudes]
     for place in places:
@@ -132,10 +139,11 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
         design = fit.whiten(np.column_stack([fit.tangent, *columns]))
         precision = design.T @ design + np.eye(design.shape[1]) / PRIOR_VARIANCE
         change = np.linalg.solve(precision, design.T @ fit.white)
+        none = np.append(fit.z, start[material:])
         start[where] += change[len(fit.z) :]
         moved = fit.z + np.clip(change[: len(fit.z)], -0.5, 0.5)
         found.append((-float(change @ design.T @ fit.white), np.append(moved, start[material:])))
-    return [start for _, start in sorted(found, key=lambda each: each[0])]
+    return [start for _, start in sorted(found, key=lambda each: each[0])[:PROMISING]] + [none]
 
 
 def count_of_trials(problem: Problem, key: str) -> int:
@@ -152,15 +160,18 @@ def _places(problem: Problem, key: str) -> np.ndarray:
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 
-def _added(fit: Fit, key: str, place: np.ndarray) -> np.ndarray:
-    """Return what a mechanism at its coordinates (d,) adds to the depths of all conditions (n_all,) [nm]."""
-    problem = fit.problem
-    values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
-    return np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions])
+def _added(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates (m, d) of a mechanism, and what it adds to the depths of all conditions (m, n_all) [nm]."""
+    problem, effects = fit.problem, []
+    places = _places(problem, key)
+    for place in places:
+        values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
+        effects.append(np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions]))
+    return places, np.array(effects)
 
 
-def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the coordinates among `places` (m, d) at which the forward model succeeds, and the effects there.
+def _simulated(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates (m, d) of a mechanism at which the forward model succeeds, and the effects (m, n_all) [nm].
 
     Raises
     ------
@@ -168,6 +179,7 @@ def _simulated(fit: Fit, key: str, places: np.ndarray) -> tuple[np.ndarray, np.n
         When it fails at all of them.
     """
     problem = fit.problem
+    places = _places(problem, key)
     outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
     good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
     if not good:

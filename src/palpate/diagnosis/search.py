@@ -85,7 +85,7 @@ class Search:
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
         self.problem = self._fitter.problem
-        self.screen = Screen.of(base, keys)
+        self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
@@ -98,9 +98,7 @@ class Search:
 
     def joined(self, fit: Fit, key: str) -> Fit:
         """Fit an explanation and one more mechanism; raises as `fitted`."""
-        several = self.screen.trials[key].shape[1] > 1
-        starts = self.screen.starts(fit, key, self.policy.starts if several else 1)
-        return self.fitted((*fit.explanation, key), starts, fit.curve)
+        return self.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

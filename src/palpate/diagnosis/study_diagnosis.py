@@ -15,6 +15,7 @@ from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
+from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
@@ -30,6 +31,7 @@ def run_diagnosis(
     recordings: str,
     calibrated: Mapping[str, float] | None = None,
     report: Callable[[str], None] = print,
+    threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose one set of recordings.
 
@@ -43,13 +45,15 @@ def run_diagnosis(
         Called with one line on the progress.
     calibrated
         Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
+    threads
+        Fits that run at once, each on a core; what is found does not depend on it.
 
     Returns
     -------
     content, curves
         What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
     """
-    content, curves = diagnosed(study, check(study, recordings), calibrated, report)
+    content, curves = diagnosed(study, check(study, recordings), calibrated, report, threads)
     return content | {"recordings": recordings}, curves
 
 
@@ -58,6 +62,7 @@ def diagnosed(
     recorded: Mapping[str, list[Recording]],
     calibrated: Mapping[str, float] | None = None,
     report: Callable[[str], None] = print,
+    threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`.
 
@@ -65,7 +70,7 @@ def diagnosed(
     ----------
     recorded
         Checked recordings of each condition, from contact on.
-    study, starts, report
+    study, calibrated, report, threads
         See `run_diagnosis`.
     """
     rng = np.random.default_rng([study.seed, 1])
@@ -74,7 +79,9 @@ def diagnosed(
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)
-    search = Search(study, problem, list(candidates(study)), rng, calibrated, exact.beside)
+    search = Search(
+        study, problem, list(candidates(study)), rng, calibrated, exact.beside, SearchPolicy(threads=threads)
+    )
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
     content, curves = to_mapping(study, problem.observed, found, rng, own_laws)

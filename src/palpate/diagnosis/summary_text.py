@@ -8,6 +8,7 @@ from typing import Any
 from scipy.stats import norm
 
 from palpate.base.parameters import Parameter, in_words
+from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 
@@ -24,7 +25,7 @@ def sentence(content: Mapping[str, Any]) -> str:
     start = f"The base model does not explain the recordings ({probability}){_where(content)}."
     if verdict == "unexplained":
         none = "No set of known mechanisms that was tried explains it: something else is missing."
-        return f"{start} {none}{_nearest(content)}"
+        return f"{start} {none}{_nearest(content)}{missing_physics.in_words(content['missing'])}"
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"

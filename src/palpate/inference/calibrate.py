@@ -13,10 +13,11 @@ from palpate.inference.estimates import condition_errors, described, estimates, 
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
-from palpate.inference.genetic_stage import Predictor, genetic_search
+from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.intervals import intervals
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.problem import Problem
+from palpate.inference.surrogate_forward import Predictor, Surrogates
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
@@ -99,7 +100,8 @@ def calibrate(
     for name, item in problem.recorded.items():
         check_indents(name, item)
     fitted = {name: problem.recorded[name] for name in problem.names}
-    first = genetic_search(surrogates, fitted, bounds, rng, settings.genetic, settings.objective, settings.aggregated)
+    model = Surrogates({name: surrogates[name] for name in problem.recorded if name in surrogates}, bounds)
+    first = genetic_search(model, fitted, rng, settings.genetic, settings.objective, settings.aggregated)
     report(f"genetic search: {first.evaluations} evaluations")
     problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
@@ -115,7 +117,7 @@ def calibrate(
     return Calibration(
         parameters=estimates(fit, found, explained),
         conditions=table,
-        surrogate_curves=first.curves({name: surrogates[name] for name in problem.recorded if name in surrogates}),
+        surrogate_curves=first.curves,
         simulated_curves=solved,
         on_surrogates=first.values,
         converged=fit.converged,

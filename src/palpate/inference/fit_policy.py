@@ -14,7 +14,7 @@ class FitPolicy:
     scattered
         Places of the ranges that are tried beside the optima of the genetic search.
     searches
-        That go on, from the best of all places.
+        That go on side by side, from the best of all places where a fit may begin; one that falls behind is given up.
     iterations
         Largest number of iterations of a search; those that converge take 4 to 8, and 1 to 3 where one ended before.
     base_iterations

@@ -89,7 +89,7 @@ class Fitter:
         Parameters
         ----------
         starts
-            Coordinates (k,) from which searches begin.
+            Coordinates (k,) from which searches may begin, the most promising first.
         depth : ndarray, shape (n_all,)
             Curves that lie near [nm].
 
@@ -101,7 +101,7 @@ class Fitter:
         problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
-        begun: Sequence[np.ndarray | Descent] = starts if explanation else self._with_slopes(model, starts)
+        begun = self._begun(misfit, model, starts, depth) if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
             end = descend(misfit, model, begun, limit, tolerance=policy.first_tolerance)
@@ -174,12 +174,29 @@ class Fitter:
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), starts[0], problem.mean), keep)
-        outcomes = cheaper.curves(starts)
-        left = [np.inf if isinstance(found, str) else float(np.sum(misfit.residual(found) ** 2)) for found in outcomes]
-        best = [starts[k] for k in np.argsort(left, kind="stable")[: policy.searches] if np.isfinite(left[k])]
-        if not best:
-            raise PalpateError(f"the finite elements fail wherever a search may begin: {outcomes[0]}")
-        return descend(misfit, cheaper, best, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
+        places = [u for _, u in _by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
+        return descend(misfit, cheaper, places, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
+
+    def _begun(
+        self, misfit: Misfit, model: Forward, starts: Sequence[np.ndarray], depth: np.ndarray
+    ) -> Sequence[np.ndarray]:
+        """Return the best coordinates (k,) among some.
+
+        As many are simulated as run in the time of one; more only while all are worse than the curves `depth` (n_all,)
+        [nm] from which they come.
+        """
+        most = self.policy.searches
+        if len(starts) <= most:
+            return starts
+        left = depth - self.problem.mean
+        weights = misfit.weights(misfit.discrepancy(left))
+        at_once, found = max(most, model.together(starts[0])), list[tuple[float, np.ndarray]]()
+        for first in range(0, len(starts), at_once):
+            found += _by_misfit(misfit, weights, model, starts[first : first + at_once])
+            found.sort(key=lambda each: each[0])
+            if found[0][0] <= np.sum((weights @ left) ** 2):
+                break
+        return [u for _, u in found[:most]]
 
     def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended."""
@@ -241,3 +258,18 @@ class Fitter:
                     best, chosen = likelihood, trial
             fit = chosen
         return fit
+
+
+def _by_misfit(
+    misfit: Misfit, weights: np.ndarray, model: Forward, places: Sequence[np.ndarray]
+) -> list[tuple[float, np.ndarray]]:
+    """Return coordinates (k,) with their misfit, the least first; it is infinite where the model fails.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (n, n)
+        Matrix that whitens curves [nm].
+    """
+    outcomes = zip(model.curves(places), places, strict=True)
+    found = [(np.inf if isinstance(c, str) else misfit.chi_square(c, u, weights), u) for c, u in outcomes]
+    return sorted(found, key=lambda each: each[0])

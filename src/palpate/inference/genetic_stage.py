@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -12,17 +11,7 @@ from palpate.errors import InputError
 from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.inference.measures import OBJECTIVES, check_measurable
 from palpate.inference.observation import Observation
-from palpate.inference.surrogate_space import Space
-
-
-class Predictor(Protocol):
-    """What a surrogate must offer."""
-
-    def predict(self, X: np.ndarray) -> np.ndarray:
-        """Return the curves (n, n_points) at parameters (n, p)."""
-
-    def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """Return the slope (n_points, p) of the curve at parameters (p,)."""
+from palpate.inference.surrogate_forward import Surrogates
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,22 +20,20 @@ class GeneticOptimum:
 
     Attributes
     ----------
-    space
-        The parameters, within the bounds of the surrogates.
+    model
+        The surrogates, within their bounds.
     evolution
         The last generation's front, and its history.
     """
 
-    space: Space
+    model: Surrogates
     evolution: Evolution
 
     @property
     def starts(self) -> list[dict[str, float]]:
         """Parameters at the least sum of objectives, and at the least of each objective."""
-        points, objectives = self.evolution.points, self.evolution.objectives
-        best = int(np.argmin(objectives.sum(axis=1)))
-        others = sorted({int(i) for i in objectives.argmin(axis=0)} - {best})
-        return [self.space.named(points[i]) for i in (best, *others)]
+        others = sorted({int(i) for i in self.evolution.objectives.argmin(axis=0)} - {self._best})
+        return [self.model.coordinates.named(self.evolution.points[i]) for i in (self._best, *others)]
 
     @property
     def values(self) -> dict[str, float]:
@@ -58,24 +45,28 @@ class GeneticOptimum:
         """Evaluations of the surrogates."""
         return int(self.evolution.history[-1]["evaluations"])
 
-    def curves(self, surrogates: Mapping[str, Predictor]) -> dict[str, np.ndarray]:
-        """Return the curves (n_points,) of surrogates at the optimum."""
-        x = np.array([list(self.values.values())])
-        return {name: surrogate.predict(x)[0] for name, surrogate in surrogates.items()}
+    @property
+    def _best(self) -> int:
+        return int(np.argmin(self.evolution.objectives.sum(axis=1)))
+
+    @property
+    def curves(self) -> dict[str, np.ndarray]:
+        """Curves (n_points,) of the surrogates at the least sum of objectives."""
+        (found,) = self.model.at(self.evolution.points[[self._best]])
+        return found
 
     def front(self, names: list[str]) -> dict[str, dict[str, list[float]]]:
         """Return the Pareto front: parameters in their units, and objectives by `names`."""
-        points, objectives = self.space.physical(self.evolution.points), self.evolution.objectives
+        points, objectives = self.model.parameters(self.evolution.points), self.evolution.objectives
         return {
-            "parameters": {name: points[:, i].tolist() for i, name in enumerate(self.space.bounds)},
+            "parameters": {name: points[:, i].tolist() for i, name in enumerate(self.model.bounds)},
             "objectives": {name: objectives[:, i].tolist() for i, name in enumerate(names)},
         }
 
 
 def genetic_search(
-    surrogates: Mapping[str, Predictor],
+    model: Surrogates,
     observations: Mapping[str, Observation],
-    bounds: Mapping[str, tuple[float, float]],
     rng: np.random.Generator,
     settings: GeneticSettings,
     objective: str,
@@ -85,12 +76,10 @@ def genetic_search(
 
     Parameters
     ----------
-    surrogates
-        Predictor of each condition; columns in the order of `bounds`.
+    model
+        Surrogates of each condition.
     observations
         What was measured under each condition.
-    bounds
-        (lower, upper) of each parameter in its unit; equal bounds hold it.
     rng
         Source of all randomness.
     settings
@@ -104,22 +93,20 @@ def genetic_search(
         When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
         parameters, or the relative objective meets a depth that is not positive.
     """
-    space = Space(bounds)
-    _check_consistent(space, surrogates, observations, objective)
-    evaluate = _objectives(space, surrogates, observations, objective, aggregated)
-    return GeneticOptimum(space, evolve(evaluate, space.dimensions, settings, rng))
+    _check_consistent(model, observations, objective)
+    evaluate = _objectives(model, observations, objective, aggregated)
+    return GeneticOptimum(model, evolve(evaluate, len(model.coordinates.free), settings, rng))
 
 
-def _check_consistent(
-    space: Space, surrogates: Mapping[str, Predictor], observations: Mapping[str, Observation], objective: str
-) -> None:
+def _check_consistent(model: Surrogates, observations: Mapping[str, Observation], objective: str) -> None:
     if not observations:
         raise InputError("no condition has the role calibrate", remedy="give at least one", place="conditions")
     for name, item in observations.items():
         check_measurable(name, item.mean, objective)
-        if name not in surrogates:
+        if name not in model.predictors:
             raise InputError(f"condition {name} has no surrogate", remedy="fit one", place=name)
-        predicted = surrogates[name].predict(space.physical(np.full(space.dimensions, 0.5))).shape[1]
+        (middle,) = model.under([name]).at(np.full((1, len(model.coordinates.free)), 0.5))
+        predicted = len(middle[name])
         if predicted != len(item.time):
             raise InputError(
                 f"condition {name} was measured at {len(item.time)} points, its surrogate has {predicted}",
@@ -127,18 +114,12 @@ def _check_consistent(
                 place=name,
             )
     points = sum(len(item.time) for item in observations.values())
-    if points < space.dimensions:
-        raise InputError(
-            f"{points} points cannot fix {space.dimensions} parameters", remedy="give more points or hold parameters"
-        )
+    if points < (free := len(model.coordinates.free)):
+        raise InputError(f"{points} points cannot fix {free} parameters", remedy="give more points or hold parameters")
 
 
 def _objectives(
-    space: Space,
-    surrogates: Mapping[str, Predictor],
-    observations: Mapping[str, Observation],
-    objective: str,
-    aggregated: bool,
+    model: Surrogates, observations: Mapping[str, Observation], objective: str, aggregated: bool
 ) -> Evaluate:
     """Return what gives a generation (n, k) its objectives (n, m): one for each condition, or their sum.
 
@@ -148,9 +129,9 @@ def _objectives(
     measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}
 
     def evaluate(u: np.ndarray) -> np.ndarray:
-        x = space.physical(u)
+        x = model.parameters(u)
         columns = np.column_stack(
-            [measure(nm * mean, nm * surrogates[name].predict(x)) for name, (mean, nm) in measured.items()]
+            [measure(nm * mean, nm * model.predictors[name].predict(x)) for name, (mean, nm) in measured.items()]
         )
         return columns.sum(axis=1, keepdims=True) if aggregated else columns
 

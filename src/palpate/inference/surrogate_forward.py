@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -11,10 +13,19 @@ from palpate.configuration.study_file import Condition
 from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves
-from palpate.inference.genetic_stage import Predictor
 from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.study.specification import Specification
+
+
+class Predictor(Protocol):
+    """What a surrogate must offer."""
+
+    def predict(self, X: np.ndarray) -> np.ndarray:
+        """Return the curves (n, n_points) at parameters (n, p)."""
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """Return the slope (n_points, p) of the curve at parameters (p,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,16 +38,38 @@ class Surrogates:
         By condition; columns in the order of `bounds`.
     bounds
         (lower, upper) of each parameter in its unit: its range, and its limits; equal bounds hold it.
+
+    Raises
+    ------
+    InputError
+        When bounds are in the wrong order or hold every parameter.
     """
 
     predictors: Mapping[str, Predictor]
     bounds: Mapping[str, tuple[float, float]]
 
-    @property
+    def __post_init__(self) -> None:
+        for name, (lower, upper) in self.bounds.items():
+            if not lower <= upper:
+                problem = f"bounds of {name} are {lower!r} to {upper!r}"
+                raise InputError(problem, remedy="put the smaller first", place=name)
+
+    @cached_property
     def coordinates(self) -> Coordinates:
         """Of the free parameters, linear in them."""
         free = [Coordinate(name, *pair, *pair) for name, pair in self.bounds.items() if pair[0] < pair[1]]
         return Coordinates(free, {name: lower for name, (lower, upper) in self.bounds.items() if lower == upper})
+
+    def parameters(self, points: np.ndarray) -> np.ndarray:
+        """Return the predictors' columns (n, p), in the parameters' units, at points (n, k)."""
+        places = {each.name: k for k, each in enumerate(self.coordinates.free)}
+        columns = [
+            self.coordinates.free[places[name]].physical(points[:, places[name]])
+            if name in places
+            else np.full(len(points), self.coordinates.held[name])
+            for name in self.bounds
+        ]
+        return np.column_stack(columns)
 
     def under(self, names: Sequence[str]) -> Surrogates:
         """See `Forward`."""
@@ -62,8 +95,8 @@ class Surrogates:
 
     def thinned(self) -> tuple[Surrogates, Mapping[str, np.ndarray]]:
         """See `Forward`: none is cheaper."""
-        middle = self.coordinates.named(np.full(len(self.coordinates.free), 0.5))
-        keep = {name: np.ones(len(curve), dtype=bool) for name, curve in self._at(middle).items()}
+        (middle,) = self.at(np.full((1, len(self.coordinates.free)), 0.5))
+        keep = {name: np.ones(len(curve), dtype=bool) for name, curve in middle.items()}
         return self, keep
 
     def together(self, u: np.ndarray) -> int:
@@ -75,21 +108,21 @@ class Surrogates:
         return {}
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
-        """See `Forward`."""
-        return [self._at(self.coordinates.named(u)) for u in points]
+        """See `Forward`; none fails."""
+        return list(self.at(np.array(points)))
 
     def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
-        """See `Forward`."""
-        found: list[tuple[Curves, Curves] | str] = []
+        """See `Forward`; none fails."""
         free = [list(self.bounds).index(name) for name in self.coordinates.names]
-        for u in points:
-            named = self.coordinates.named(u)
-            x = np.array([named[name] for name in self.bounds])
+        found: list[tuple[Curves, Curves] | str] = []
+        for u, x, curves in zip(points, self.parameters(np.array(points)), self.at(np.array(points)), strict=True):
             extent = np.array([each.slope(place) for each, place in zip(self.coordinates.free, u, strict=True)])
             slopes = {name: model.jacobian(x)[:, free] * extent for name, model in self.predictors.items()}
-            found.append((self._at(named), slopes))
+            found.append((curves, slopes))
         return found
 
-    def _at(self, named: Mapping[str, float]) -> dict[str, np.ndarray]:
-        x = np.array([[named[name] for name in self.bounds]])
-        return {name: model.predict(x)[0] for name, model in self.predictors.items()}
+    def at(self, points: np.ndarray) -> list[dict[str, np.ndarray]]:
+        """Return the curve (n_points,) of each condition at each of the points (n, k)."""
+        x = self.parameters(points)
+        predicted = {name: model.predict(x) for name, model in self.predictors.items()}
+        return [{name: curves[n] for name, curves in predicted.items()} for n in range(len(points))]

@@ -78,6 +78,10 @@ def sections(
             table = html_report.table(pd.DataFrame(_rows(key, content[key])))
             found.append((heading, [html_report.paragraph(words), table]))
     found.append(("Misfit of the base model by parts of the tests", [located(content["location"])]))
+    if left := content["missing"]:
+        closest = " with ".join(left["mechanisms"]) or "the base model"
+        trends = [html_report.table(pd.DataFrame(left["trends"]))] if left["trends"] else []
+        found.append((f"What {closest}, the closest explanation, leaves", [located(left["location"]), *trends]))
     return found
 
 

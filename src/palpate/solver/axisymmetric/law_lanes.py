@@ -146,7 +146,7 @@ def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
     return splat(0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def turn(points, laws, done, following):
     """Close a step of `laws` and weights `done` at all points and open the one of weights `following`.
 

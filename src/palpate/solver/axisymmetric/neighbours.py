@@ -115,7 +115,7 @@ def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
     return dict(zip(host.knot_time[moved].tolist(), nearest[moved].tolist(), strict=True))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def refactor(large, body, points, contact, state, laws, displacement, depth, system):
     """Factor the matrix at a solution; the parameters are those of `palpate.solver.axisymmetric.newton.advance`."""
     forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(body.radial.shape[0])
@@ -125,7 +125,7 @@ def refactor(large, body, points, contact, state, laws, displacement, depth, sys
     factor(body, coupling, geometric, system, forces, np.zeros_like(forces))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def correct(
     large, body, points, contact, state, laws, weights, equation, displacement, depth, reaction, system, lanes, times
 ):  # fmt: skip

@@ -56,7 +56,7 @@ STIFFEST = 1e-3  # share of the force in the last equation, below which the line
 TRIES = 5  # of the line search
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def advance(
     large, body, points, contact, state, laws, weights, equation, scale, tolerance, farthest, displacement, depth,
     reaction, system, alive, spent,

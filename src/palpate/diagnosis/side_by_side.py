@@ -1,0 +1,78 @@
+"""Fits side by side: those that may be asked for next are begun where a core would be idle.
+
+A search asks for one fit after another, and each answer decides whether the next one is worth its time. With several
+threads the most promising ones are begun meanwhile; one that is not asked for is dropped, so that the answers do not
+depend on the number of threads. Compiled kernels run without the interpreter's lock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Self
+
+from palpate.diagnosis.search import Search
+from palpate.inference.explanation import Fit
+
+
+@dataclass(frozen=True, eq=False)
+class Prospect:
+    """An explanation that may be fitted.
+
+    Parameters
+    ----------
+    fit, key
+        The smaller explanation, and the mechanism that joins it.
+    optimistic
+        Logarithm of the evidence that it may reach, to first order.
+    """
+
+    fit: Fit
+    key: str
+    optimistic: float
+
+    @property
+    def members(self) -> frozenset[str]:
+        """Its mechanisms."""
+        return frozenset((*self.fit.explanation, self.key))
+
+
+class SideBySide:
+    """Fits of prospects, some begun before they are asked for.
+
+    Parameters
+    ----------
+    search
+        Fits them, on `SearchPolicy.threads` threads.
+    """
+
+    def __init__(self, search: Search):
+        self.search, self._pool = search, ThreadPoolExecutor(search.policy.threads)
+        self._begun: dict[Prospect, Future[Fit]] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def fitted(self, way: Prospect, likely: Sequence[Prospect]) -> Fit:
+        """Fit a prospect.
+
+        Parameters
+        ----------
+        way
+            The prospect.
+        likely
+            Those that may be asked for next, the most likely first; they are begun where there are threads for them.
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails wherever the fit may begin.
+        """
+        for each in (way, *likely[: self.search.policy.threads - 1]):
+            if each not in self._begun:
+                self._begun[each] = self._pool.submit(self.search.joined, each.fit, each.key)
+        return self._begun.pop(way).result()
