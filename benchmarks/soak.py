@@ -3,8 +3,8 @@
     python benchmarks/soak.py --studies 50 --seed 1
 
 Every study runs undisturbed in a folder of its own, and beside the others in one folder, where its execution with all
-of its jobs is killed (SIGKILL) after a time drawn from a seeded generator, unlocked and begun again, until it ends by
-itself. Results are compared byte for byte; logs, and what is sent to MLflow, hold times and are left out.
+of its jobs is killed (SIGKILL) after a time drawn from a seeded generator, and begun again, until it ends by itself.
+Results are compared byte for byte; logs, and what is sent to MLflow, hold times and are left out.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 import yaml
 
+from palpate.workflow_support import killed_run
+
 ROOT = Path(__file__).parents[1]
 APART = ("logs", "tracking", "mlartifacts", "mlflow.db", "mlflow.db.lock")
 KILLS = 2  # of each study
@@ -29,11 +31,7 @@ EARLIEST, LATEST = 3.0, 40.0  # s after the start
 
 
 def study(number: int, recorded: bool = True) -> dict[str, Any]:
-    """Return a study: two conditions of an elastic body, and the recordings of a virtual laboratory, or none."""
-    conditions = [
-        {"name": name, "max_load": load, "loading_time": 30, "unloading_time": 30 + number}
-        for name, load in (("A", 1.0), ("B", 0.5))
-    ]
+    """Return a study of an elastic body under one condition, and the recordings of a virtual laboratory, or none."""
     simulated = {
         "study": f"soak_{number:02d}",
         "seed": number,
@@ -42,7 +40,7 @@ def study(number: int, recorded: bool = True) -> dict[str, Any]:
         "indenter": {"shape": "cone", "half_angle": 70.3},
         "points": 12,
         "cells_per_job": 2,
-        "conditions": conditions,
+        "conditions": [{"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30 + number}],
     }
     recordings = {
         "recordings": {"lab": f"results/soak_{number:02d}/recordings/lab"},
@@ -53,14 +51,14 @@ def study(number: int, recorded: bool = True) -> dict[str, Any]:
     return simulated | recordings if recorded else simulated
 
 
-def begun(folder: Path, keys: dict[str, Any], *further: str) -> subprocess.Popen[str]:
+def begun(folder: Path, keys: dict[str, Any], *targets: str) -> subprocess.Popen[str]:
     """Begin an execution of the workflow, with its jobs in a process group of its own."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / f"{keys['study']}.yaml"
     file.write_text(yaml.safe_dump(keys))
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "2", *further]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "2"]
     return subprocess.Popen(
-        [*command, "--configfile", file.name], cwd=folder, start_new_session=True, text=True,
+        [*command, *targets, "--configfile", file.name], cwd=folder, start_new_session=True, text=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
 
@@ -72,10 +70,10 @@ def ended(process: subprocess.Popen[str]) -> None:
         raise RuntimeError(words[-3000:])
 
 
-def disturbed(folder: Path, keys: dict[str, Any], rng: np.random.Generator, latest: float) -> int:
-    """Run a study that is killed at random moments; return how many times it was, before it ended by itself."""
+def disturbed(folder: Path, keys: dict[str, Any], moments: np.ndarray) -> int:
+    """Run a study that is killed at some moments [s]; return how many times it was, before it ended by itself."""
     killed = 0
-    for moment in rng.uniform(EARLIEST, latest, KILLS):
+    for moment in moments:
         process = begun(folder, keys)
         try:
             process.wait(moment)
@@ -83,7 +81,8 @@ def disturbed(folder: Path, keys: dict[str, Any], rng: np.random.Generator, late
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
             killed += 1
-            ended(begun(folder, keys, "--unlock"))
+            for lock in killed_run.locks(folder):
+                lock.unlink()
     ended(begun(folder, keys))
     return killed
 
@@ -97,22 +96,22 @@ def contents(folder: Path, name: str) -> dict[str, bytes]:
 
 
 def soak(
-    folder: Path, studies: int, seed: int, latest: float = LATEST, recorded: bool = True
+    folder: Path, studies: int, seed: int, latest: float = LATEST, recorded: bool = True, kills: int = KILLS
 ) -> tuple[int, int, list[str]]:
     """Run all studies both ways; return how many kills there were, results compared, and those that differ."""
-    rng, kills, compared, differing = np.random.default_rng(seed), 0, 0, []
+    rng, killed, compared, differing = np.random.default_rng(seed), 0, 0, list[str]()
     for number in range(studies):
         began, keys = time.monotonic(), study(number, recorded)
         alone, together = folder / f"alone_{number:02d}", folder / "together"
-        ended(begun(alone, keys))
-        killed = disturbed(together, keys, rng, latest)
+        ended(begun(alone, keys, f"results/{keys['study']}/report.html"))
+        times = disturbed(together, keys, rng.uniform(EARLIEST, latest, kills))
         expected, found = contents(alone, keys["study"]), contents(together, keys["study"])
-        wrong = [name for name in expected if found.get(name) != expected[name]]
-        wrong += [name for name in found if name.endswith(".partial")]
-        kills, compared, differing = kills + killed, compared + len(expected), differing + wrong
-        print(f"study {number}: {killed} kills, {len(wrong)} of {len(expected)} files differ, "
+        own = {name for name in found if name.startswith(keys["study"]) or name.endswith(".partial")}
+        wrong = sorted(name for name in own | set(expected) if found.get(name) != expected.get(name))
+        killed, compared, differing = killed + times, compared + len(expected), differing + wrong
+        print(f"study {number}: {times} kills, {len(wrong)} of {len(expected)} files differ, "
               f"{time.monotonic() - began:.0f} s", flush=True)  # fmt: skip
-    return kills, compared, differing
+    return killed, compared, differing
 
 
 def main() -> int:

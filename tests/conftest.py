@@ -15,9 +15,19 @@ def pytest_configure(config):
         config.option.dist = "loadfile"
 
 
+LONGEST = ("test_workflow", "test_run", "test_soak")
+WITHOUT_KERNELS = ("test_contact", "test_readers")
+
+
 def pytest_collection_modifyitems(items):
-    """Begin the longest file first, so that one process does it while the others do the rest."""
-    items.sort(key=lambda item: item.path.name != "test_workflow.py")
+    """Begin the longest files first, so that one process does them while the others do the rest.
+
+    What needs no compiled kernels comes next, so that two processes do not compile the same ones side by side.
+    """
+    first = (*LONGEST, *WITHOUT_KERNELS)
+    items.sort(
+        key=lambda item: next((k for k, name in enumerate(first) if item.path.name.startswith(name)), len(first))
+    )
     for item in items:
         if fault := item.get_closest_marker("faults"):
             item.user_properties.append(("before", fault.kwargs["before"]))

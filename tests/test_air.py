@@ -11,11 +11,11 @@ from palpate.inference.study_scale import with_contact_sought
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.recordings.contact_interval import interval_of, joint_interval
 from palpate.recordings.readers import ColumnMap, read_vendor_file
+from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.vendor import VendorTest
 from palpate.recordings.readers.zero import decision, zeroed, zeroed_each
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
-from palpate.workflow_support.data_quality import air_at_start
 
 CASES = Path(__file__).parents[2] / "shared/cases/files"
 NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})
@@ -73,6 +73,20 @@ def test_a_mark_set_too_early_is_told_and_kept():
     assert said.startswith("the load does not rise over the first")
     assert test.recording.depth.max() == pytest.approx(DEEP + 80.0)
     assert air_at_start(test.recording) == test.warnings, "palpate check says the same"
+
+
+def test_many_tests_looked_at_together_are_those_that_are_told_one_by_one():
+    tests = [recording(([], []), offset=k) for k in range(3)] + [recording(RETREAT), recording(APPROACH, 3000.0)]
+    tests += [recording(([-8.0, 0.0], [-80.0, 0.0]), offset=80.0), recording(([], []), after=3.0)]
+    told = [test for test in tests if air_at_start(test)]
+    assert len(told) == 3
+    assert suspects(tests) == told
+
+
+def test_a_load_that_rises_at_once_in_few_points_is_no_air():
+    time = np.linspace(0.0, 60.0, 60)
+    load = np.minimum(time, 60.0 - time) / 30.0
+    assert suspects([Recording(time, load, 300.0 * np.sqrt(load))]) == []
 
 
 def test_a_retreat_after_the_mark_is_told():

@@ -60,7 +60,6 @@ HOW = {
         "palpate draft Lab/2024-03-05 --columns 'time=Time [s],load=Force [uN],depth=Depth [um]' -o my_polymer": "",
         "palpate check my_polymer/study.yaml": "",
         "palpate run my_polymer/study.yaml --cores 2": DRY,
-        "snakemake --unlock --configfile my_polymer/study.yaml": "",
     },
     "real_recordings.md": {
         "snakemake --cores 2 real --config data=FOLDER": "needs recordings that are not in the repository",

@@ -31,7 +31,7 @@ def solid_under(radius, load, modulus):
     )
 
 
-@pytest.mark.xfail(reason="merged rings are too wide for the smooth contact: depths scatter by up to 4 %")
+@pytest.mark.xfail(reason="where nothing hardens depths scatter by up to 0.9 %, and by 3.6 % at the last sample")
 def test_a_rounded_tip_far_beyond_its_cap_follows_the_sharp_one():
     """The cap is short of the sharp apex by R (1 / sin(alpha) - 1), and carries less and less of the load."""
     radius = 100.0
@@ -44,10 +44,7 @@ def test_a_rounded_tip_far_beyond_its_cap_follows_the_sharp_one():
 
 @pytest.mark.parametrize(
     ("radius", "load", "modulus"),
-    [
-        (50.0, 1.0, 70.0),
-        pytest.param(300.0, 10.0, 200.0, marks=pytest.mark.xfail(reason="no equilibrium even with merged rings")),
-    ],
+    [(50.0, 1.0, 70.0), (300.0, 10.0, 200.0)],
 )
 def test_a_single_simulation_merges_them_too(radius, load, modulus):
     assert simulate(solid_under(radius, load, modulus)).status == "ok"
@@ -57,9 +54,9 @@ def test_a_single_simulation_merges_them_too(radius, load, modulus):
 def test_merged_rings_reach_to_where_they_should_and_leave_the_others(times, reach):
     usual = ring_radii(0.1, 1.0, STANDARD, rounded=True)
     wider = merged(usual, STANDARD, True, times)
-    assert wider[4] == pytest.approx(usual[STANDARD.even - 1] * reach, rel=0.05)
-    np.testing.assert_allclose(np.diff(wider[:5]), wider[0])
-    assert np.isin(wider[4:], usual).all()
+    assert wider[1] == pytest.approx(usual[STANDARD.even - 1] * reach, rel=0.05)
+    assert wider[1] == pytest.approx(2.0 * wider[0])
+    assert np.isin(wider[1:], usual).all()
 
 
 def test_rings_that_need_no_merging_stay():

@@ -30,7 +30,8 @@ TEST = trapezoid(1.0, 30.0, 0.0, 30.0)
 PULL = (
     0.27  # of what the mean pressure gives a node: C max(-x Phi(x) - b phi(x)) of `palpate.solver.axisymmetric.contact`
 )
-SLIPS = 0.9  # of the limit of friction, which is neared gradually, from which a node counts as slipping
+SLIPS = 0.96  # of the limit of friction: a node that drags its anchor along bears tanh(2) = 0.964 of it
+SPENCE = 0.733  # root c of ln((1 + c) / (1 - c)) / (2 c) = mu / beta K'(c), beta = (1 - 2 nu) / (2 - 2 nu)
 
 
 def depth(friction, coefficients=BURGERS, protocol=None, shape=("cone", 70.3), large=False, resolution=STANDARD):
@@ -106,9 +107,7 @@ def test_load_scaling(large):
     assert other == pytest.approx(np.sqrt(2.7) * one, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    "large", [False, pytest.param(True, marks=pytest.mark.xfail(reason="2.8e-4 at the second sample at large strains"))]
-)
+@pytest.mark.parametrize("large", [False, True])
 def test_little_friction_does_little(large):
     """The effect vanishes with the coefficient, in proportion to it where all nodes slip."""
     none, little, twice = (depth(mu, large=large) for mu in (0.0, 2e-4, 4e-4))
@@ -175,15 +174,18 @@ def stick_ratios(indenter, load, power, monkeypatch):
     return np.array(ratios)
 
 
-@pytest.mark.xfail(reason="cone and sphere differ by 6.5 %: the anchor of a node that touches by a part")
 def test_stick_radius_is_a_constant_part_of_the_contact_radius(monkeypatch):
-    """The same for every power-law profile of small slope (Spence, J. Elasticity 5 (1975) 297-319); mesh width 5 %."""
+    """The same for every power-law profile of small slope (Spence, J. Elasticity 5 (1975) 297-319); mesh width 5 %.
+
+    The edge of contact is blurred over three elements, so the stick radius lies below his; at a mesh width of 3 % it
+    lies 0.035 higher.
+    """
     mu = 0.2
     cone = stick_ratios(Indenter("cone", 89.9, friction=mu), 5e-5, 2, monkeypatch)
     sphere = stick_ratios(Indenter("sphere", radius=1e6, friction=mu), 0.05, 3, monkeypatch)
     assert np.ptp(cone) < 0.06 * cone.mean()
     assert cone.mean() == pytest.approx(sphere.mean(), rel=0.06)
-    assert 0.5 < cone.mean() < 0.9
+    assert cone.mean() == pytest.approx(SPENCE, rel=0.2)
 
 
 def test_a_body_that_hardly_changes_volume_slides_along_the_tip():

@@ -69,6 +69,39 @@ def test_a_workbook_that_grows_without_bound_is_refused_soon(tmp_path, make):
     assert time.monotonic() - began < 30.0
 
 
+def table(path):
+    """A force curve of a few kilobytes whose table is said to hold 80 GB."""
+    h5py = pytest.importorskip("h5py")
+    facts = {"imaging mode": "force-distance", "feedback mode": "contact", "spring constant": 0.05}
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"software": "afmformats", "software version": "0.18.0"})
+        file.create_group("0").attrs.update(facts)
+        for name in ("time", "force", "height (measured)"):
+            file["0"].create_dataset(name, (10**10,), "f8", chunks=(10**6,))
+    return path
+
+
+def archive(path):
+    """A force curve whose archive unpacks to gigabytes."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        archive.writestr("header.properties", "type=x")
+        with archive.open("segments/0/channels/height.dat", "w", force_zip64=True) as stream:
+            for _ in range(65):
+                stream.write(bytes(1 << 24))
+    return path
+
+
+@pytest.mark.faults(before="memory without bound")
+@pytest.mark.parametrize("make", [table, archive])
+def test_a_force_curve_that_grows_without_bound_is_refused_soon(tmp_path, make):
+    pytest.importorskip("afmformats")
+    path, began = make(tmp_path / "hostile.jpk-force"), time.monotonic()
+    assert path.stat().st_size < 8e6
+    with pytest.raises(InputError, match=r"cannot read it \(it takes more than 1 GB or 10 s to read\)"):
+        read_vendor_file(path)
+    assert time.monotonic() - began < 30.0
+
+
 @pytest.mark.faults(before="memory without bound")
 def test_aliases_that_multiply_are_refused(tmp_path):
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]

@@ -55,6 +55,14 @@ def test_every_law_is_tried_here():
     assert set(FLOW) == set(LAWS)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", MODELS)
+def test_a_step_of_no_length_is_the_limit_of_short_ones(model):
+    _, none = row_and_weights(model, 0.0)
+    for dt in (1e-6, 1e-8):
+        np.testing.assert_allclose(none, row_and_weights(model, dt)[1], rtol=1e3 * dt, atol=1e3 * dt)
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_slopes_are_the_derivatives(model):
     row, weights = row_and_weights(model)

@@ -131,7 +131,6 @@ def test_a_film_of_the_substrates_own_modulus_is_a_half_space():
     assert layered == pytest.approx(half_space, rel=1e-9)
 
 
-@pytest.mark.xfail(reason="1.80 where 2.00 is exact: the outer boundary of the mesh is near")
 def test_a_thick_elastic_film_deepens_by_the_first_order_theory():
     """Far below the contact the load acts as a point force, whose stress falls like 1/z^2 (Boussinesq).
 

@@ -1,5 +1,6 @@
 """``palpate run``: from any folder, stopped at once, going on where it stopped; installed, without the repository."""
 
+import os
 import re
 import shutil
 import signal
@@ -9,8 +10,11 @@ import time
 import zipfile
 from pathlib import Path
 
+import psutil
 import pytest
 import yaml
+
+from palpate.workflow_support import killed_run
 
 ROOT = Path(__file__).parent.parent
 PALPATE = Path(sys.executable).parent / "palpate"
@@ -95,6 +99,35 @@ def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cor
     expected, found = contents(undisturbed), contents(folder)
     assert len(found) > 20
     assert [name for name in expected | found if expected.get(name) != found.get(name)] == []
+
+
+@pytest.mark.faults(before="Snakemake asked for --unlock, for which an installed package has no Snakefile")
+def test_killed_it_goes_on_by_itself_where_nothing_runs_any_more(folder):
+    """`palpate run` is killed, then Snakemake as well; a lock that it did not leave stays."""
+    simulated = {key: STUDY[key] for key in STUDY if key not in ("recordings", "laboratory", "calibration")}
+    (folder / "study.yaml").write_text(yaml.safe_dump(simulated))
+    process = subprocess.Popen([PALPATE, "run", "study.yaml", "--cores", "1"], cwd=folder, start_new_session=True)
+    while not list(folder.glob("results/store/*/*.npz")):
+        assert process.poll() is None
+        time.sleep(0.1)
+    (snakemake,) = psutil.Process(process.pid).children()
+    process.kill()
+    process.wait()
+    assert not killed_run.unlocked(folder), "Snakemake goes on"
+    os.killpg(snakemake.pid, signal.SIGKILL)
+    psutil.wait_procs([snakemake])
+    left = killed_run.locks(folder)
+    assert left
+    found = run(folder, "study.yaml", "--cores", "2")
+    assert found.returncode == 0, found.stderr[-3000:]
+    assert "the last run was killed; continuing where it stopped" in found.stderr
+    assert list((folder / ".snakemake").glob("run_by_palpate*")) == killed_run.locks(folder) == []
+    (folder / "results/elastic/report.html").unlink()
+    left[0].parent.mkdir(exist_ok=True)
+    left[0].write_text("results/elastic/report.html\n")
+    found = run(folder, "study.yaml", "--cores", "2")
+    assert found.returncode == 1 and "remove .snakemake/locks" in found.stderr.splitlines()[-1]
+    assert left[0].is_file()
 
 
 @pytest.mark.faults(before="old results were called up to date")

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.base.fingerprint import canonical, closure, content
+from palpate.base import kernel_cache, source_code
+from palpate.base.fingerprint import closure, content
+from palpate.base.source_code import canonical
 from palpate.configuration.study_file import load_study
 from palpate.errors import PalpateError
 from palpate.solver import store
@@ -274,6 +276,24 @@ def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         run(s, tmp_path, killed_at_the_third)
     assert run(s, tmp_path) == [1]
+
+
+@pytest.mark.parametrize("damage", [lambda text: text, lambda text: text[: len(text) // 2]], ids=["whole", "cut"])
+def test_what_is_remembered_of_source_code_is_what_is_found_anew(tmp_path, monkeypatch, damage):
+    monkeypatch.setattr(kernel_cache, "kept", lambda name: tmp_path)
+    file, remembered = tmp_path / "law.py", tmp_path / "sources.json"
+    file.write_text("import numpy\nx = 1\n")
+    found = []
+    for _ in range(2):
+        monkeypatch.setattr(source_code, "_known", {})
+        source_code.source_code.cache_clear()
+        with source_code.known():
+            found.append(source_code.source_code(file))
+        remembered.write_text(damage(remembered.read_text()))
+    assert found[0] == found[1]
+    file.write_text("import numpy\nx = 2\n")
+    source_code.source_code.cache_clear()
+    assert source_code.source_code(file).identity != found[0].identity
 
 
 def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():

@@ -1,16 +1,9 @@
-"""What a result rests on, for a hash: an object's content, and source code with all that it imports.
-
-Of source code the hash sees names, numbers and structure; comments, layout and docstrings change nothing. It is the
-same under every version of Python that runs this package.
-"""
+"""What a result rests on, for a hash: an object's content, and source code with all that it imports."""
 
 from __future__ import annotations
 
-import ast
 import functools
 import hashlib
-import io
-import tokenize
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from numbers import Real
@@ -19,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.source_code import known, source_code
+
 SOURCE = Path(__file__).parents[2]
 DECIDE_NOTHING = ("palpate", "palpate.errors", "palpate.base.kernel_cache", "palpate.base.threads")
-LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.ENCODING, tokenize.ENDMARKER)
-NESTED = {getattr(tokenize, "FSTRING_START", -1): 1, getattr(tokenize, "FSTRING_END", -1): -1}
-Position = tuple[int, int]
 
 
 @functools.cache
@@ -36,15 +28,10 @@ def fingerprint(*start: str | Path) -> str:
         Names of modules, such as ``palpate.solver.simulation``, or files of scripts.
     """
     digest = hashlib.sha256()
-    for file in sorted(closure(*start), key=lambda file: (file.name, str(file))):
-        digest.update(f"{file.name} {_identity(file)}\n".encode())
+    with known():
+        for file in sorted(closure(*start), key=lambda file: (file.name, str(file))):
+            digest.update(f"{file.name} {source_code(file).identity}\n".encode())
     return digest.hexdigest()
-
-
-@functools.cache
-def _identity(file: Path) -> str:
-    """Return a hash of the code in one file."""
-    return hashlib.sha256(canonical(file.read_text(encoding="utf-8")).encode()).hexdigest()
 
 
 def closure(*start: str | Path) -> set[Path]:
@@ -62,15 +49,9 @@ def closure(*start: str | Path) -> set[Path]:
 @functools.cache
 def imported(file: Path) -> list[Path]:
     """Return the files of the modules that a file imports, and of those among which it discovers members."""
-    tree, found = ast.parse(file.read_text(encoding="utf-8")), list[Path | None]()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            found += [_file(alias.name) for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            members = [_file(f"{node.module}.{alias.name}") for alias in node.names]
-            found += [member or _file(node.module) for member in members]
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "discover":
-            found += sorted(file.parent.glob("*.py"))
+    code = source_code(file)
+    found = [next(filter(None, map(_file, names)), None) for names in code.imports]
+    found += sorted(file.parent.glob("*.py")) if code.discovers else []
     return [each for each in found if each is not None]
 
 
@@ -85,46 +66,6 @@ def _file(module: str) -> Path | None:
             if file.is_file():
                 return file
     return None
-
-
-def canonical(source: str) -> str:
-    """Return source code less comments, layout and docstrings."""
-    docstrings, parts, follows = _docstrings(ast.parse(source)), list[str](), False
-    lines, depth, began = source.splitlines(keepends=True), 0, (0, 0)
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type in LAYOUT:
-            continue
-        if token.type == tokenize.STRING and token.start in docstrings:
-            follows = True
-        elif token.type in NESTED:
-            began = token.start if depth == 0 else began
-            depth += NESTED[token.type]
-            if depth == 0:
-                parts.append(_between(lines, began, token.end))
-        elif depth == 0 and not (follows and token.type == tokenize.NEWLINE):
-            layout = token.type in (tokenize.INDENT, tokenize.DEDENT, tokenize.NEWLINE)
-            parts.append(tokenize.tok_name[token.type] if layout else token.string)
-            follows = False
-    return "\n".join(parts)
-
-
-def _between(lines: list[str], first: Position, last: Position) -> str:
-    """Return the text between two positions: lines from 1, columns from 0."""
-    chosen = lines[first[0] - 1 : last[0]]
-    chosen[-1] = chosen[-1][: last[1]]
-    chosen[0] = chosen[0][first[1] :]
-    return "".join(chosen)
-
-
-def _docstrings(tree: ast.AST) -> set[Position]:
-    """Return where the docstrings of a module, its classes and functions begin."""
-    found = set()
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        first = body[0] if isinstance(body, list) and body else None
-        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-            found.add((first.lineno, first.col_offset))
-    return found
 
 
 def content(value: Any) -> Any:

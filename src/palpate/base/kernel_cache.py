@@ -30,10 +30,13 @@ def choose() -> None:
         for folder in SOURCES:
             for file in sorted((PACKAGE / folder).glob("*.py")):
                 digest.update(file.read_bytes())
-        name = f"kernels-{digest.hexdigest()[:12]}"
-        found = next((parent / name for parent in _parents() if _usable(parent / name)), None)
-        if found:
+        if found := kept(f"kernels-{digest.hexdigest()[:12]}"):
             os.environ[VARIABLE] = str(found)
+
+
+def kept(name: str) -> Path | None:
+    """Return the first folder of a name that can be written; none where there is no such place."""
+    return next((parent / name for parent in _parents() if _usable(parent / name)), None)
 
 
 def require() -> None:

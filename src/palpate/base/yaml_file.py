@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import re
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +49,11 @@ def refuse_special(path: str | Path) -> None:
     ------
     InputError
     """
-    if Path(path).exists() and not Path(path).is_file():
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return
+    if not stat.S_ISREG(mode):
         raise InputError("is no regular file", remedy="give a file", file=path)
 
 

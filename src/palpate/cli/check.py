@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from palpate.configuration.study_file import Study
+    from palpate.recordings.recording import Recording
 
 NAME = "check"
 HELP = "check a study and its recordings"
@@ -43,13 +44,22 @@ def examined(study: Study) -> Iterator[str]:
     from palpate.workflow_support.check_study import checked
     from palpate.workflow_support.data_quality import anomalies
 
-    found: dict[str, list[str]] = {name: [] for name in study.recordings}
-    checked(study, lambda name, condition, tests: found[name].extend(anomalies(study, condition, tests)))
-    yield from _described(study, found)
+    counts: dict[str, dict[str, int]] = {name: {} for name in study.recordings}
+    remarks: dict[str, list[str]] = {name: [] for name in study.recordings}
+
+    def look(name: str, condition: str, tests: list[Recording]) -> None:
+        counts[name][condition] = len(tests)
+        remarks[name].extend(anomalies(study, condition, tests))
+
+    checked(study, look)
+    counts = {name: seen or tests_to_come(study, name) for name, seen in counts.items()}
+    yield from _described(study, counts, remarks)
 
 
-def _described(study: Study, anomalies: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Say what a study simulates, which tests each set of recordings holds, their `anomalies`, and limits."""
+def _described(
+    study: Study, counts: Mapping[str, Mapping[str, int]], remarks: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
+    """Say what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
     from palpate.inference.study_recordings import written_by_workflow
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
@@ -64,23 +74,22 @@ def _described(study: Study, anomalies: Mapping[str, Sequence[str]]) -> Iterator
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():
-        tests = tests_of(study, name)
+        tests = counts[name]
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
         yield f"recordings {name} in {folder.resolve()}: {found}"
         unread = () if written_by_workflow(study, name) else passed_over(folder)
-        yield from (f"recordings {name}: {remark}" for remark in (*unread, *anomalies[name]))
+        yield from (f"recordings {name}: {remark}" for remark in (*unread, *remarks[name]))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"
 
 
-def tests_of(study: Study, name: str) -> dict[str, int]:
-    """Return how many recordings of each condition set `name` holds, or will hold once the study has written it."""
-    from palpate.inference.study_recordings import find
+def tests_to_come(study: Study, name: str) -> dict[str, int]:
+    """Return how many recordings of each condition of set `name` the study will write itself."""
     from palpate.recordings.readers import read_source
 
     if name in study.laboratory:
         return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
     if name == study.source.get("recordings"):
         return {condition: len(tests) for condition, tests in read_source(study.source).items()}
-    return {condition: len(files) for condition, files in find(study, name).items()}
+    return {}

@@ -8,7 +8,10 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+
+from palpate.errors import PalpateError
 
 NAME = "run"
 HELP = "run a study from its recordings to its report"
@@ -28,9 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the study, and execute the workflow on it in the present folder; return Snakemake's exit code.
 
-    After Ctrl-C nothing goes on, and the next run continues where this one stopped.
+    After Ctrl-C nothing goes on, and the next run continues where this one stopped, or was killed.
     """
     from palpate.configuration.study_file import load_study
+    from palpate.workflow_support import killed_run
     from palpate.workflow_support.check_study import checked
 
     checked(load_study(arguments.study, arguments.data))
@@ -38,12 +42,17 @@ def run(arguments: argparse.Namespace) -> int:
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
     command += ["--config", f"data={arguments.data}"] if arguments.data else []
     command += ["--dry-run"] if arguments.dry_run else []
-    process = subprocess.Popen(command, start_new_session=True)
-    try:
-        return process.wait()
-    except KeyboardInterrupt:
-        _stop(process)
-        raise
+    if arguments.dry_run:
+        return subprocess.run(command, check=False).returncode
+    here = Path.cwd()
+    if killed_run.unlocked(here):
+        print("palpate: the last run was killed; continuing where it stopped", file=sys.stderr)
+    with killed_run.marked(here):
+        code = _executed(command)
+    if code and killed_run.locks(here) and not killed_run.running(here):
+        remedy = "if none runs on another machine either, remove .snakemake/locks"
+        raise PalpateError(f"an execution holds the lock of this folder, {here}, or was killed; {remedy}")
+    return code
 
 
 def snakefile() -> Path:
@@ -51,13 +60,19 @@ def snakefile() -> Path:
     return next(folder / "Snakefile" for folder in (CLONE, WHEEL) if (folder / "Snakefile").is_file())
 
 
-def _stop(process: subprocess.Popen[bytes]) -> None:
-    """End an execution and all its jobs, and take away the lock that it holds."""
-    os.killpg(process.pid, signal.SIGINT)
-    with contextlib.suppress(subprocess.TimeoutExpired):
-        process.wait(PATIENCE)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-    for lock in Path(".snakemake/locks").glob("*.lock"):
-        lock.unlink()
+def _executed(command: Sequence[str]) -> int:
+    """Return the exit code of an execution, which ends with all of its jobs and its lock on Ctrl-C."""
+    from palpate.workflow_support import killed_run
+
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        return process.wait()
+    except KeyboardInterrupt:
+        os.killpg(process.pid, signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        killed_run.unlocked(Path.cwd())
+        raise

@@ -21,7 +21,7 @@ from palpate.inference.covariance import Errors, errors, noise_of
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.forward import Forward
-from palpate.inference.least_squares import Misfit
+from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.trust_region import Descent, descend, resumed
@@ -101,10 +101,10 @@ class Fitter:
         problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
-        begun = self._begun(misfit, model, starts, depth) if explanation else self._with_slopes(model, starts)
+        begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
-            end = descend(misfit, model, begun, limit, tolerance=policy.first_tolerance)
+            end = self._searched(misfit, model, begun, depth, limit)
         weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if any(fit.errors.between.values()):
@@ -174,29 +174,55 @@ class Fitter:
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), starts[0], problem.mean), keep)
-        places = [u for _, u in _by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
+        places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
         return descend(misfit, cheaper, places, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
 
-    def _begun(
-        self, misfit: Misfit, model: Forward, starts: Sequence[np.ndarray], depth: np.ndarray
-    ) -> Sequence[np.ndarray]:
-        """Return the best coordinates (k,) among some.
+    def _searched(
+        self,
+        misfit: Misfit,
+        model: Forward,
+        starts: Sequence[np.ndarray | Descent],
+        depth: np.ndarray,
+        limit: int,
+    ) -> Descent:
+        """Return where searches from some coordinates (k,) lead, further ones while no end is as good as what was.
 
-        As many are simulated as run in the time of one; more only while all are worse than the curves `depth` (n_all,)
-        [nm] from which they come.
+        Parameters
+        ----------
+        misfit, model
+            Misfit of the explanation, and its forward model.
+        starts
+            The most promising first. As many as run in the time of one are simulated, and the best are followed.
+        depth : ndarray, shape (n_all,)
+            Curves from which they come [nm].
+        limit
+            Largest number of iterations.
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails at all of them.
         """
-        most = self.policy.searches
-        if len(starts) <= most:
-            return starts
-        left = depth - self.problem.mean
+        most, left = self.policy.searches, depth - self.problem.mean
+        places = [start for start in starts if not isinstance(start, Descent)]
+        at_once = max(most, model.together(places[0])) if len(places) > most else most
         weights = misfit.weights(misfit.discrepancy(left))
-        at_once, found = max(most, model.together(starts[0])), list[tuple[float, np.ndarray]]()
+        ends, failed = list[tuple[float, Descent]](), ""
         for first in range(0, len(starts), at_once):
-            found += _by_misfit(misfit, weights, model, starts[first : first + at_once])
-            found.sort(key=lambda each: each[0])
-            if found[0][0] <= np.sum((weights @ left) ** 2):
+            some = starts[first : first + at_once]
+            if len(some) > most:
+                some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + at_once])[:most]]
+            try:
+                end = descend(misfit, model, some, limit, tolerance=self.policy.first_tolerance)
+            except PalpateError as error:
+                failed = str(error)
+                continue
+            ends.append((misfit.chi_square(end.curves, end.u, weights), end))
+            if ends[-1][0] <= np.sum((weights @ left) ** 2) + self.policy.first_tolerance:
                 break
-        return [u for _, u in found[:most]]
+        if not ends:
+            raise PalpateError(failed)
+        return min(ends, key=lambda each: each[0])[1]
 
     def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended."""
@@ -258,18 +284,3 @@ class Fitter:
                     best, chosen = likelihood, trial
             fit = chosen
         return fit
-
-
-def _by_misfit(
-    misfit: Misfit, weights: np.ndarray, model: Forward, places: Sequence[np.ndarray]
-) -> list[tuple[float, np.ndarray]]:
-    """Return coordinates (k,) with their misfit, the least first; it is infinite where the model fails.
-
-    Parameters
-    ----------
-    weights : ndarray, shape (n, n)
-        Matrix that whitens curves [nm].
-    """
-    outcomes = zip(model.curves(places), places, strict=True)
-    found = [(np.inf if isinstance(c, str) else misfit.chi_square(c, u, weights), u) for c, u in outcomes]
-    return sorted(found, key=lambda each: each[0])

@@ -14,7 +14,7 @@ join with their departures in standard deviations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Curves
+from palpate.inference.forward import Curves, Forward
 
 STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
 NO_MORE = 1e6  # times the mean square of the residual, above any discrepancy
@@ -115,3 +115,24 @@ def central_slopes(values: Callable[[np.ndarray], np.ndarray], u: np.ndarray) ->
     """Return the central differences (m, k) of values (m,) by coordinates u (k,), over `STEP` to either side."""
     steps = STEP * np.eye(len(u))
     return np.stack([(values(u + step) - values(u - step)) / (2.0 * STEP) for step in steps], axis=1)
+
+
+def by_misfit(
+    misfit: Misfit, weights: np.ndarray, model: Forward, places: Sequence[np.ndarray]
+) -> list[tuple[float, np.ndarray]]:
+    """Return coordinates (k,) with their misfit, the least first; it is infinite where the model fails.
+
+    Parameters
+    ----------
+    misfit
+        The least-squares problem.
+    weights : ndarray, shape (n, n)
+        Matrix that whitens curves [nm].
+    model
+        Gives the curves.
+    places
+        The coordinates.
+    """
+    outcomes = zip(model.curves(places), places, strict=True)
+    found = [(np.inf if isinstance(c, str) else misfit.chi_square(c, u, weights), u) for c, u in outcomes]
+    return sorted(found, key=lambda each: each[0])

@@ -62,7 +62,14 @@ class ContactPoint:
 
 def noise_of(values: np.ndarray) -> float:
     """Return the standard deviation of a channel's noise (n,), from second differences, small where it is smooth."""
-    return float(np.median(np.abs(np.diff(values, 2))) / (0.6745 * np.sqrt(6))) if len(values) > 4 else 0.0
+    return float(noises_of(values))
+
+
+def noises_of(values: np.ndarray) -> np.ndarray:
+    """Return the same for channels (..., n); zero where there are too few points."""
+    if values.shape[-1] < 5:
+        return np.zeros(values.shape[:-1])
+    return np.median(np.abs(np.diff(values, 2, axis=-1)), axis=-1) / (0.6745 * np.sqrt(6))
 
 
 def long_run_noise(values: np.ndarray) -> float:

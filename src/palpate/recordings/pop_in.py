@@ -41,7 +41,9 @@ def pop_ins(recording: Recording) -> list[PopIn]:
         return []
     time, load, depth = (channel[: peak + 1] for channel in (recording.time, recording.load, recording.depth))
     step, growth = np.diff(time), np.diff(depth)
-    before, after = (median_filter(growth / step, AROUND, mode="nearest", origin=side) for side in (SIDE, -SIDE))
+    rate = np.repeat(growth / step, [1 + SIDE, *[1] * (peak - 2), 1 + SIDE])
+    around = median_filter(rate, AROUND, mode="nearest")
+    before, after = around[:peak], around[2 * SIDE :]
     usual = np.maximum(before, after) * step
     beyond = growth - 0.5 * (before + after) * step
     sudden = (growth > FASTER * usual) & (load[:-1] > FIRST * load[-1]) & (usual > 0.0)

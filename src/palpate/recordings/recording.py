@@ -83,8 +83,10 @@ class Recording:
         approach = self.time < 0.0
         if 0 < approach.sum() < len(self) and np.all(drive[approach] <= BARELY_LOADED * drive[peak]):
             return self.at(~approach).from_contact(drive[~approach])
-        begin, interval = self.time[0], float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
-        loaded = drive[0] > BARELY_LOADED * drive[peak]
+        begin, loaded = self.time[0], drive[0] > BARELY_LOADED * drive[peak]
+        if begin == 0.0 and not loaded:
+            return self
+        interval = float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
         if loaded:
             risen = (drive[: peak + 1] - drive[0]) / drive[peak]
             last = max(int(np.argmax(risen > RATE_SPAN)) - 1, 1) if risen[-1] > RATE_SPAN else peak

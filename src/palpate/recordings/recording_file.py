@@ -7,9 +7,11 @@ says what is wrong and where.
 from __future__ import annotations
 
 import math
+import os
 import re
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,9 +31,19 @@ LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads 
 
 def recording_files(folder: Path) -> list[Path]:
     """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
-    files = folder.iterdir() if folder.is_dir() else ()
-    chosen = (file for file in files if file.suffix.lower() == ".csv" and not file.name.startswith("."))
-    return sorted(chosen, key=lambda file: file.name)
+    return _visible(folder, recordings=True)
+
+
+def other_files(folder: Path) -> list[Path]:
+    """Return the files in a folder that are no recordings, by name."""
+    return [file for file in _visible(folder, recordings=False) if file.is_file()]
+
+
+def _visible(folder: Path, recordings: bool) -> list[Path]:
+    """Return what a folder holds by name: what is named as recordings are, or all else; hidden files do not count."""
+    names = os.listdir(folder) if folder.is_dir() else ()
+    chosen = (name for name in names if name.lower().endswith(".csv") == recordings and not name.startswith("."))
+    return [folder / name for name in sorted(chosen)]
 
 
 def condition_of(file: Path) -> str:
@@ -50,9 +62,10 @@ def read_recording(path: str | Path) -> Recording:
     """
     path = Path(path)
     recording = _recording_at(path)
-    beside = path.parent / APART / path.name
-    if recording.stiffness is not None or not beside.is_file():
+    apart = path.with_name(APART)
+    if recording.stiffness is not None or not apart.is_dir() or not (apart / path.name).is_file():
         return recording
+    beside = apart / path.name
     measured = _recording_at(beside)
     if not np.array_equal(measured.time, recording.time):
         raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
@@ -86,7 +99,9 @@ def read_history(path: Path, control: str = LOAD) -> Recording:
 
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
-    return _checked(_numbered(path), path, large=path.stat().st_size > LARGE if path.is_file() else False)
+    with _told_where_unreadable(path):
+        large = path.stat().st_size > LARGE
+    return _checked(_numbered(path) if large else _numbered_at_once(path), path, large)
 
 
 def recording_in(lines: Sequence[str], path: Path) -> Recording:
@@ -97,9 +112,22 @@ def recording_in(lines: Sequence[str], path: Path) -> Recording:
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     """Yield the lines of a text file with their numbers; raises `InputError`."""
     refuse_special(path)
+    with _told_where_unreadable(path), path.open(encoding="utf-8-sig") as stream:
+        yield from enumerate(stream, 1)
+
+
+def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:
+    """Return the lines of a small text file with their numbers; raises `InputError`."""
+    refuse_special(path)
+    with _told_where_unreadable(path):
+        return enumerate(path.read_text(encoding="utf-8-sig").split("\n"), 1)
+
+
+@contextmanager
+def _told_where_unreadable(path: Path) -> Iterator[None]:
+    """Turn what reading a text file raises into `InputError`."""
     try:
-        with path.open(encoding="utf-8-sig") as stream:
-            yield from enumerate(stream, 1)
+        yield
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
@@ -148,7 +176,7 @@ def _columns(lines: Iterable[tuple[int, str]], width: int, path: Path, notes: li
 
 def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
     """Return the columns (n,) of numbers in the lines of a small file; nothing where they hold anything else."""
-    rows = [line for _, line in lines if line.strip()]
+    rows = [line for _, line in lines if line]
     try:
         found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.empty((0, 0))
     except ValueError:

@@ -9,10 +9,10 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.recordings.pop_in import pop_ins
-from palpate.recordings.readers.in_air import air_at_start
+from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import recording_files
+from palpate.recordings.recording_file import other_files
 from palpate.study.recorded_history import averaged_noise, averaged_over
 
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
@@ -28,7 +28,7 @@ def anomalies(study: Study, condition: str, tests: Sequence[Recording]) -> Itera
     oscillate.
     """
     yield from _apart(tests)
-    for test in tests:
+    for test in suspects(tests):
         yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test))
     for test in filter(begins_off_contact, tests):
         yield (
@@ -56,8 +56,7 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
 
 def passed_over(folder: Path) -> Iterator[str]:
     """Say which files of a folder of recordings are not read."""
-    visible = {file for file in folder.iterdir() if file.is_file() and not file.name.startswith(".")}
-    for file in sorted(visible.difference(recording_files(folder))):
+    for file in other_files(folder):
         yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 

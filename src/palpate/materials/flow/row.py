@@ -118,7 +118,7 @@ def step_weights(rows: np.ndarray, steps: np.ndarray | float, resistance: np.nda
             factors += [half, half, np.ones_like(half)]
         elif term.kind in (VOIGT, LINEAR):
             x = steps / rows[:, term.at + TIME]
-            decay, mean = np.exp(-x), -np.expm1(-x) / x
+            decay, mean = np.exp(-x), np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0.0)
             scale = share * inverse * (rows[:, term.at + NUMBERS] if term.kind == LINEAR else 1.0)
             factors += [scale * (1.0 - mean), scale * (mean - decay), decay]
             if term.kind == LINEAR:

@@ -6,8 +6,10 @@ These files mark no contact; time and depth are counted from the start of the cu
 
 from __future__ import annotations
 
+import io
 import logging
 import tempfile
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.bounded_process import BEYOND, MEMORY
+from palpate.base.sound_hdf5 import problem_of
 from palpate.errors import InputError
 from palpate.recordings.readers.igor import is_wave, sampling
 from palpate.recordings.readers.source import HDF5, ZIP, Source
@@ -71,6 +75,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         raise InputError(
             "force curves need the library afmformats", remedy="install it: pip install afmformats", file=source.path
         ) from error
+    if problem := _unreadable(source.content):
+        raise InputError(f"afmformats cannot read it ({problem})", remedy="copy or export it again", file=source.path)
     with tempfile.TemporaryDirectory() as folder, _silence():
         copy = Path(folder) / f"curve{ending}"
         copy.write_bytes(source.content)
@@ -90,6 +96,24 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     if not tests:
         raise InputError("holds no force curve", remedy="export force-distance curves", file=source.path)
     return unless_all_fail(tests)
+
+
+def _unreadable(content: bytes) -> str:
+    """Return what keeps a file from being read within bounds; empty where nothing does.
+
+    It may state more than it holds. An HDF5 file is read once in a process of its own; a member of an archive is never
+    read beyond the length that it states.
+    """
+    if content.startswith(HDF5):
+        return problem_of(content)
+    if content.startswith(ZIP):
+        try:
+            with zipfile.ZipFile(io.BytesIO(content)) as archive:
+                stated = sum(member.file_size for member in archive.infolist())
+        except zipfile.BadZipFile as error:
+            return type(error).__name__
+        return BEYOND if stated > MEMORY else ""
+    return ""
 
 
 def _test(source: Source, number: int, curve: Any) -> VendorTest:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
-from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, rough_contact
+from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, noises_of, rough_contact
 from palpate.recordings.recording import Recording
 
 SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
+FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
+TOGETHER = 1_000_000  # points, looked at at once
 VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
 
 
@@ -22,7 +26,11 @@ def air_before(recording: Recording) -> ContactPoint | None:
     test's depth, or where the tip retreats by as much before it touches. The search is made only where a coarse fit, or
     a load that stays in its noise, gives reason to.
     """
-    if resting(recording) <= SHARE and rough_share(recording) <= SHARE and not _retreats(recording):
+    if (
+        resting(recording.load, recording.depth) <= SHARE
+        and rough_share(recording) <= SHARE
+        and not _retreats(recording)
+    ):
         return None
     try:
         point = first_touch(recording.time, recording.load, recording.depth)
@@ -53,13 +61,18 @@ def share_in_air(recording: Recording, point: ContactPoint) -> float:
     return (point.depth - lowest) / max(float(recording.depth.max()) - lowest, 1e-300)
 
 
-def resting(r: Recording) -> float:
-    """Return by which share of its largest the depth grows before the load leaves its noise."""
-    smooth = median_filter(r.load, 5, mode="nearest")
-    level = float(np.median(smooth[:5]))
-    risen = np.flatnonzero(smooth > level + CLEAR * max(noise_of(r.load), 1e-4 * float(np.ptp(r.load))))
-    left = int(risen[0]) if len(risen) else len(r) - 1
-    return float(r.depth[left] - r.depth[0]) / max(float(np.ptp(r.depth)), 1e-300)
+def resting(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return by which shares of its largest the depth grows before the load leaves its noise, of channels (..., n).
+
+    Where it leaves the level of its first points within these, it does not rest, and the share is zero.
+    """
+    smooth = median_filter(load, (1,) * (load.ndim - 1) + (5,), mode="nearest")
+    level = np.median(smooth[..., :FIRST], axis=-1)
+    clear = CLEAR * np.maximum(noises_of(load), 1e-4 * np.ptp(load, axis=-1))
+    risen = smooth > (level + clear)[..., None]
+    left = np.where(risen.any(axis=-1), np.argmax(risen, axis=-1), load.shape[-1] - 1)
+    grown = np.take_along_axis(depth, left[..., None], axis=-1)[..., 0] - depth[..., 0]
+    return np.where(left < FIRST, 0.0, grown / np.maximum(np.ptp(depth, axis=-1), 1e-300))
 
 
 def rough_share(r: Recording) -> float:
@@ -69,22 +82,42 @@ def rough_share(r: Recording) -> float:
 
 def _retreats(r: Recording) -> bool:
     """Return whether the tip moves away from where it begins before the load is largest."""
-    retreat = _first_retreat(r)
+    retreat = float(_first_retreat(r.load, r.depth))
     return retreat > SHARE * float(np.ptp(r.depth)) and retreat > CLEAR * noise_of(r.depth)
 
 
-def _first_retreat(r: Recording) -> float:
-    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]."""
-    loaded = int(np.argmax(r.load > PRESSED * r.load.max()))
-    return float(r.depth[0] - r.depth[: loaded + 1].min())
+def _first_retreat(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]; channels (..., n)."""
+    loaded = np.argmax(load > PRESSED * load.max(axis=-1, keepdims=True), axis=-1)
+    before = np.arange(load.shape[-1]) <= loaded[..., None]
+    return depth[..., 0] - np.where(before, depth, depth[..., :1]).min(axis=-1)
+
+
+def suspects(tests: Sequence[Recording]) -> list[Recording]:
+    """Return the tests that `air_at_start` has to look at: their load rests at the start, or their tip retreats.
+
+    Tests of one length are looked at together, as numpy takes as long for one of them as for many.
+    """
+    found = set[int]()
+    for length in sorted({len(test) for test in tests}):
+        alike = [test for test in tests if len(test) == length]
+        size = max(TOGETHER // length, 1)
+        for first in range(0, len(alike), size):
+            some = alike[first : first + size]
+            load, depth = np.stack([test.load for test in some]), np.stack([test.depth for test in some])
+            far = _first_retreat(load, depth) > SHARE * np.ptp(depth, axis=-1)
+            found |= {id(test) for test, odd in zip(some, far | (resting(load, depth) > SHARE), strict=True) if odd}
+    return [test for test in tests if id(test) in found]
 
 
 def air_at_start(r: Recording) -> tuple[str, ...]:
     """Return a warning where a recording that should begin at contact begins in air."""
     if _retreats(r):
-        said = f"the tip retreats by {_first_retreat(r):.3g} nm after contact, before the load rises"
-    elif (still := resting(r)) > SHARE and (rough := rough_share(r)) > SHARE:
-        share = 100 * min(still, rough)
+        said = (
+            f"the tip retreats by {float(_first_retreat(r.load, r.depth)):.3g} nm after contact, before the load rises"
+        )
+    elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
+        share = 100 * min(float(still), rough)
         said = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
     else:
         return ()

@@ -47,7 +47,7 @@ from palpate.solver.axisymmetric.coulomb_friction import anchored, friction_rati
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.tip import Tip, profile_at
 
-FARTHEST = 2.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
+FARTHEST = 4.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
 SLIP = 2e-3  # of the tip's rise, that precedes the limit of friction
 STEEP, BEFORE = 2.0, 1.0  # a node within touches, one at the edge by its half: Phi(STEEP (x + BEFORE))
 STEEPEST = 2.25  # exponent of a tip that counts
@@ -156,7 +156,7 @@ def penetration(large, body, contact, state, displacement, depth, k, lane):
 def share_of(large, body, contact, state, displacement, depth, k, lane):
     """Return which share of a node touches, and where it is."""
     x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
-    return normal_distribution(x)[0], place
+    return touching(x)[0], place
 
 
 @njit(cache=True, error_model="numpy")
@@ -271,14 +271,14 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
                 net_swell += pull * width * widening * density / reach
             if push <= 0.0:
                 push, rate, swell = 0.0, 0.0, 0.0
+            within, spreading = touching(x)
             m, m_r, m_g = 0.0, 0.0, 0.0
             if contact.friction[lane] > 0.0 and r >= 0:
-                m, m_r, m_g = friction_ratio(contact, state, place, share, density, width, k, lane)
+                m, m_r, m_g = friction_ratio(contact, state, place, within, spreading, width, k, lane)
             along_swell = m * swell - m_g * push * x * width * widening
             forces[z, lane] += net + m * push * slope
             load[lane] += net + m * push * slope
             coupling.by_area[k, 1, lane] = net_swell + along_swell * slope
-            within, spreading = touching(x)
             coupling.area[lane] += contact.area[k] * within
             coupling.feedback[lane] -= contact.area[k] * spreading * x * widening
             coupling.touching[k, 1, lane] = contact.area[k] * spreading / width

@@ -21,7 +21,6 @@ from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.study.specimen import halfway
 
-HALVINGS = 6  # of a step that finds no equilibrium
 LITTLE = 0.2  # of the area of the first contact that counts, below which there has been none
 SPREADING = 0.5  # largest change of the logarithm of the area of contact that a guess carries on
 FARTHEST = 0.2  # of the depth, that one iteration moves a node
@@ -90,6 +89,8 @@ class March:
         See `palpate.solver.axisymmetric.newton.advance`.
     onset : ndarray, shape (2, LANES)
         Area of the first contact that counts, and the depth that its iteration begins with.
+    halvings : ndarray of int, shape (LANES,)
+        Of a step that finds no equilibrium.
     iterations, steps : ndarray of int, shape (LANES,)
         Count the work done.
     """
@@ -103,6 +104,7 @@ class March:
     system: System
     tolerance: float
     onset: np.ndarray
+    halvings: np.ndarray
     iterations: np.ndarray
     steps: np.ndarray
 
@@ -191,7 +193,7 @@ class March:
             The lanes that found equilibrium all the way.
         """
         trial, time = deepcopy(start), begin.copy()
-        length, shortest = (end - begin) / parts, (end - begin) / 2**HALVINGS
+        length, shortest = (end - begin) / parts, (end - begin) / 2.0**self.halvings
         going, still = lanes.copy(), np.zeros_like(start.unknowns)
         while going.any():
             target = np.where(time + 1.5 * length > end, end, time + length)

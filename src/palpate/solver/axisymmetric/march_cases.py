@@ -45,6 +45,8 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
 
+HALVINGS = 6  # of a step that finds no equilibrium
+FEW_HALVINGS = 2  # where the innermost rings of a body that yields may be merged instead
 DIGITS = 9  # of the logarithms of the rings' radii
 
 
@@ -92,12 +94,17 @@ class Case:
     @property
     def mergeable(self) -> bool:
         """Whether its innermost rings may be merged once more."""
-        return self.merged < mergings(self.specimen, self.large)
+        return self.merged < mergings(self.large)
+
+    @property
+    def halvings(self) -> int:
+        """How many times a step that finds no equilibrium is halved."""
+        return FEW_HALVINGS if self.mergeable and self.specimen.yields else HALVINGS
 
     @property
     def and_merged(self) -> Iterator[Case]:
         """The case, and as it is with its innermost rings merged, once more each time."""
-        for times in range(self.merged, 1 + mergings(self.specimen, self.large)):
+        for times in range(self.merged, 1 + mergings(self.large)):
             yield replace(self, merged=times)
 
     @cached_property
@@ -323,7 +330,8 @@ def begun(
     depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
     onset = np.stack([touching.area, depth])
     march = March(
-        large, body, bodies, contact, drives, units, system, tolerance, onset, *np.zeros((2, LANES), dtype=np.int64)
+        large, body, bodies, contact, drives, units, system, tolerance, onset, np.array([c.halvings for c in hosts]),
+        *np.zeros((2, LANES), dtype=np.int64),
     )  # fmt: skip
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),

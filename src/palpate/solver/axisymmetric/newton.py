@@ -8,9 +8,11 @@ displacements, depth and area, those of the area v and b, and what S is too larg
     K du + k dh + s dS = -R,    force_weight (r du + c dh + g dS) + depth_weight dh = -excess,    dS = v du + b dh - e.
 
 A factor of the matrix serves `REUSES` iterations. Each lane searches along Newton's direction, by the secant, until the
-work of the forces along it falls below 0.8 of what it was. All lanes are assembled and factored together, at iterations
-that depend on their number alone; a lane that has converged or searches along a line leaves the solution unused: lanes
-never depend on each other. A lane whose matrix is not positive definite takes its step without what takes that away.
+work of the forces along it falls below 0.8 of what it was, or below 2 where nodes begin or cease to slip. While the
+area is far from that of the nodes, calm forces do not hold back its change. All lanes are assembled and factored
+together, at iterations that depend on their number alone; a lane that has converged or searches along a line leaves the
+solution unused: lanes never depend on each other. A lane whose matrix is not positive definite takes its step without
+what takes that away.
 
 Arguments of several functions, beside those of `advance`:
 
@@ -47,6 +49,7 @@ TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls belo
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
 CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
+APART = 0.1  # of the area, by which it differs from that of the nodes: then its change may unbalance calm forces
 TIGHT = 1e-10  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
@@ -54,6 +57,8 @@ PATIENT = 7  # iterations, after which each has a factor of its own
 SHORTEST = 0.01  # part of a step, below which an element inside out ends the search
 STIFFEST = 1e-3  # share of the force in the last equation, below which the line search takes it for that
 TRIES = 5  # of the line search
+LESS_WORK = 0.8  # of what it was, below which the work of the forces ends it
+MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -135,7 +140,9 @@ def advance(
                 done[lane] = True
                 keep(points, solved, lane)
             elif (
-                searching[lane] and not (changed[lane] and patient) and unbalanced(work[lane], start[lane], tries[lane])
+                searching[lane]
+                and not (calm and unlike > APART)
+                and unbalanced(work[lane], start[lane], tries[lane], MORE if changed[lane] and patient else LESS_WORK)
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
@@ -237,9 +244,17 @@ def stiffness(large, body, points, laws, displacement, geometric, band):
 
 
 @njit(cache=True)
-def unbalanced(work, start, tries):
-    """Return whether the line search goes on."""
-    return tries < TRIES and work * start <= 0.0 and abs(work) >= 0.8 * abs(start)
+def unbalanced(work, start, tries, share):
+    """Return whether the line search goes on: up to `TRIES` times, until the work is less than a `share` of the start.
+
+    Parameters
+    ----------
+    tries
+        Of the search so far.
+    share
+        `LESS_WORK` or `MORE`.
+    """
+    return tries < TRIES and work * start <= 0.0 and abs(work) >= share * abs(start)
 
 
 @njit(cache=True)
