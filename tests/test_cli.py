@@ -318,3 +318,16 @@ def test_what_cannot_be_surveyed_leaves_no_file(tmp_path, refused, rows):
     file.write_text("t,P,h\n" + "".join(f"{k},{k},{k}\n" for k in range(rows)))
     assert f"{file}, " in refused("read", file, *BY_NAME, "--survey", "-o", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_one_test_that_cannot_be_surveyed_keeps_nobody_from_the_others(tmp_path, capsys):
+    """Two tests one below another: the first has too few points on its way in to find contact."""
+    short, whole = ([*range(size), *range(size - 2, -1, -1)] for size in (4, 60))
+    parts = ["\n".join(f"{k},{value},{value}" for k, value in enumerate(part)) for part in (short, whole)]
+    (tmp_path / "x.txt").write_text("t,P,h\n" + "\n\n".join(parts) + "\n")
+    assert main(["read", str(tmp_path / "x.txt"), *BY_NAME, "--survey", "-o", str(tmp_path / "out")]) == 0
+    assert len(list((tmp_path / "out").glob("*.csv"))) == 2
+    assert len((tmp_path / "out/x_survey.txt").read_text().splitlines()) == 2
+    said = capsys.readouterr().err
+    assert "too few to find the contact in" in said
+    assert said.rstrip().endswith("left out of the survey")

@@ -93,6 +93,18 @@ def test_what_the_load_reads_without_contact_does_not_matter(zero):
     assert moved.load == pytest.approx(plain.load + zero)
 
 
+@pytest.mark.parametrize("far", [20e3, 100e3])
+def test_a_test_that_is_short_beside_its_approach(far):
+    """As force curves of a microscope: 800 nm of loading after up to 100 um of air."""
+    time, load, depth = recording(4, 20.0)
+    before = np.linspace(-40, -0.1, 400)
+    away = np.interp(before, [-40, 0], [depth[0] - far, depth[0]])
+    quiet = load[0] + 3e-4 * np.random.default_rng(1).standard_normal(400)
+    point = first_touch(np.append(before, time), np.append(quiet, load), np.append(away, depth))
+    assert point.lower <= CONTACT <= point.upper
+    assert point.upper - point.lower < 40.0
+
+
 def test_a_spike_on_the_way_in_is_not_taken_for_contact():
     time, load, depth = recording(2, 20.0)
     plain = first_touch(time, load, depth)

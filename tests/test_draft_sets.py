@@ -64,6 +64,21 @@ def test_every_test_in_air_is_refused(capsys):
     assert "never bears load" in capsys.readouterr().err
 
 
+def test_read_says_that_a_test_never_bears_load(capsys):
+    air(0.0).write("air.csv")
+    assert main(["read", "air.csv", "-o", "out"]) == 0
+    assert "never bears load" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("depth_too", [True, False])
+def test_a_load_of_the_wrong_sign_is_refused_as_one(capsys, depth_too):
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(TIME))
+    loads, depths = np.interp(TIME, [0, 10, 20], [0, 1, 0]) + noise, np.interp(TIME, [0, 10, 20], [0, 1500, 600])
+    Recording(TIME, -loads, -depths if depth_too else depths).write("turned.csv")
+    assert drafted("turned.csv", "-o", "out") == 2
+    assert "where the tip presses; turn it" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("hertz_", "amplitude"), [(45.0, 0.04), (3.0, 0.05), (49.0, 0.1)])
 def test_an_oscillating_load_is_followed_in_its_middle(hertz_, amplitude):
     loads = RAMP + amplitude * np.sin(2 * np.pi * hertz_ * TIME) * (TIME > 0)

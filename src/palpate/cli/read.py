@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from palpate.errors import InputError
     from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest
     from palpate.recordings.survey import Survey
 
@@ -111,6 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.vendor import in_words
     from palpate.recordings.readers.zero import decision
+    from palpate.recordings.survey import Survey, survey_each
 
     try:
         columns = column_map(arguments)
@@ -121,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
         readable = [
             (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
         ]
-        surveys = [_survey(whole) for whole, _ in readable] if arguments.survey else []
+        surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
     except InputError as error:
         raise error.located(file=arguments.file) from None
@@ -139,16 +141,30 @@ def run(arguments: argparse.Namespace) -> int:
         if place != path:
             print(f"palpate: {path}: stands there with another content; written to {place}", file=sys.stderr)
         print(place)
-        if surveys:
-            _draw(surveys[number], place.with_suffix(".png"), taken[number])
+        if surveys and isinstance(found := surveys[number], Survey):
+            _draw(found, place.with_suffix(".png"), taken[number])
             print(place.with_suffix(".png"))
     if surveys:
-        from palpate.recordings.survey import table
-
-        path = arguments.output / f"{arguments.file.stem}_survey.txt"
-        text = table(surveys, taken).to_csv(index=False, sep="\t", float_format="%.5g")
-        print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
+        _write_table(arguments.file, arguments.output, surveys, taken)
     return 0
+
+
+def _write_table(
+    file: Path, folder: Path, surveys: Sequence[Survey | InputError], taken: Sequence[tuple[str, float]]
+) -> None:
+    """Write the table of a file's surveys, and print which tests it leaves out."""
+    from palpate.base.overwrite import written_beside
+    from palpate.recordings.survey import Survey, table
+
+    rows = []
+    for found, decided in zip(surveys, taken, strict=True):
+        if isinstance(found, Survey):
+            rows.append((found, decided))
+        else:
+            print(f"palpate: {found.located(file=file)}; left out of the survey", file=sys.stderr)
+    text = table([row[0] for row in rows], [row[1] for row in rows]).to_csv(index=False, sep="\t", float_format="%.5g")
+    path = folder / f"{file.stem}_survey.txt"
+    print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
 
 
 def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
@@ -194,17 +210,6 @@ def _paths(folder: Path, names: list[str]) -> list[Path]:
             stem += f"_{number}"
         paths.append(folder / f"{stem}.csv")
     return paths
-
-
-def _survey(test: VendorTest) -> Survey:
-    """Find what one test shows."""
-    from palpate.errors import InputError
-    from palpate.recordings.survey import survey
-
-    try:
-        return survey(test.recording)
-    except InputError as error:
-        raise error.located(place=test.name) from None
 
 
 def _draw(found: Survey, path: Path, taken: tuple[str, float]) -> None:

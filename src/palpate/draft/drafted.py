@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter
 
-from palpate.draft.borne_load import NEAR_START, check_borne
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
+from palpate.recordings.borne_load import NEAR_START, check_borne
 from palpate.recordings.contact_point import noise_of
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.draft.borne_load import check_borne
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
+from palpate.recordings.borne_load import check_borne
 from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each
 from palpate.recordings.readers.vendor import attempt
 

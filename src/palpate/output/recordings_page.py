@@ -14,7 +14,7 @@ from palpate.output.figures.recorded_test import draw
 from palpate.recordings.readers import read_source
 from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.readers.zero import decision
-from palpate.recordings.survey import Survey, survey, table
+from palpate.recordings.survey import Survey, survey_each, table
 
 
 def write_reading(study: Study, folder: Path) -> None:
@@ -25,26 +25,33 @@ def write_reading(study: Study, folder: Path) -> None:
     Raises
     ------
     InputError
-        When the study has no vendor's file, or a test is too short to find contact in.
+        When the study has no vendor's file, or no test of it is long enough to find contact in.
     """
     if not study.source:
         raise InputError("names no vendor's file", remedy="add a section source", file=study.file, place="source")
     folder.mkdir(parents=True, exist_ok=True)
     found: list[Survey] = []
-    pieces = []
+    pieces: list[str] = []
     taken: list[tuple[str, float]] = []
     begun = read_source(study.source)
-    for condition, tests in read_source({**study.source, "contact": "none"}).items():
-        for test, used in zip(tests, begun[condition], strict=True):
-            try:
-                found.append(survey(test.recording))
-            except InputError as error:
-                raise error.located(file=study.source["file"], place=test.name) from None
+    whole = read_source({**study.source, "contact": "none"})
+    recordings = [test.recording for tests in whole.values() for test in tests]
+    try:
+        surveys = iter(survey_each(recordings))
+    except InputError as error:
+        raise error.located(file=study.source["file"]) from None
+    for condition, tests in whole.items():
+        for number, (test, used) in enumerate(zip(tests, begun[condition], strict=True), 1):
+            seen = next(surveys)
+            pieces.append(f"<h3>{html.escape(condition)}: {html.escape(test.name)}</h3>")
+            if isinstance(seen, InputError):
+                pieces.append(f"<p>Not surveyed: {html.escape(seen.problem)}.</p>")
+                continue
+            found.append(seen)
             taken.append(decision(test.recording, used.recording))
-            picture = folder / f"{condition}_{len(found)}.png"
-            draw(found[-1], picture, taken[-1])
+            picture = folder / f"{condition}_{number}.png"
+            draw(seen, picture, taken[-1])
             pieces += [
-                f"<h3>{html.escape(condition)}: {html.escape(test.name)}</h3>",
                 html_report.image(picture, test.name),
                 f"<p>Contact taken: {taken[-1][0]}, {taken[-1][1]:.4g} nm.</p>",
             ]

@@ -14,14 +14,18 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
-from palpate.recordings.baseline import FOR_OFFSET
-from palpate.recordings.contact_search import begins_in_air, coarse, searched
+from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
+from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
 
 LOADED = 0.1
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
 FEWEST = 6
 CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has moved
 MOSTLY = 0.95  # of the largest load, where the loading ends
+FAR = 8.0  # ways in, chosen: farther air tells no more of the baseline, and steps along it would miss the test
+STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
+THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
+MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
 
 _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed and drawn, and searched once
@@ -86,8 +90,8 @@ def long_run_noise(values: np.ndarray) -> float:
 def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of first touch: the median of its posterior, with the 95 % region of highest density.
 
-    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), and at
-    least one standard deviation of the depth's noise on either side.
+    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
+    side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's.
 
     Parameters
     ----------
@@ -115,11 +119,12 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
-    instants, force, path = (channel[first : last + 1] for channel in (time, load, depth))
+    retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
+    instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
+    first = last + 1 - len(path)
     noise, error = max(noise_of(force), 1e-6 * float(np.ptp(load))), noise_of(path)
     duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
     clock, shares = (instants - instants[0]) / duration, (path - path[0]) / way
-    retreated = depth[: first + 1].max() - path[0] > CLEAR * error
     for approach in (True, False) if retreated or begins_in_air(clock, force / span, shares) else (False,):
         zero = float(force[0]) if approach else 0.0
         levels = (noise / span, long_run_noise(path) / way)
@@ -127,21 +132,62 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
         if retreated or found.in_air >= FOR_OFFSET:
             break
     contact, lower, upper = (path[0] + way * share for share in (found.contact, found.lower, found.upper))
+    contact, lower = _before(contact, lower, instants, force, path)
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
-    lower, upper = min(lower, contact - error), max(upper, contact + error)
+    error = max(error, MODEL_ERROR * float(path[-1] - contact))
+    lower, upper = min(lower, contact) - error, max(upper, contact) + error
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
+
+
+def _before(contact: float, lower: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float]:
+    """Return contact and lower end of its interval, moved to where what was taken for air is left earlier.
+
+    What is touched before the body is thin beside the test, unless the load rises from the first point on. Without six
+    points in air, or where fewer than thirty rise all the way, the interval reaches the first point: a touch from there
+    on and a tilted baseline are one.
+    """
+    air = int(np.argmax(depth > lower))
+    least = lower - THIN * float(depth[-1] - lower)
+    while air >= FEWEST and (earlier := earlier_touch(time[:air], load[:air], depth[:air])) is not None:
+        whole = rises_steadily(load[:air]) and lower - depth[0] < depth[-1] - lower
+        if earlier < least and not whole:
+            break
+        contact = earlier
+        lower = min(earlier, lower) - float(np.median(np.abs(np.diff(depth[:air]))))
+        air = int(np.argmax(depth > lower))
+    if air < FEWEST or (air < FOR_CURVE and rises_steadily(load[:air])):
+        lower = min(lower, float(depth[0]))
+    return contact, lower
+
+
+def _without_far_air(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a loading (n,) less quiet air that is farther from a rough contact than eight times the way in."""
+    while True:
+        contact = _rough(time, load, depth)
+        begin = int(np.argmax(depth > contact - FAR * (depth[-1] - contact)))
+        if begin == 0 or len(depth) - begin < FEWEST or np.ptp(load[:begin]) > STILL * np.ptp(load):
+            return time, load, depth
+        time, load, depth = time[begin:], load[begin:], depth[begin:]
+
+
+def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return the contact [nm] of the coarse fit to a loading (n,); its first depth where a channel never changes."""
+    duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
+    if not (span > 0.0 and way > 0.0):
+        return float(depth[0])
+    return float(depth[0] + way * coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way))
 
 
 def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
     """Return the depth [nm] where a law on a straight baseline begins that fits the loading best, in milliseconds."""
     first, last = loading(load, depth)
-    instants, force, path = (channel[first : last + 1] for channel in (time, load, depth))
-    if last + 1 - first < FEWEST or np.ptp(path) == 0.0 or np.ptp(force) == 0.0:
+    if last + 1 - first < FEWEST:
         return float(depth[0])
-    duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
-    return float(path[0] + way * coarse((instants - instants[0]) / duration, force / span, (path - path[0]) / way))
+    return _rough(*_without_far_air(*(channel[first : last + 1] for channel in (time, load, depth))))
 
 
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
+from palpate.errors import InputError
 from palpate.recordings.contact_point import ContactPoint, first_touch
 from palpate.recordings.drift_rate import DriftRate, fastest_in, measured_in
 from palpate.recordings.recording import Recording
@@ -60,6 +61,20 @@ def survey(recording: Recording) -> Survey:
     surely = np.flatnonzero(depth[: contact.index + 1] <= contact.lower)
     parts = segments(time, load - contact.load, int(surely[-1]) if len(surely) else 0)
     return Survey(recording, contact, origin, parts, measured_in(time, depth, parts))
+
+
+def survey_each(recordings: Sequence[Recording]) -> list[Survey | InputError]:
+    """Return what each recording shows, or why it cannot be surveyed; raises the first `InputError` when none can."""
+    found: list[Survey | InputError] = []
+    for recording in recordings:
+        try:
+            found.append(survey(recording))
+        except InputError as error:
+            found.append(error.located(place=recording.name))
+    wrong = [item for item in found if isinstance(item, InputError)]
+    if wrong and len(wrong) == len(found):
+        raise wrong[0]
+    return found
 
 
 def table(surveys: Iterable[Survey], taken: Iterable[tuple[str, float]]) -> pd.DataFrame:

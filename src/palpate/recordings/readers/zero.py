@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.recordings.borne_load import LEAST_RISE, check_borne
 from palpate.recordings.contact_interval import interval_note
 from palpate.recordings.contact_point import ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
@@ -31,7 +32,6 @@ CONTACTS = ("file", "auto", "none")
 FOUND, GIVEN = "found by palpate", "given by the user"
 DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
 WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
-LEAST_RISE = 0.05
 OFF_ZERO = 0.05  # of the way to the largest load
 LAST_FREE = 10  # points of an approach that tell what the load reads without contact
 
@@ -61,6 +61,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     _check_signs(test.name, r)
+    test = replace(test, warnings=(*test.warnings, *_never_borne(r)))
     if isinstance(contact, str) and contact not in CONTACTS:
         raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     if contact == "file":
@@ -186,6 +187,15 @@ def _check_signs(name: str, recording: Recording) -> None:
                 remedy=f"{to_turn(channel)}, or export the loading too",
                 place=name,
             )
+
+
+def _never_borne(recording: Recording) -> tuple[str, ...]:
+    """Return a warning where a test never bears load."""
+    try:
+        check_borne(recording)
+    except InputError as error:
+        return (error.problem,)
+    return ()
 
 
 def _off_zero(recording: Recording) -> tuple[str, ...]:

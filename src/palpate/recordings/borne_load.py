@@ -9,6 +9,7 @@ from palpate.errors import InputError
 from palpate.recordings.contact_point import noise_of
 from palpate.recordings.recording import Recording
 
+LEAST_RISE = 0.05  # of its fall, by which a load of the right sign rises
 AVERAGES = 50  # of which a test is made where it has enough points
 FEW = 4  # points in an average, below which single points are looked at
 BORNE = 10.0  # standard deviations of its average's noise by which a load that is borne rises
@@ -22,6 +23,8 @@ TELLING = 20  # points that tell the noise of a load
 def check_borne(recording: Recording) -> None:
     """Refuse a test that never bears load: its load stays within its noise, or wanders.
 
+    A load of the wrong sign is borne; what begins a test refuses it with the true reason.
+
     It wanders where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
     while the tip comes back, which no body's does.
 
@@ -31,8 +34,20 @@ def check_borne(recording: Recording) -> None:
         With the rise and the noise.
     """
     load, depth = recording.load, recording.depth
-    if len(load) < TELLING:
+    if len(load) < TELLING or _borne(load, depth):
         return
+    smooth, _, noise = _averaged(load)
+    rise = float(smooth.max() - np.median(load[:NEAR_START]))
+    if rise < LEAST_RISE * float(np.ptp(smooth)) and (_borne(-load, depth) or _borne(-load, -depth)):
+        return
+    raise InputError(
+        f"never bears load: over {np.ptp(depth):.4g} nm its load rises by {rise:.3g} mN, its noise is {noise:.3g} mN",
+        remedy="leave it out: the tip did not touch, or the load is in another column",
+    )
+
+
+def _borne(load: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a load (n,) leaves its noise, does not wander, and falls while the tip comes back."""
     smooth, of_average, noise = _averaged(load)
     rise = float(smooth.max() - np.median(load[:NEAR_START]))
     deepest, part = int(np.argmax(depth)), depth[0] + FIRST_WAY * (depth.max() - depth[0])
@@ -40,12 +55,7 @@ def check_borne(recording: Recording) -> None:
     wanders = rise < BORNE * noise and rise < WANDERS * early
     back = smooth[deepest:][depth[deepest:] < part]
     stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
-    if rise < BORNE * of_average or wanders or stays:
-        raise InputError(
-            f"never bears load: over {np.ptp(depth):.4g} nm its load rises by {rise:.3g} mN, its noise is "
-            f"{noise:.3g} mN",
-            remedy="leave it out: the tip did not touch, or the load is in another column",
-        )
+    return not (rise < BORNE * of_average or wanders or stays)
 
 
 def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:
