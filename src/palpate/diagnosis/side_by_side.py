@@ -55,7 +55,7 @@ class SideBySide:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
+        self._pool.shutdown(wait=False, cancel_futures=True)  # what runs still, unasked for, delays nothing
 
     def fitted(self, way: Prospect, likely: Sequence[Prospect]) -> Fit:
         """Fit a prospect.
