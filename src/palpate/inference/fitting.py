@@ -24,7 +24,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import Descent, descend, resumed
+from palpate.inference.trust_region import LEAST_STEPS, Descent, descend, resumed
 from palpate.mechanisms import MECHANISMS
 
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
@@ -203,9 +203,10 @@ class Fitter:
         PalpateError
             When the forward model fails at all of them.
         """
-        most, left = self.policy.searches, depth - self.problem.mean
-        places = [start for start in starts if not isinstance(start, Descent)]
-        at_once = max(most, model.together(places[0])) if len(places) > most else most
+        left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
+        room = model.together(places[0]) if len(places) > 1 else 1
+        most = max(1, min(self.policy.searches, room // LEAST_STEPS))
+        at_once = max(most, room)
         weights = misfit.weights(misfit.discrepancy(left))
         ends, failed = list[tuple[float, Descent]](), ""
         for first in range(0, len(starts), at_once):
