@@ -97,11 +97,8 @@ def _accepted(
         Called with one line on the progress.
     """
     search = side_by_side.search
-    level, largest, policy = (
-        search.study.diagnosis["significance"],
-        search.study.diagnosis["largest_set"],
-        search.policy,
-    )
+    policy, settings = search.policy, search.study.diagnosis
+    level, largest = settings["significance"], settings["largest_set"]
     tried, found = [search.base], [search.base]
     for number in range(largest):
         found = _fitted(side_by_side, found, policy.most_sets if number else policy.most, failed, report)

@@ -57,17 +57,18 @@ class Residuals:
         free = freedom(self.fit, self.left @ weights, variance)
         return value, float(2 * student.sf(abs(value) / np.sqrt(variance), free))
 
-    def compared(self, first: np.ndarray, second: np.ndarray) -> tuple[tuple[float, float], float]:
-        """Return two weighted sums, by weights (n_all,), and the probability that they differ by noise."""
-        return (self.weighted(first)[0], self.weighted(second)[0]), self.weighted(second - first)[1]
-
 
 def location(fit: Fit) -> list[dict[str, Any]]:
+    """Return where a fit differs from the recordings, see `located`."""
+    return located(Residuals.of(fit))
+
+
+def located(residuals: Residuals) -> list[dict[str, Any]]:
     """Return the mean residual (recorded less simulated) of each part, the most certain first.
 
     The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
     """
-    residuals, first = Residuals.of(fit), 0
+    fit, first = residuals.fit, 0
     rows: list[dict[str, Any]] = []
     p_values = []
     for condition in fit.problem.conditions:

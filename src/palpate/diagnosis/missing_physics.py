@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.locate import CERTAIN, Residuals, location
+from palpate.diagnosis.locate import CERTAIN, Residuals, located
 from palpate.inference.explanation import Fit
 from palpate.inference.study_scale import longest_rise
 from palpate.study.protocol import LOAD
@@ -35,35 +35,27 @@ def missing_physics(fit: Fit) -> dict[str, Any]:
         mean residuals there in parts of the largest depth, `residual_from` and `residual_to`, and `p_value` of their
         difference being noise.
     """
-    return {"mechanisms": sorted(fit.explanation), "location": location(fit), "trends": _trends(fit)}
+    residuals = Residuals.of(fit)
+    return {"mechanisms": sorted(fit.explanation), "location": located(residuals), "trends": _trends(residuals)}
 
 
-def _trends(fit: Fit) -> list[dict[str, Any]]:
-    conditions = fit.problem.conditions
+def _trends(residuals: Residuals) -> list[dict[str, Any]]:
+    fit, conditions = residuals.fit, residuals.fit.problem.conditions
     if any(c.protocol.control != LOAD for c in conditions):
         return []
     found = []
-    for by, unit, of in (("load", "mN", _load), ("loading time", "s", _loading_time)):
-        values = [of(condition) for condition in conditions]
+    loads, times = zip(*((c.protocol.largest_drive, longest_rise(c.protocol)) for c in conditions), strict=True)
+    for by, unit, values in (("load", "mN", loads), ("loading time", "s", times)):
         low, high = min(values), max(values)
         if high < APART * low:
             continue
-        ends = [np.isclose(values, end, rtol=0.05) for end in (low, high)]
-        residuals = Residuals.of(fit)
-        (first, second), p_value = residuals.compared(*(_weights(fit, conditions, which) for which in ends))
+        first, last = (_weights(fit, conditions, np.isclose(values, end, rtol=0.05)) for end in (low, high))
         found.append(
-            {"by": by, "unit": unit, "from": low, "to": high}
-            | {"residual_from": first, "residual_to": second, "p_value": p_value}
+            {"by": by, "unit": unit, "from": float(low), "to": float(high)}
+            | {"residual_from": float(first @ fit.residual), "residual_to": float(last @ fit.residual)}
+            | {"p_value": residuals.weighted(last - first)[1]}
         )
     return found
-
-
-def _load(condition: Condition) -> float:
-    return float(condition.protocol.largest_drive)
-
-
-def _loading_time(condition: Condition) -> float:
-    return longest_rise(condition.protocol)
 
 
 def _weights(fit: Fit, conditions: Sequence[Condition], which: np.ndarray) -> np.ndarray:

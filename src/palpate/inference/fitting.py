@@ -206,20 +206,20 @@ class Fitter:
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
         room = model.together(places[0]) if len(places) > 1 else 1
         most = max(1, min(self.policy.searches, room // LEAST_STEPS))
-        at_once = max(most, room)
         weights = misfit.weights(misfit.discrepancy(left))
+        good = float(np.sum((weights @ left) ** 2)) + self.policy.first_tolerance
         ends, failed = list[tuple[float, Descent]](), ""
-        for first in range(0, len(starts), at_once):
-            some = starts[first : first + at_once]
+        for first in range(0, len(starts), room):
+            some = starts[first : first + room]
             if len(some) > most:
-                some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + at_once])[:most]]
+                some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
             try:
                 end = descend(misfit, model, some, limit, tolerance=self.policy.first_tolerance)
             except PalpateError as error:
                 failed = str(error)
                 continue
             ends.append((misfit.chi_square(end.curves, end.u, weights), end))
-            if ends[-1][0] <= np.sum((weights @ left) ** 2) + self.policy.first_tolerance:
+            if ends[-1][0] <= good:
                 break
         if not ends:
             raise PalpateError(failed)
