@@ -54,7 +54,7 @@ def guess_table(
     law
         Its key, and why it was chosen.
     solid, tip, drive
-        What was told from the tests, and by the files.
+        What the tests show, and what the files state.
     ratio
         Poisson's, and whether the files state it.
     guessed
@@ -88,7 +88,7 @@ def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) ->
         theirs = [value for each in facts if (value := modulus_and_hardness(each, ratio)[place]) is not None]
         if math.isnan(ours) and not theirs:
             continue
-        shown = "not told by any unloading" if math.isnan(ours) else f"{ours:.4g} GPa"
+        shown = "no unloading determines it" if math.isnan(ours) else f"{ours:.4g} GPa"
         count = f" (median of {len(theirs)} tests)" if len(theirs) > 1 else ""
         vendor = f"the files say {float(np.median(theirs)):.4g} GPa{count}" if theirs else "the files say nothing"
         rows.append(Guess(f"{what} by unloading", shown, vendor))

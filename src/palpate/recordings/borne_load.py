@@ -14,18 +14,18 @@ AVERAGES = 50  # of which a test is made where it has enough points
 FEW = 4  # points in an average, below which single points are looked at
 BORNE = 10.0  # standard deviations of its average's noise by which a load that is borne rises
 FALLS = 0.3  # of its rise, by which a load that is borne falls at least while the tip comes back
-WANDERS = 2.0  # times what the load reaches on the first way in, that one which wanders in its noise may rise
+DRIFTS = 2.0  # times what the load reaches on the first way in, that one which drifts within its noise may rise
 FIRST_WAY = 0.3  # of the largest depth
 NEAR_START = 10  # points that tell the load without contact
 TELLING = 20  # points that tell the noise of a load
 
 
 def check_borne(recording: Recording) -> None:
-    """Refuse a test that never bears load: its load stays within its noise, or wanders.
+    """Refuse a test that never bears load: its load stays within its noise, or drifts.
 
     A load of the wrong sign is borne; what begins a test refuses it with the true reason.
 
-    It wanders where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
+    It drifts where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
     while the tip comes back, which no body's does.
 
     Raises
@@ -47,15 +47,15 @@ def check_borne(recording: Recording) -> None:
 
 
 def _borne(load: np.ndarray, depth: np.ndarray) -> bool:
-    """Return whether a load (n,) leaves its noise, does not wander, and falls while the tip comes back."""
+    """Return whether a load (n,) leaves its noise, does not drift, and falls while the tip comes back."""
     smooth, of_average, noise = _averaged(load)
     rise = float(smooth.max() - np.median(load[:NEAR_START]))
     deepest, part = int(np.argmax(depth)), depth[0] + FIRST_WAY * (depth.max() - depth[0])
     early = float(np.abs(smooth[: max(int(np.argmax(depth >= part)), 1)] - smooth[0]).max())
-    wanders = rise < BORNE * noise and rise < WANDERS * early
+    drifts = rise < BORNE * noise and rise < DRIFTS * early
     back = smooth[deepest:][depth[deepest:] < part]
     stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
-    return not (rise < BORNE * of_average or wanders or stays)
+    return not (rise < BORNE * of_average or drifts or stays)
 
 
 def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:
