@@ -1,7 +1,9 @@
 """Bodies of revolution as the solver passes through them, and the forces that their stresses bear."""
 
 import numpy as np
+from numba import njit
 
+from palpate.solver.axisymmetric import assembly
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
@@ -12,6 +14,18 @@ from palpate.study.specimen import Specimen
 
 CONE = Indenter("cone", 70.3)
 STANDARD = RESOLUTIONS["standard"]
+
+
+@njit
+def internal_forces(large, body, points, laws, weights, displacement, forces):
+    """Write the internal forces, see `palpate.solver.axisymmetric.assembly`."""
+    assembly.internal_forces(large, body, points, laws, weights, displacement, forces)
+
+
+@njit
+def stiffness(large, body, points, laws, displacement, geometric, band):
+    """Write the tangent, likewise."""
+    assembly.stiffness(large, body, points, laws, displacement, geometric, band)
 
 
 def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from bodies import CONE, STANDARD, depth
+from bodies import CONE, STANDARD, depth, internal_forces, stiffness
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
@@ -33,7 +33,7 @@ class Lanes:
 
     mesh: Mesh
     coefficients: np.ndarray
-    large: bool
+    large: bool | None
 
     def __post_init__(self):
         self.body = Body.of(self.mesh)
@@ -43,14 +43,14 @@ class Lanes:
 
     def forces(self, displacement):
         forces = np.zeros_like(displacement)
-        newton.internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
+        internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
         return forces
 
     def stiffness(self, displacement):
         """Return the matrix (size, size) of the first lane, after `forces`; its upper half is its lower half."""
         size, width = self.body.size, self.body.width
         band = np.zeros((size * width + 1, LANES))
-        newton.stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
+        stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
         matrix = np.zeros((size, size))
         for k in range(width):
             below = band[k : size * width : width, 0][: max(size - k, 0)]
@@ -66,7 +66,7 @@ def test_tangent_is_the_derivative_of_the_force(large, key):
     coefficients = LAWS[key].coefficients(
         BURGERS | ({"yield_stress": 0.05, "hardening": 0.3} if key == "burgers_plasticity" else {})
     )
-    lanes = Lanes(polar_mesh(np.array([0.5, 1.0, 1.6, 2.5]), 3), coefficients, large)
+    lanes = Lanes(polar_mesh(np.array([0.5, 1.0, 1.6, 2.5]), 3), coefficients, large or None)
     past = rng.normal(scale=0.01, size=lanes.points.past.shape[:2])
     past[:, 2] = -past[:, 0] - past[:, 1]
     lanes.points.past[:] = past[:, :, None]
@@ -137,12 +137,12 @@ def newton_norms(opened, iterations):
     for _ in range(iterations):
         shares = newton.shares_of(large, body, contact, state, displacement, depth)
         turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, none)
-        newton.internal_forces(large, body, points, laws, weights, displacement, forces)
+        internal_forces(large, body, points, laws, weights, displacement, forces)
         newton.fit(contact, state, newton.load_borne(body, contact, state, forces, equation), none)
         newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, none)
         excess = reaction * force_weight + depth * depth_weight - target
         norms.append(max(np.abs(forces[:-1, 0]).max(), abs(excess[0])) / scale[0])
-        newton.stiffness(large, body, points, laws, displacement, all_of_it, system.band)
+        stiffness(large, body, points, laws, displacement, all_of_it, system.band)
         newton.factor(body, coupling, all_of_it, system, forces, forward)
         late = (state.area - coupling.area) / (1.0 - coupling.feedback)
         newton.direct(

@@ -6,9 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from bodies import internal_forces
 
 from palpate.materials import LAWS
-from palpate.solver.axisymmetric import march_cases, newton
+from palpate.solver.axisymmetric import march_cases
 from palpate.solver.axisymmetric.contact import contact_forces, normal_distribution, penetration, width_of
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
@@ -62,7 +63,7 @@ class Surface:
     def of(cls, march, states):
         body, contact, scale = march.body, march.contact, march.drives.scale[0]
         inner = np.zeros_like(states.displacement)
-        newton.internal_forces(
+        internal_forces(
             march.large, body, deepcopy(states.points), states.laws, states.weights, states.displacement, inner
         )
         moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]

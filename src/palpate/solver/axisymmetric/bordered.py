@@ -9,6 +9,7 @@ from numba import njit
 
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.rows import as_vector, restore_rows
 
 
 class System(NamedTuple):
@@ -63,10 +64,13 @@ def copy_of(system):
 @njit(cache=True)
 def put_back(system, before, changed):
     """Make the system what it was before in the lanes that have not `changed` (LANES,): their factor serves on."""
+    mask = as_vector(changed)
+    for now, then in (
+        (system.band, before.band), (system.upper, before.upper), (system.border, before.border),
+        (system.row, before.row), (system.sideways, before.sideways), (system.widening, before.widening),
+        (system.swelling, before.swelling),
+    ):  # fmt: skip
+        restore_rows(now, then, mask)
     for lane in range(LANES):
         if not changed[lane]:
-            system.band[:, lane], system.upper[:, lane] = before.band[:, lane], before.upper[:, lane]
-            system.border[:, lane], system.row[:, lane] = before.border[:, lane], before.row[:, lane]
-            system.sideways[:, lane], system.widening[:, lane] = before.sideways[:, lane], before.widening[:, lane]
-            system.swelling[:, lane] = before.swelling[:, lane]
             system.corner[lane], system.growth[lane] = before.corner[lane], before.growth[lane]

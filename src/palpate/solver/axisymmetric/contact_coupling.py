@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.rows import copy_rows
 
 LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
 
@@ -101,7 +102,7 @@ def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
     column[:] = 0.0
     corner[:] = 0.0
     if not symmetric:
-        upper[:] = lower
+        copy_rows(lower, upper)
         row[:] = 0.0
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]

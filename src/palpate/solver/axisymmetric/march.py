@@ -76,7 +76,8 @@ class March:
 
     Parameters
     ----------
-    large : bool
+    large : bool or None
+        See `palpate.solver.axisymmetric.assembly`.
     body : Body
     bodies : Specimens
     attraction : Attraction
@@ -95,7 +96,7 @@ class March:
         Count the work done.
     """
 
-    large: bool
+    large: bool | None
     body: Body
     bodies: Specimens
     contact: Contact

@@ -330,8 +330,8 @@ def begun(
     depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
     onset = np.stack([touching.area, depth])
     march = March(
-        large, body, bodies, contact, drives, units, system, tolerance, onset, np.array([c.halvings for c in hosts]),
-        *np.zeros((2, LANES), dtype=np.int64),
+        large or None, body, bodies, contact, drives, units, system, tolerance, onset,
+        np.array([c.halvings for c in hosts]), *np.zeros((2, LANES), dtype=np.int64),
     )  # fmt: skip
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),

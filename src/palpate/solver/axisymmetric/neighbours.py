@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from palpate.solver.axisymmetric.assembly import internal_forces, stiffness
 from palpate.solver.axisymmetric.banded import solve_again
 from palpate.solver.axisymmetric.contact import contact_forces, end_step, fit
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, no_coupling
@@ -31,10 +32,9 @@ from palpate.solver.axisymmetric.newton import (
     LARGEST_CHANGE,
     direct,
     factor,
-    internal_forces,
     load_borne,
-    stiffness,
 )
+from palpate.solver.axisymmetric.rows import copy_rows
 from palpate.study.protocol import Protocol
 
 CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
@@ -143,21 +143,27 @@ def correct(
     force_weight, depth_weight, target = equation
     forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
     direction, toward, wider = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    coupling, start = no_coupling(body.radial.shape[0]), np.zeros(LANES)
+    coupling, start, excess = no_coupling(body.radial.shape[0]), np.zeros(LANES), np.zeros(LANES)
+    late, limit = np.zeros(LANES), np.zeros(LANES)
     for iteration in range(times + 1):
         internal_forces(large, body, points, laws, weights, displacement, forces)
         fit(contact, state, load_borne(body, contact, state, forces, equation), ~lanes)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
         if iteration == times:
             break
-        forward[:] = forces
+        copy_rows(forces, forward)
         solve_again(system.band, system.upper, body.size, body.width, forward)
-        excess = reaction * force_weight + depth * depth_weight - target
-        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
+        for lane in range(LANES):
+            excess[lane] = reaction[lane] * force_weight[lane] + depth[lane] * depth_weight[lane] - target[lane]
+            late[lane] = (state.area[lane] - coupling.area[lane]) / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+            limit[lane] = LARGEST_CHANGE * state.area[lane]
         direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, LARGEST_CHANGE * state.area, lanes,
-            direction, toward, wider, start,
+            system, forces, forward, force_weight, depth_weight, excess, late, limit, lanes, direction, toward, wider,
+            start,
         )  # fmt: skip
-        displacement += direction
-        depth += toward
-        state.area[:] += wider
+        for i in range(displacement.shape[0]):
+            for lane in range(LANES):
+                displacement[i, lane] += direction[i, lane]
+        for lane in range(LANES):
+            depth[lane] += toward[lane]
+            state.area[lane] += wider[lane]

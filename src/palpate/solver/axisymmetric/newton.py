@@ -32,7 +32,7 @@ import math
 import numpy as np
 from numba import njit
 
-from palpate.solver.axisymmetric import element, hencky
+from palpate.solver.axisymmetric.assembly import internal_forces, stiffness
 from palpate.solver.axisymmetric.banded import solve, solve_again
 from palpate.solver.axisymmetric.bordered import copy_of, put_back
 from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, share_of
@@ -40,9 +40,7 @@ from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tan
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
 from palpate.solver.axisymmetric.law_lanes import give_back, keep
-
-_small_forces, _small_stiffness = element.internal_forces, element.stiffness
-_large_forces, _large_stiffness = hencky.internal_forces, hencky.stiffness
+from palpate.solver.axisymmetric.rows import as_vector, copy_rows
 
 ITERATIONS = 60
 TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls below
@@ -70,8 +68,8 @@ def advance(
 
     Parameters
     ----------
-    large : bool
-        See `palpate.solver.axisymmetric.hencky`.
+    large : bool or None
+        See `palpate.solver.axisymmetric.assembly`.
     body, points, contact, state, laws, weights
         See `palpate.solver.axisymmetric.element`, `palpate.solver.axisymmetric.law_lanes` and
         `palpate.solver.axisymmetric.contact`; `points` is advanced.
@@ -100,12 +98,12 @@ def advance(
     force_weight, depth_weight, target = equation
     forces, forward = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
     direction, toward, wider = np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    excess, norm, work = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    excess, norm, work, late = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
-    limit = np.zeros(LANES)
-    geometric, done, rough = np.ones(LANES), ~alive, np.any(contact.friction > 0.0)
+    indefinite, done, rough = np.zeros(LANES, dtype=np.bool_), ~alive, np.any(contact.friction > 0.0)
+    limit, geometric = np.zeros(LANES), np.ones(LANES)
     solved = np.empty((4, *points.log_q.shape))
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
@@ -116,14 +114,15 @@ def advance(
         internal_forces(large, body, points, laws, weights, displacement, forces)
         fit(contact, state, load_borne(body, contact, state, forces, equation), done)
         contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
-        excess[:] = reaction * force_weight + depth * depth_weight - target
         measure(forces, direction, size, norm, work)
-        work += toward * excess / np.maximum(force_weight, STIFFEST)
         for lane in range(LANES):
             solving[lane] = False
             if done[lane]:
                 continue
             spent[lane] += 1
+            excess[lane] = reaction[lane] * force_weight[lane] + depth[lane] * depth_weight[lane] - target[lane]
+            work[lane] += toward[lane] * excess[lane] / max(force_weight[lane], STIFFEST)
+            late[lane] = (state.area[lane] - coupling.area[lane]) / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
             exact = EXACT if depth_weight[lane] > 0.0 else 1.0
             imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
             push = state.pressure[lane] * state.area[lane]
@@ -156,17 +155,17 @@ def advance(
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, coupling, geometric, system, forces, forward)
         elif np.any(solving):
-            forward[:] = forces
+            copy_rows(forces, forward)
             solve_again(system.band, system.upper, size, body.width, forward)
-        late = (state.area - coupling.area) / np.maximum(1.0 - coupling.feedback, LEAST_RESPONSE)
         direct(
             system, forces, forward, force_weight, depth_weight, excess, late, limit, solving, direction, toward, wider,
             start,
         )  # fmt: skip
-        indefinite = solving & ~np.isfinite(start)
+        for lane in range(LANES):
+            indefinite[lane] = solving[lane] and not math.isfinite(start[lane])
+            geometric[lane] = 0.0 if indefinite[lane] else 1.0
         if np.any(indefinite):
             before = copy_of(system)
-            geometric[:] = np.where(indefinite, 0.0, 1.0)
             stiffness(large, body, points, laws, displacement, geometric, system.band)
             factor(body, coupling, geometric, system, forces, forward)
             direct(
@@ -190,7 +189,8 @@ def factor(body, coupling, geometric, system, forces, forward):
     """Complete the matrix by the contact, factor it and solve for the `forces`."""
     spread(body, coupling, system.widening, system.swelling, system.growth)
     add_tangent(body, coupling.tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
-    forward[:], system.sideways[:] = forces, system.border
+    copy_rows(forces, forward)
+    copy_rows(system.border, system.sideways)
     solve(system.band, system.upper, body.size, body.width, forward, system.sideways)
     solve_again(system.band, system.upper, body.size, body.width, system.swelling)
 
@@ -223,24 +223,6 @@ def shares_of(large, body, contact, state, displacement, depth):
         for lane in range(LANES):
             shares[k, lane] = share_of(large, body, contact, state, displacement, depth, k, lane)[0]
     return shares
-
-
-@njit(cache=True)
-def internal_forces(large, body, points, laws, weights, displacement, forces):
-    """Write the internal `forces` at small or large strains."""
-    if large:
-        _large_forces(body, points, laws, weights, displacement, forces)
-    else:
-        _small_forces(body, points, laws, weights, displacement, forces)
-
-
-@njit(cache=True)
-def stiffness(large, body, points, laws, displacement, geometric, band):
-    """Write the tangent at small or large strains to the `band`."""
-    if large:
-        _large_stiffness(body, points, laws, displacement, geometric, band)
-    else:
-        _small_stiffness(body, points, laws, band)
 
 
 @njit(cache=True)
@@ -283,9 +265,12 @@ def shorten(direction, toward, wider, start, lane, farthest):
     """
     if farthest == np.inf:
         return
-    largest = max(np.abs(direction[:, lane]).max(), abs(toward[lane]))
+    largest = abs(toward[lane])
+    for i in range(direction.shape[0]):
+        largest = max(largest, abs(direction[i, lane]))
     if largest > farthest:
-        direction[:, lane] *= farthest / largest
+        for i in range(direction.shape[0]):
+            direction[i, lane] *= farthest / largest
         toward[lane] *= farthest / largest
         wider[lane] *= farthest / largest
         start[lane] *= farthest / largest
@@ -340,8 +325,7 @@ def direct(
     spreading = where_less(spreading, zero - most, zero - most, spreading)
     spreading = where_less(most, spreading, most, spreading)
     change = (weight * (load_ahead - by_area * spreading) - rest) / where_less(zero, alone, alone, splat(np.nan))
-    chosen = np.where(solving, 1.0, 0.0)
-    mask = load(chosen, 0)
+    mask = as_vector(solving)
     total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
     for i in range(size):
         value = zero - load(forward, i) - change * load(sideways, i) - spreading * load(swelling, i)
