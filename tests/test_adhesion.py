@@ -156,6 +156,16 @@ def test_a_surface_that_jumps_into_contact_is_followed(key):
     assert np.all(sticky[:12] > dry[:12])
 
 
+def test_a_rest_before_the_load_changes_nothing():
+    """Adhesion alone makes contacts from far below to far above the innermost element of a mesh for the load."""
+    works, later = (2.0, 7.0, 20.0, 50.0, 200.0), 0.03
+    rested = Protocol(np.array([0.0, later, 1.0 + later, 2.0 + later]), [0.0, 0.0, 1.0, 0.0], TEST.sample_time + later)
+    cone = Indenter("cone", 70.3)
+    for work in works:
+        found, exact = (depth(work, cone, protocol=protocol) for protocol in (rested, TEST))
+        assert found[:-1] == pytest.approx(exact[:-1], rel=2e-3), work
+
+
 def test_areas_add_up_to_the_surface():
     r = np.array([0.0, 0.1, 0.3, 0.7])
     assert nodal_areas(r).sum() == pytest.approx(np.pi * r[-1] ** 2)

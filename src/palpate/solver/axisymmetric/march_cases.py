@@ -114,7 +114,10 @@ class Case:
 
     @property
     def unloaded_steps(self) -> int:
-        """Number of steps before the first that loads the contact; the body rests, unless adhesion pulls at it."""
+        """Number of steps before the first that loads the contact.
+
+        The body rests, unless adhesion draws it to the tip in a contact that the mesh resolves.
+        """
         drive = self.protocol.drive_at(self.times)
         return int(np.argmax(drive > NO_LOAD * self.protocol.largest_drive))
 
@@ -225,7 +228,8 @@ def run_lanes(
     march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
     neighbours = Neighbours.of(march, [begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
     counts = np.array([len(case.times) for case in lanes])
-    resting = np.array([0 if case.specimen.adhesion else case.unloaded_steps for case in lanes])
+    unloaded = np.array([case.unloaded_steps for case in lanes])
+    sticking = np.array([case.specimen.adhesion > 0.0 for case in lanes])
     ends = np.stack([_prolonged(case.times, counts.max()) for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([np.resize(case.carries, counts.max()) for case in lanes], axis=1)
@@ -236,7 +240,7 @@ def run_lanes(
         start.take(states)
         before = states.unknowns
         alive &= k < counts
-        going = alive & (k >= resting)
+        going = alive & (sticking | (k >= unloaded))
         found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), going)
         if beside:
             neighbours.follow(start, states, begin, end, found)
@@ -244,6 +248,7 @@ def run_lanes(
         if lost.any():
             parts = np.where(carries[k], 1, 2)
             found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
+        going &= found | (k >= unloaded)
         for failed in np.flatnonzero(going & ~found):
             reasons[failed] = f"no equilibrium beyond {begin[failed]:.4g} s"
         states.take(start, alive & ~going)
