@@ -81,6 +81,11 @@ def best_first(candidates: list[Candidate]) -> list[Candidate]:
     return sorted(candidates, key=lambda candidate: -candidate.fit.log_evidence)
 
 
+def closest_first(candidates: list[Candidate]) -> list[Candidate]:
+    """Sort explanations that all fail by their evidence with a discrepancy."""
+    return sorted(candidates, key=lambda candidate: -candidate.fit.with_discrepancy.log_evidence)
+
+
 def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
     """Return the best candidate of each set of mechanisms, best first; a set may have been fitted more than once."""
     likeliest: dict[frozenset[str], Candidate] = {}

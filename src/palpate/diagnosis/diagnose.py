@@ -10,6 +10,7 @@ import numpy as np
 from palpate.diagnosis.accepted import (
     accepted_of,
     best_first,
+    closest_first,
     is_special_case,
     likeliest_of_each,
     may_be_named,
@@ -40,7 +41,7 @@ class Diagnosis:
     probabilities
         Their posterior probabilities, if one of them is true.
     tried
-        Every explanation that was fitted, best first.
+        Every explanation that was fitted, best first; where none is accepted, the closest first.
     failed
         Why others could not be fitted, by their mechanisms.
     """
@@ -111,7 +112,7 @@ def _accepted(
                 larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
             tried = likeliest_of_each(larger + special + tried)
             return without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level)), tried
-    return [], tried
+    return [], closest_first(tried)
 
 
 def _special_cases(

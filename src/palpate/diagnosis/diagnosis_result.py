@@ -181,11 +181,12 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     ]
 
 
-def _tried(candidate: Candidate) -> dict[str, Any]:
-    """Return the row of an explanation that was fitted."""
+def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
+    """Return the row of an explanation that was fitted; its evidence is with a discrepancy where none is `accepted`."""
+    weighed = candidate.fit if accepted else candidate.fit.with_discrepancy
     return {
         "mechanisms": sorted(candidate.fit.explanation),
-        "log_evidence": candidate.fit.log_evidence,
+        "log_evidence": weighed.log_evidence,
         "p_value": candidate.p_value,
         "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
         "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
@@ -246,7 +247,7 @@ def to_mapping(
         else None,
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
-        "tried": [_tried(candidate) for candidate in diagnosis.tried],
+        "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],
         "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
         | {
             "sigma_nm": base.fit.errors.noise.sigma.tolist(),

@@ -43,6 +43,8 @@ class Errors:
         Number of recordings of each condition.
     between
         Variance of an amplitude ``key.name`` between conditions, beyond that between recordings.
+    discrepancy
+        Variance of what the model lacks, the same at all points [nm^2], see `palpate.inference.least_squares`.
     """
 
     noise: NoiseModel
@@ -50,11 +52,13 @@ class Errors:
     model: np.ndarray
     counts: list[int]
     between: Mapping[str, float] = field(default_factory=dict)
+    discrepancy: float = 0.0
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the mean curves (n_all, n_all) [nm^2]."""
-        return self.shared + block_diag(*self.blocks(self.noise))
+        known = self.shared + block_diag(*self.blocks(self.noise))
+        return known + self.discrepancy * np.eye(len(known))
 
     @property
     def shared(self) -> np.ndarray:

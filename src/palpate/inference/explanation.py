@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +13,7 @@ from palpate.inference.amplitude_constraint import AmplitudeConstraint, departur
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
 from palpate.inference.forward import Forward, under_each
-from palpate.inference.least_squares import central_slopes
+from palpate.inference.least_squares import central_slopes, discrepancy
 from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
@@ -148,6 +148,16 @@ class Fit:
         """Laplace's approximation with priors of density one over the ranges."""
         relative = np.eye(len(self.z)) + DENSITY_ONE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(relative)[1])
+
+    @cached_property
+    def with_discrepancy(self) -> Fit:
+        """The same fit, weighted by the known errors and by the discrepancy that makes its misfit equal to them.
+
+        So were its parameters found. Explanations that all fail are compared in this way: by the known errors alone
+        the one that follows the smallest details best would count as the closest.
+        """
+        more = discrepancy(self.residual, *np.linalg.eigh(self.errors.covariance), len(self.z))
+        return replace(self, errors=replace(self.errors, discrepancy=more))
 
     @property
     def log_volume(self) -> float:

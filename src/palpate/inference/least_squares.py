@@ -80,17 +80,7 @@ class Misfit:
         """Return the variance d^2 [nm^2] of the model's discrepancy, see the module."""
         if not self.allow_discrepancy:
             return 0.0
-        variances, directions = self.principal
-        squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - len(self.coordinates.free), 1)
-        largest = NO_MORE * float(np.mean(residual**2))
-
-        def above_freedom(more: float) -> float:
-            return float(np.sum(squares / (np.maximum(variances, 0.0) + more))) - freedom
-
-        least = 1e-12 * largest
-        if largest == 0.0 or above_freedom(least) <= 0.0:
-            return 0.0
-        return float(brentq(above_freedom, least, largest, rtol=1e-10))
+        return discrepancy(residual, *self.principal, len(self.coordinates.free))
 
     def weights(self, discrepancy: float) -> np.ndarray:
         """Return the matrix (n, n) that whitens residuals and derivatives in nm."""
@@ -109,6 +99,30 @@ class Misfit:
     def slopes_of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return their derivatives (k + m, k) by the coordinates."""
         return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.independent, u)])
+
+
+def discrepancy(residual: np.ndarray, variances: np.ndarray, directions: np.ndarray, parameters: int) -> float:
+    """Return the variance d^2 [nm^2] of a model's discrepancy, see the module.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        What the model leaves [nm].
+    variances, directions : ndarray, shape (n,) and (n, n)
+        Of the known errors [nm^2].
+    parameters
+        Number of parameters that were fitted.
+    """
+    squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - parameters, 1)
+    largest = NO_MORE * float(np.mean(residual**2))
+
+    def above_freedom(more: float) -> float:
+        return float(np.sum(squares / (np.maximum(variances, 0.0) + more))) - freedom
+
+    least = 1e-12 * largest
+    if largest == 0.0 or above_freedom(least) <= 0.0:
+        return 0.0
+    return float(brentq(above_freedom, least, largest, rtol=1e-10))
 
 
 def central_slopes(values: Callable[[np.ndarray], np.ndarray], u: np.ndarray) -> np.ndarray:
