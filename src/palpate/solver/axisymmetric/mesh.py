@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SECTOR_GRADING = 1.2
-TOGETHER = 4  # rings that grow by the same ratio, of which there are multiples
+USUAL_RANGE = 200.0  # of loads, from the least that counts for a mesh to the largest
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ def _tip(r: np.ndarray, z: np.ndarray, height: float, area: np.ndarray) -> np.nd
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
     """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip.
 
-    Rings that grow by the same ratio come in multiples of `TOGETHER`, so that most indentations share their mesh but
-    for its size, and run in lanes.
+    Rings that grow by the same ratio come in multiples of half of those for loads of the usual range under a sharp tip,
+    so that most indentations share their mesh but for its size, and run in lanes.
 
     Parameters
     ----------
@@ -149,7 +149,12 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded:
     """
     growth, even = resolution.growth, resolution.even
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
-    count = math.ceil(math.log(2.0 * largest / radii[-1]) / math.log(growth) / TOGETHER) * TOGETHER
+    needed, usual = (
+        math.log(2.0 * contacts / inner) / math.log(growth)
+        for contacts, inner in ((largest, radii[-1]), (math.sqrt(USUAL_RANGE), radii[-1] / smallest))
+    )
+    half = math.ceil(usual / 2)
+    count = math.ceil(needed / half) * half
     radii += [radii[-1] * growth**k for k in range(1, count + 1)]
     farthest = 0.5 * resolution.far * radii[-1]
     while radii[-1] < farthest:
