@@ -264,6 +264,8 @@ def test_what_an_optics11_file_states_is_used(capsys):
         ({"Tip Name": "Berk-20210318"}, {"shape": "berkovich"}),
         ({"Indenter type": "Cube corner"}, {"shape": "cube corner"}),
         ({"spring constant": "0.043"}, {"spring": pytest.approx(0.043e-6)}),
+        ({"k (nN/nm)": "0.5"}, {"spring": pytest.approx(0.5e-6)}),
+        ({"K [mN/m]:": "43"}, {"spring": pytest.approx(0.043e-6)}),
         ({"Contact radius": "500 nm", "Tip radius (um)": "0"}, {}),
         ({"Support Spring": "80 N/m", "X Stiffness": "2291 N/m"}, {}),
     ],
