@@ -149,7 +149,7 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
         warnings.append(f"{(~common).sum()} of {len(time)} points of the load left out: the depth has none there")
     time, force = time[common], force[common]
     recording = Recording(time, force, np.interp(time, moments, path), name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)))
+    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)), marked=False)
 
 
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:

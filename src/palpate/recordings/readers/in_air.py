@@ -110,15 +110,13 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
     return [test for test in tests if id(test) in found]
 
 
-def air_at_start(r: Recording) -> tuple[str, ...]:
-    """Return a warning where a recording that should begin at contact begins in air."""
+def air_at_start(r: Recording, marked: bool = True) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact, which the file marked or not, begins in air."""
     if _retreats(r):
-        said = (
-            f"the tip retreats by {float(_first_retreat(r.load, r.depth)):.3g} nm after contact, before the load rises"
-        )
+        said = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
     elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
-        share = 100 * min(float(still), rough)
-        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
+        share, since = 100 * min(float(still), rough), "the file's contact" if marked else "its first point"
+        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
     else:
         return ()
     return (f"{said} (--contact auto finds the touch)",)

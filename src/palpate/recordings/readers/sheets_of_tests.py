@@ -14,7 +14,7 @@ from palpate.recordings.readers.headings import BRACKETED, is_word
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
 
-MARKERS = ("markers", "marker")
+MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
 
 

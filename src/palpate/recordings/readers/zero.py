@@ -82,7 +82,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     marked = r.at(slice(begin, None))
     air = None if test.marked else air_before(r)
     if air is None:
-        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *(air_at_start(marked) if test.marked else ()))
+        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *air_at_start(marked, test.marked))
         return _ended(test, marked, told)
     share = 100 * share_in_air(r, air)
     said = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
