@@ -113,11 +113,17 @@ def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERA
     """
     if corners(time, drive, _allowed(drive, tolerance)).sum() <= MOST_KNOTS:
         return 1
-    over, most = 2, max(len(drive) // SHORTEST, 2)
-    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
-        over *= 2
-    over = min(MARGIN * over, most)
+    most = max(len(drive) // SHORTEST, 2)
+    over = min(MARGIN * _enough(time, drive, 2, most, tolerance), most)
+    over = _enough(time, drive, over, most, tolerance)  # averages over few points may need fewer than over more
     return over if swing(drive, over) < WILDEST * drive.max() else 1
+
+
+def _enough(time: np.ndarray, drive: np.ndarray, over: int, most: int, tolerance: float) -> int:
+    """Return over how many points, `over` or twice, four times ... as many, an average has 500 corners at most."""
+    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
+        over = min(2 * over, most)
+    return over
 
 
 def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:
