@@ -210,8 +210,10 @@ def test_a_damaged_workbook_is_called_one(tmp_path):
             read_vendor_file(tmp_path / "y.xlsx")
 
 
-@pytest.mark.parametrize("begin", [rb"\*Force file list", rb"\*File list"])
+@pytest.mark.parametrize("begin", [rb"\*Force file list", rb"\*File list", rb"\*force FILE list", b"?*File list"])
 def test_a_nanoscope_file_is_called_one(tmp_path, begin):
     (tmp_path / "x.000").write_bytes(begin + b"\r\n\\Version: 0x09400103\r\n" + bytes(100))
     with pytest.raises(InputError, match="palpate knows: a NanoScope file, which the library afmformats does not read"):
         read_vendor_file(tmp_path / "x.000")
+    with pytest.raises(InputError, match="palpate knows: a NanoScope file"):
+        read_vendor_file(tmp_path / "x.000", columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}))

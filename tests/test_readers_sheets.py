@@ -36,7 +36,7 @@ def sheet(names, units=("s", "mN", "nm"), markers="Markers", turn=1.0):
         (("Test Time", "Corrected Load", "Penetration Depth"), ("s", "mN", "nm")),
     ],
 )
-@pytest.mark.parametrize("test", ["Test 1", "TEST 001", "Test_1"])
+@pytest.mark.parametrize("test", ["Test 1", "TEST 001", "Test_1", "Test #1"])
 def test_kla_headings_in_any_letters(tmp_path, names, units, test):
     file = write_workbook(tmp_path / "x.xlsx", {"Sample Summary": SUMMARY, test: sheet(names, units)})
     (whole,) = read_vendor_file(file, contact="none")
@@ -86,13 +86,19 @@ def test_an_xp_sheet_that_marks_no_surface_begins_at_the_contact_found(tmp_path)
     assert test.recording.depth.max() == pytest.approx(500, abs=20)
 
 
+def test_a_sheet_without_units_beside_its_markers_is_told(tmp_path):
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(("Time", "Load", "Depth"), None)})
+    with pytest.raises(InputError, match="states no unit of Time, in brackets or in its second row"):
+        read_vendor_file(file)
+
+
 def test_megas_in_capitals_are_no_millis(tmp_path):
     file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(("TIME", "LOAD", "DEPTH"), ("S", "MN", "NM"))})
     with pytest.raises(InputError, match="LOAD is in 'MN'; export it in one of: mN"):
         read_vendor_file(file)
 
 
-TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected"]
+TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected", "Test 2 - Bad"]
 
 
 @pytest.mark.parametrize("name", TAGS)
