@@ -143,6 +143,16 @@ def test_an_apostrophe_elsewhere_makes_no_number(tmp_path, cell):
         read_vendor_file(tmp_path / "x.csv", columns=SHORT)
 
 
+@pytest.mark.parametrize("end", ["31.000\t19", "nan\tnan\tnan", "End of data", ""])
+def test_a_table_that_breaks_off_under_load_is_told(tmp_path, end):
+    """In the middle of a row, or where its channels hold no more numbers; a loading that ends in a whole row is not."""
+    rows = [f"{a:.3f}\t{b:.5f}\t{c:.6f}" for a, b, c in zip(TIME[:31], FORCE[:31], PATH[:31], strict=True)]
+    (tmp_path / "x.txt").write_text("\n".join(["t (s)\tP (uN)\th (um)", *rows, end]))
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=NUMBERED)
+    told = any("not unloaded; the file may be cut off" in warning for warning in test.warnings)
+    assert told == (end in ("31.000\t19", "nan\tnan\tnan"))
+
+
 @pytest.mark.parametrize("names", [("Elapsed Time (s)", "Load On Sample (mN)", "Depth (nm)"), ("Zeit / s", "F", "h")])
 def test_names_of_words_one_blank_apart_stand_above_their_columns(tmp_path, names):
     rows = [f"{a:16.3f}   {b:19.5f}   {c:10.3f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]

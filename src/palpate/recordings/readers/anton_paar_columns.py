@@ -69,8 +69,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
     """Return the tests in columns, each with its heading; the sheet's name stands before a test's that is `known`."""
     headed = [(found, values) for heading, values in columns if (found := HEADING.fullmatch(heading.strip()))]
-    channels = [(KEYS[found[2].capitalize()], found, values) for found, values in headed]
-    channels = [(key, found[1], values * scale(key, found[3])) for key, found, values in channels]
+    channels = [
+        (key := KEYS[found[2].capitalize()], found[1] or sheet or source.path.stem, values * scale(key, found[3]))
+        for found, values in headed
+    ]
     times = [values for key, _, values in channels if key == "time"]
     time = times[0] if len(times) == 1 else np.full(len(columns[0][1]), np.nan)
     tests: dict[str, dict[str, list[Series]]] = {}
@@ -78,8 +80,7 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
         if key == "time":
             time = values
         else:
-            of_test = tests.setdefault(name or sheet or source.path.stem, {"load": [], "depth": []})
-            of_test[key].append((time, values))
+            tests.setdefault(name, {"load": [], "depth": []})[key].append((time, values))
     named = {f"{sheet} {name}" if name in known else name: both for name, both in tests.items()}
     return [
         attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in named.items()
