@@ -1,5 +1,6 @@
 """Air is no part of a test: it is left out, or told in one line, however a file counts its depth."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,20 @@ def test_a_test_that_begins_at_contact_is_left_alone():
     assert test.warnings == ()
     assert np.array_equal(test.recording.depth, whole.depth)
     assert interval_of(test.recording) is None
+
+
+@pytest.mark.parametrize("slope", [0.0, 2e-4, -2e-4])
+@pytest.mark.parametrize("contact", ["file", "auto"])
+def test_a_load_that_changes_with_the_depth_in_air_is_told(slope, contact):
+    """By 0.2 mN/um, which over the 800 nm of the test adds 0.16 mN to its 2 mN."""
+    whole = recording(APPROACH)
+    whole = Recording(whole.time - 30.0, whole.load + slope * whole.depth, whole.depth, "glass")
+    told = [line for line in zeroed(VendorTest("glass", whole), contact).warnings if "in air changes" in line]
+    assert len(told) == bool(slope)
+    for line in told:
+        by, share = (float(word) for word in re.search(r"by (\S+) mN/um.* (\S+)% of the largest load", line).groups())
+        assert by == pytest.approx(1e3 * slope, rel=0.02)
+        assert share == pytest.approx(100 * slope * DEEP / (2 + slope * DEEP), abs=0.6)
 
 
 def test_a_mark_set_too_early_is_told_and_kept():

@@ -88,6 +88,16 @@ def test_an_oscillating_load_is_followed_in_its_middle(hertz_, amplitude):
         assert np.abs(protocol.load_at(TIME) - RAMP).max() < 0.5 * amplitude
 
 
+@pytest.mark.parametrize("hertz_", [1.0, 3.0, 10.0, 30.0])
+@pytest.mark.parametrize("amplitude", [0.005, 0.01, 0.05])
+def test_no_slow_oscillation_asks_for_more_corners_than_can_be_simulated(hertz_, amplitude):
+    time = np.linspace(0, 50, 5001)
+    ramp = np.interp(time, [0, 20, 30, 50], [0, 1, 1, 0])
+    protocol = recorded(time, np.maximum(ramp + amplitude * np.sin(2 * np.pi * hertz_ * time) * (ramp > 0.03), 0.0))
+    assert len(protocol.knot_time) <= MOST_KNOTS
+    assert np.abs(protocol.load_at(time) - ramp).max() < max(1.5 * amplitude, 0.03)
+
+
 @pytest.mark.parametrize("shape", [1.0, 2.0])
 def test_a_noisy_load_is_followed_in_its_middle(shape):
     rng = np.random.default_rng(1)
@@ -264,6 +274,8 @@ def test_what_an_optics11_file_states_is_used(capsys):
         ({"Tip Name": "Berk-20210318"}, {"shape": "berkovich"}),
         ({"Indenter type": "Cube corner"}, {"shape": "cube corner"}),
         ({"spring constant": "0.043"}, {"spring": pytest.approx(0.043e-6)}),
+        ({"k (nN/nm)": "0.5"}, {"spring": pytest.approx(0.5e-6)}),
+        ({"K [mN/m]:": "43"}, {"spring": pytest.approx(0.043e-6)}),
         ({"Contact radius": "500 nm", "Tip radius (um)": "0"}, {}),
         ({"Support Spring": "80 N/m", "X Stiffness": "2291 N/m"}, {}),
     ],

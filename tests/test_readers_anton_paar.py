@@ -207,10 +207,14 @@ def test_columns_are_read_from_a_workbook_and_sums_beside_them_are_told(tmp_path
     assert first.depth == pytest.approx(DEPTH, abs=1e-6)
 
 
-@pytest.mark.parametrize("names", [("Time [s]", "Pd [nm]", "Fn [mN]"), ("Time (s)", "Pd (nm)", "Fn (mN)")])
+@pytest.mark.parametrize(
+    "names",
+    [("Time [s]", "Pd [nm]", "Fn [mN]"), ("Time (s)", "Pd (nm)", "Fn (mN)"), ("Pd (nm)", "Fn (mN)", "Time (s)")],
+)
 @pytest.mark.parametrize("workbook", [True, False])
 def test_columns_without_a_test_s_name_are_one_test(tmp_path, names, workbook):
-    rows = [list(names), *np.column_stack([TIME, DEPTH, ONE[:, 1]]).tolist()]
+    channels = {"T": TIME, "P": DEPTH, "F": ONE[:, 1]}
+    rows = [list(names), *np.column_stack([channels[name[0]] for name in names]).tolist()]
     if workbook:
         file = write_workbook(tmp_path / "x.xlsx", {"first": rows, "second": rows})
     else:

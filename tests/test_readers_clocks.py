@@ -29,6 +29,8 @@ KINDS = {
     "am/pm": lambda m: m.strftime("%I:%M:%S.%f %p"),
     "a.m.": lambda m: m.strftime("%I:%M:%S.%f ") + m.strftime("%p").replace("M", ".m.").lower(),
     "PM first": lambda m: m.strftime("%p %I:%M:%S.%f"),
+    "in Japanese": lambda m: m.strftime("%p %I:%M:%S.%f").replace("AM ", "午前").replace("PM ", "午後"),
+    "in Chinese": lambda m: m.strftime("%Y年%m月%d日 %p%I:%M:%S.%f").replace("AM", "上午").replace("PM", "下午"),
     "twelve hours": lambda m: m.strftime("%I:%M:%S.%f"),
     "iso": lambda m: m.isoformat(),
     "iso with a blank": lambda m: m.isoformat(" "),
@@ -132,6 +134,30 @@ def test_zeros_at_the_end_are_left_out(tmp_path, count):
     (test,) = read_vendor_file(text(tmp_path / "x.txt", *channels), columns=NUMBERED)
     assert test.recording.time == pytest.approx(T)
     assert f"{count} row{'s' * (count > 1)} of zeros at the end left out" in test.warnings[-1]
+
+
+def test_zeros_at_the_end_are_left_out_though_time_goes_on(tmp_path):
+    """As programs pad channels of unlike length; a tip that comes back to zero is no padding."""
+    time = np.append(T, T[-1] + STEP * np.arange(1, 31))
+    load, depth = (np.append(channel, np.zeros(30)) for channel in (LOAD, DEPTH))
+    (test,) = read_vendor_file(text(tmp_path / "x.txt", time, load, depth), columns=NUMBERED)
+    assert test.recording.time == pytest.approx(T)
+    assert "30 rows of zeros at the end left out" in test.warnings[-1]
+    load = np.append(np.maximum(LOAD - LOAD[-1], 0), np.zeros(30))
+    (test,) = read_vendor_file(text(tmp_path / "x.txt", time, load, load), columns=NUMBERED)
+    assert len(test.recording) == 130
+
+
+@pytest.mark.parametrize("held", [0.25, 1.0, 10.0])
+def test_segments_may_be_sampled_at_unlike_rates(tmp_path, held):
+    times = [np.arange(0, 20, 0.1), np.arange(0, 20, held), np.arange(0, 20.01, 0.1)]
+    clock = np.concatenate([since + time for since, time in zip((0, 20, 40), times, strict=True)])
+    load = np.interp(clock, [0, 20, 40, 60], [0, 2, 2, 0.02])
+    (test,) = read_vendor_file(
+        text(tmp_path / "x.txt", np.concatenate(times), load, 300 * np.sqrt(load) + clock), columns=NUMBERED
+    )
+    assert test.recording.time == pytest.approx(clock, abs=2 * held)
+    assert "joined as segments of one test" in test.warnings[-1]
 
 
 @pytest.mark.parametrize(

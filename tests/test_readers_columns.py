@@ -22,7 +22,7 @@ def rows_of(delimiter, comma):
     return "\n".join([*head, *(line.replace(".", ",") if comma else line for line in body), "end of test", ""])
 
 
-@pytest.mark.parametrize(("delimiter", "comma"), [(",", False), (";", True), (";", False), ("\t", True), ("\t", False)])
+@pytest.mark.parametrize(("delimiter", "comma"), [(d, d != "," and comma) for d in ",;|\t" for comma in (True, False)])
 def test_any_text_table_by_its_columns(tmp_path, delimiter, comma):
     file = tmp_path / "table.dat"
     file.write_text(rows_of(delimiter, comma))
@@ -141,6 +141,25 @@ def test_an_apostrophe_elsewhere_makes_no_number(tmp_path, cell):
     (tmp_path / "x.csv").write_text(f"t;P;h\n0;0;0\n1;1;{cell}\n2;2;2\n")
     with pytest.raises(InputError, match=r"line 3: .* is not three numbers"):
         read_vendor_file(tmp_path / "x.csv", columns=SHORT)
+
+
+@pytest.mark.parametrize("end", ["31.000\t19", "nan\tnan\tnan", "End of data", ""])
+def test_a_table_that_breaks_off_under_load_is_told(tmp_path, end):
+    """In the middle of a row, or where its channels hold no more numbers; a loading that ends in a whole row is not."""
+    rows = [f"{a:.3f}\t{b:.5f}\t{c:.6f}" for a, b, c in zip(TIME[:31], FORCE[:31], PATH[:31], strict=True)]
+    (tmp_path / "x.txt").write_text("\n".join(["t (s)\tP (uN)\th (um)", *rows, end]))
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=NUMBERED)
+    told = any("not unloaded; the file may be cut off" in warning for warning in test.warnings)
+    assert told == (end in ("31.000\t19", "nan\tnan\tnan"))
+
+
+@pytest.mark.parametrize("names", [("Elapsed Time (s)", "Load On Sample (mN)", "Depth (nm)"), ("Zeit / s", "F", "h")])
+def test_names_of_words_one_blank_apart_stand_above_their_columns(tmp_path, names):
+    rows = [f"{a:16.3f}   {b:19.5f}   {c:10.3f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
+    (tmp_path / "x.txt").write_text("\n".join([f"{names[0]:>16}   {names[1]:>19}   {names[2]:>10}", *rows]))
+    for columns in (NUMBERED, ColumnMap(dict(zip(("time", "load", "depth"), names, strict=True)))):
+        (test,) = read_vendor_file(tmp_path / "x.txt", columns=columns, contact="none")
+        assert test.recording.load == pytest.approx(FORCE, abs=1e-4)
 
 
 @pytest.mark.parametrize("blank", ["\xa0", "\u202f"])

@@ -115,6 +115,16 @@ def fischer(path, units=("s", "mN", "um"), tests=({},), uri="https://x/hap2hdf.p
     return path
 
 
+def test_air_in_fischer_s_hdf5_is_left_out(tmp_path):
+    """Its clock and its depth count from where the tip sets out."""
+    time, load = np.append(TIME, TIME[-1] + TIME[1:]), np.append(0 * TIME, LOAD[1:])
+    depth = np.append(1.5 * TIME / 60, 1.5 + DEPTH[1:])
+    changed = {"time": time, "force": load + 1e-4 * np.sin(np.arange(len(load)) ** 2), "displacement": depth}
+    (test,) = read_vendor_file(fischer(tmp_path / "x.hdf5", tests=(changed,)))
+    assert test.warnings[0].startswith("the file marks no contact")
+    assert test.recording.depth.max() == pytest.approx(1e3 * DEPTH.max(), rel=0.02)
+
+
 @pytest.mark.parametrize("units", [("s", "mN", "um"), ("s", "mN", "µm"), ("s", b"mN", b"um")])
 @pytest.mark.parametrize("folder", ["test_{}/data", "Test {}"])
 def test_fischer_s_hdf5_is_read_with_its_units(tmp_path, units, folder):
@@ -200,8 +210,10 @@ def test_a_damaged_workbook_is_called_one(tmp_path):
             read_vendor_file(tmp_path / "y.xlsx")
 
 
-@pytest.mark.parametrize("begin", [rb"\*Force file list", rb"\*File list"])
+@pytest.mark.parametrize("begin", [rb"\*Force file list", rb"\*File list", rb"\*force FILE list", b"?*File list"])
 def test_a_nanoscope_file_is_called_one(tmp_path, begin):
     (tmp_path / "x.000").write_bytes(begin + b"\r\n\\Version: 0x09400103\r\n" + bytes(100))
     with pytest.raises(InputError, match="palpate knows: a NanoScope file, which the library afmformats does not read"):
         read_vendor_file(tmp_path / "x.000")
+    with pytest.raises(InputError, match="palpate knows: a NanoScope file"):
+        read_vendor_file(tmp_path / "x.000", columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}))

@@ -225,7 +225,7 @@ def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encodi
         (hld(Disp_Shift="---"), "Disp Shift: is '---'"),
         (hld(Force_Shift="-50"), "Force Shift: is '-50'"),
         (hld(Force_Shift="-50 lbf"), "Force Shift: is '-50 lbf'"),
-        (hld().partition("\nTime_s")[0], "lacks one of the columns"),
+        (hld().partition("\nTime_s")[0], "lacks the column Time, Disp, Force, LoadCell"),
     ],
 )
 def test_a_spoilt_hld_gets_one_line(tmp_path, content, words, capsys):
@@ -281,8 +281,14 @@ def test_a_newer_hld_s_frame_and_drift_follow_from_the_sensor_s_displacement(tmp
         read(tmp_path, newer().replace("PiezoDisp", "Elsewhere"), corrections=RAW)
 
 
+def test_without_a_column_of_the_load_cell_the_frame_stands_for_it(tmp_path):
+    vendor, raw = (read(tmp_path, newer().replace("LoadCell", "Other"), corrections=chosen) for chosen in (None, RAW))
+    assert vendor.recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=2e-3)
+    assert float(raw.metadata["frame compliance [nm/mN]"]) == pytest.approx(4.0 + 20.0, abs=1e-3)
+
+
 @pytest.mark.parametrize(("spoil", "words"), [
-    (lambda text: text.replace("LoadCell_nm", "Other"), "lacks one of the columns"),
+    (lambda text: text.replace("Disp_nm", "Disp_V", 1), "of no format that palpate knows"),
     (lambda text: text[:-500], "were announced; the file is cut off"),
 ])  # fmt: skip
 def test_a_spoilt_newer_hld_gets_one_line(tmp_path, spoil, words):

@@ -18,10 +18,12 @@ HEAD = [
 ]  # fmt: skip
 
 
-def export(tmp_path, found=True, auxiliary=True, comma=False):
-    names = ["Time (s)", "Load (uN)", "Indentation (nm)", "Cantilever (nm)", "Piezo (nm)", "Auxiliary"]
-    cantilever = BENT + LEVEL
-    indentation = (BEYOND - BENT) * found
+NAMES = ["Time (s)", "Load (uN)", "Indentation (nm)", "Cantilever (nm)", "Piezo (nm)", "Auxiliary"]
+NOISE = 0.3 * np.random.default_rng(0).standard_normal(len(TIME))
+
+
+def export(tmp_path, indentation=BEYOND - BENT, auxiliary=True, comma=False, names=NAMES, noise=0 * TIME):
+    cantilever = BENT + LEVEL + noise
     values = np.column_stack([TIME, STIFFNESS * cantilever / 1e3, indentation, cantilever, PIEZO, 0 * TIME])
     rows = ["\t".join(f"{x:.6f}" for x in row[: 5 + auxiliary]) for row in values]
     body = "\n".join(rows).replace(".", "," if comma else ".")
@@ -49,10 +51,25 @@ def test_the_recording_begins_at_contact(tmp_path):
     assert test.recording.depth.max() == pytest.approx(0.7 * (10000 - CONTACT), abs=1e-3)
 
 
-def test_without_contact_of_the_instrument_the_load_tells_it(tmp_path):
-    (test,) = read_vendor_file(export(tmp_path, found=False))
+@pytest.mark.parametrize("indentation", [0 * TIME, PIEZO - BENT + 74, PIEZO - BENT - NOISE])
+def test_without_contact_of_the_instrument_the_load_tells_it(tmp_path, indentation):
+    """The column is zero throughout, counted from elsewhere, or from the file's first point with noise about zero."""
+    (test,) = read_vendor_file(export(tmp_path, indentation, noise=NOISE * bool(indentation.any())))
     assert test.warnings[0].startswith("the file marks no contact, the load does not rise over the first 69 %")
     assert test.recording.depth.max() == pytest.approx(0.7 * (10000 - CONTACT), abs=60)
+
+
+def test_an_indentation_that_is_negative_in_air_marks_contact_too(tmp_path):
+    (test,) = read_vendor_file(export(tmp_path, PIEZO - BENT - CONTACT))
+    assert test.marked
+    assert test.recording.depth.max() == pytest.approx(0.7 * (10000 - CONTACT), abs=1e-3)
+
+
+@pytest.mark.parametrize(("case", "brackets"), [(str.upper, "()"), (str.capitalize, "[]"), (str.lower, "()")])
+def test_headings_in_other_capitals_and_brackets(tmp_path, case, brackets):
+    names = [f"{case(word)} {brackets[0]}{unit}" for word, unit in (name.split(" (") for name in NAMES[:-1])]
+    file = export(tmp_path, names=[*(name.replace(")", brackets[1]) for name in names), "Auxiliary"])
+    assert read_vendor_file(file)[0].recording.depth.max() == pytest.approx(0.7 * (10000 - CONTACT), abs=1e-3)
 
 
 def test_the_vendors_channels_are_final(tmp_path):

@@ -36,7 +36,7 @@ def sheet(names, units=("s", "mN", "nm"), markers="Markers", turn=1.0):
         (("Test Time", "Corrected Load", "Penetration Depth"), ("s", "mN", "nm")),
     ],
 )
-@pytest.mark.parametrize("test", ["Test 1", "TEST 001", "Test_1"])
+@pytest.mark.parametrize("test", ["Test 1", "TEST 001", "Test_1", "Test #1"])
 def test_kla_headings_in_any_letters(tmp_path, names, units, test):
     file = write_workbook(tmp_path / "x.xlsx", {"Sample Summary": SUMMARY, test: sheet(names, units)})
     (whole,) = read_vendor_file(file, contact="none")
@@ -63,13 +63,42 @@ def test_without_markers_and_units_a_sheet_is_of_no_format(tmp_path):
     assert "no marker says where the surface is" in test.warnings[0]
 
 
+def test_depth_is_zero_where_the_surface_is_marked(tmp_path):
+    sheets = {"Test 1": [[*row[:3], row[3] + 700 if k > 1 else row[3]] for k, row in enumerate(kla())]}
+    (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", sheets))
+    assert test.warnings == ()
+    assert test.recording.depth == pytest.approx(DEPTH[200:], abs=1e-6)
+
+
+def test_a_marker_among_an_xp_s_segments_is_contact(tmp_path):
+    """Where the clock does not count from there."""
+    rows = [["Segment", *xp()[0]], ["", *xp()[1]], *(["", row[0] + 20, *row[1:]] for row in xp()[2:])]
+    rows[2 + 200][0] = "Surface Marker"
+    (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": rows}))
+    assert test.recording.time == pytest.approx(TIME[200:])
+    assert test.recording.depth == pytest.approx(DEPTH[200:])
+
+
+def test_an_xp_sheet_that_marks_no_surface_begins_at_the_contact_found(tmp_path):
+    rows = [*xp()[:2], *([row[0] + 20, row[1], row[2] + 400, *row[3:]] for row in xp()[2:])]
+    (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": rows}))
+    assert test.warnings[0].startswith("the file marks no contact, the load does not rise over the first 4")
+    assert test.recording.depth.max() == pytest.approx(500, abs=20)
+
+
+def test_a_sheet_without_units_beside_its_markers_is_told(tmp_path):
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(("Time", "Load", "Depth"), None)})
+    with pytest.raises(InputError, match="states no unit of Time, in brackets or in its second row"):
+        read_vendor_file(file)
+
+
 def test_megas_in_capitals_are_no_millis(tmp_path):
     file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(("TIME", "LOAD", "DEPTH"), ("S", "MN", "NM"))})
     with pytest.raises(InputError, match="LOAD is in 'MN'; export it in one of: mN"):
         read_vendor_file(file)
 
 
-TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected"]
+TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected", "Test 2 - Bad"]
 
 
 @pytest.mark.parametrize("name", TAGS)

@@ -142,10 +142,14 @@ def test_columns_are_found_by_whatever_micro_sign(tmp_path, name):
     ("encoding", "micro"),
     [("gbk", "μ"), ("shift_jis", "μ"), ("big5", "μ"), ("euc-kr", "μ"), ("utf-8", "Âµ"), ("cp1252", "µ")],
 )
-def test_a_micro_sign_is_one_in_whatever_encoding_it_was_written(tmp_path, encoding, micro):
+@pytest.mark.parametrize("wide", [True, False])
+def test_a_micro_sign_is_one_in_whatever_encoding_it_was_written(tmp_path, encoding, micro, wide):
     file = tmp_path / "x.txt"
     rows = [f"{a:g}\t{b:.6f}\t{c:.6f}" for a, b, c in zip(TIME, FORCE, PATH, strict=True)]
-    file.write_bytes("\n".join([f"t (s)\tP ({micro}N)\th ({micro}m)", *rows]).encode(encoding))
+    head = f"t (s)\tP ({micro}N)\th ({micro}m)"
+    if wide and encoding != "cp1252":
+        head = head.replace("(", "（").replace(")", "）")
+    file.write_bytes("\n".join([head, *rows]).encode(encoding))
     (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, {}), contact="none")
     assert test.recording.load == pytest.approx(1e-3 * FORCE, abs=1e-5)
     assert test.recording.depth == pytest.approx(1e3 * PATH, abs=1e-2)
@@ -160,6 +164,9 @@ def test_a_micro_sign_is_one_in_whatever_encoding_it_was_written(tmp_path, encod
         (("hrs", "Grams-Force", "cm"), (3600, 9.80665, 1e7)),
         (("us", "nanonewtons", "pm"), (1e-6, 1e-6, 1e-3)),
         (("S", "pN", "NM"), (1, 1e-9, 1)),
+        (("Sekunden", "Mikronewton", "Mikrometer"), (1, 1e-3, 1e3)),
+        (("secondes", "millinewtons", "micromètres"), (1, 1, 1e3)),
+        (("days", "mN", "Ang."), (86400, 1, 0.1)),
     ],
 )
 @pytest.mark.parametrize("brackets", ["{} ({})", "{} [{}]", "{}<{}>", "{} / {}", "{}, {}"])

@@ -134,6 +134,19 @@ def test_a_history_under_load_from_the_start_is_refused():
         recorded(np.array([0.0, 1.0, 2.0]), np.array([2.0, 4.0, 0.0]))
 
 
+@pytest.mark.parametrize("before", [[], [-300.0, -20.0], [-9.0]])
+def test_a_displacement_before_contact_touches_nothing(before):
+    """A file that begins at the last point before contact begins a step of the piezo above the surface."""
+    drive = np.array([*before, 100.0, 1000.0, 0.0])
+    time = np.arange(len(drive), dtype=float)
+    if not before:
+        with pytest.raises(InputError, match="begins at 100 nm"):
+            recorded(time, drive, control="displacement")
+        return
+    history = recorded(time, drive, control="displacement")
+    assert history.drive_at(time) == pytest.approx(np.maximum(drive, 0.0))
+
+
 def test_a_history_of_the_wrong_sign_is_refused():
     with pytest.raises(InputError, match="never above zero, as if its sign were wrong"):
         recorded(np.array([0.0, 1.0, 2.0]), np.array([0.0, -2.0, 0.0]))

@@ -22,7 +22,9 @@ OF_SAMPLE = re.compile(r"(?!.*(indenter|tip|probe|diamond)).*poisson['’]?s? ra
 OF_TIP = "(tip|probe|indenter|bead|sphere|ball|colloid|particle)"
 RADIUS = re.compile(rf"(?!.*contact).*({OF_TIP}.*radius|radius.*{OF_TIP})", re.IGNORECASE)
 DIAMETER = re.compile(rf"(?!.*contact).*({OF_TIP}.*diameter|diameter.*{OF_TIP})", re.IGNORECASE)
-SPRING = re.compile(r"k\s*[(\[]N/m[)\]]|k cantilever|(cantilever\w* )?spring constant|cantilever (k|stiffness)\b", re.I)
+SPRING = re.compile(
+    r"k\s*[(\[][munpµμ]?N/[munµμ]?m[)\]]|k cantilever|(cantilever\w* )?spring constant|cantilever (k|stiffness)\b", re.I
+)
 CONTROL = re.compile(r"control mode|fb mode|feedback mode", re.IGNORECASE)
 SHAPE = re.compile(r"(tip|indenter|probe|punch)( (shape|type|geometry|name|id))?\b", re.IGNORECASE)
 SHAPES = {
@@ -114,7 +116,7 @@ def quantity(
         value = _number(said) if named.match(name.strip()) else None
         if value is None or value <= 0.0:
             continue
-        in_name = re.search(r"[\[(]([^\])=]+)[\])]\s*$", name)
+        in_name = re.search(r"[\[(]([^\])=]+)[\])]\W*$", name)
         unit = plain(str(said).partition(" ")[2]) or (plain(in_name[1]) if in_name else usual)
         if unit in units:
             return value * units[unit]

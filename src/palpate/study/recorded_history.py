@@ -50,7 +50,8 @@ def recorded(
     Parameters
     ----------
     time, drive : ndarray, shape (n,)
-        Recorded times [s] and loads [mN] or displacements [nm] from contact on; loads below zero (noise) count as zero.
+        Recorded times [s] and loads [mN] or displacements [nm] from contact on. Loads below zero (noise) count as zero,
+        and so do displacements before the first that is not below it: the tip has not yet touched.
     tolerance
         Largest departure, as a fraction of the largest drive.
     control, compliance
@@ -59,13 +60,14 @@ def recorded(
     Raises
     ------
     InputError
-        When the drive is never above zero, the history does not begin at zero (within `tolerance`), or needs more than
+        When the drive is never above zero, the history begins above zero (by more than `tolerance`), or needs more than
         500 corners however far it is thinned.
     """
     time, drive = np.asarray(time, dtype=float) - time[0], np.array(drive, dtype=float)
     unit, place = ("mN", "load_mN") if control == LOAD else ("nm", "displacement_nm")
     if control == LOAD:
         drive = np.maximum(drive, 0.0)
+    drive[np.logical_and.accumulate(drive < 0.0)] = 0.0
     if drive.max() <= 0.0:
         raise InputError(
             f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
@@ -111,11 +113,17 @@ def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERA
     """
     if corners(time, drive, _allowed(drive, tolerance)).sum() <= MOST_KNOTS:
         return 1
-    over, most = 2, max(len(drive) // SHORTEST, 2)
-    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
-        over *= 2
-    over = min(MARGIN * over, most)
+    most = max(len(drive) // SHORTEST, 2)
+    over = min(MARGIN * _enough(time, drive, 2, most, tolerance), most)
+    over = _enough(time, drive, over, most, tolerance)  # averages over few points may need fewer than over more
     return over if swing(drive, over) < WILDEST * drive.max() else 1
+
+
+def _enough(time: np.ndarray, drive: np.ndarray, over: int, most: int, tolerance: float) -> int:
+    """Return over how many points, `over` or twice, four times ... as many, an average has 500 corners at most."""
+    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
+        over = min(2 * over, most)
+    return over
 
 
 def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:

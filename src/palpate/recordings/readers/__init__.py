@@ -17,7 +17,7 @@ from palpate.recordings.readers.columns import missing_channel, read_columns
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
-from palpate.recordings.readers.unknown import unknown
+from palpate.recordings.readers.unknown import of_nanoscope, unknown
 from palpate.recordings.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -179,7 +179,7 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
-    if columns is not None and not source.container:
+    if columns is not None and not source.container and not of_nanoscope(source):
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
     for reader in READERS.values():

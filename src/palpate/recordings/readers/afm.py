@@ -88,9 +88,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         except errors.MissingMetaDataError as error:
             raise _not_stated(*error.meta_keys) from error
         except (Exception, errors.AFMFileFormatError) as error:
+            lacks = f": it states no {error.args[0]}" if isinstance(error, KeyError) and error.args else ""
             raise InputError(
-                f"afmformats cannot read it ({type(error).__name__})",
-                remedy="copy or export it again",
+                f"afmformats cannot read it ({type(error).__name__}{lacks})",
+                remedy="copy or export it again, or export time, force and height as text",
                 file=source.path,
             ) from error
     if not tests:

@@ -71,9 +71,10 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
-    begin, marked = int(np.argmax(time >= 0)), surface(source, sheet)
-    if begin == 0 and marked is not None and marked <= kept[-1]:
-        begin = int(np.searchsorted(kept, marked))
+    begin, marker = int(np.argmax(time >= 0)), surface(source, sheet)
+    marked = begin > 0
+    if not marked and marker is not None and marker <= kept[-1]:
+        begin, marked = int(np.searchsorted(kept, marker)), True
         time = time - time[begin]
     measured = STIFFNESS[corrections is None or "frame" in corrections]
     named = headings_of(source, sheet)
@@ -92,7 +93,7 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
             depth = depth - raw * _compliance(frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
     recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
-    return VendorTest(sheet, recording, metadata, warnings)
+    return VendorTest(sheet, recording, metadata, warnings, marked)
 
 
 def _drift(text: str | None) -> float:

@@ -44,7 +44,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     facts = metadata(lines[:start])
     told = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
-    return [VendorTest(path.stem, recording, facts, told)]
+    return [VendorTest(path.stem, recording, facts, told, marked=False)]
 
 
 def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:

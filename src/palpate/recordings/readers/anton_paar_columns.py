@@ -48,10 +48,11 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
-    """Read all tests; depth is brought to the times of the load. A channel's time is the last one named before it.
+    """Read all tests; depth is brought to the times of the load.
 
-    The instrument writes the last point of a segment again as the first of the next; the repetition is dropped. Sheets
-    of a workbook with another table come last, with what is wrong with them.
+    A channel's time is the only one, or the last one named before it. The instrument writes the last point of a segment
+    again as the first of the next; the repetition is dropped. Sheets of a workbook with another table come last, with
+    what is wrong with them.
     """
     refuse_corrections(source, corrections)
     if not source.workbook:
@@ -67,18 +68,19 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
     """Return the tests in columns, each with its heading; the sheet's name stands before a test's that is `known`."""
-    time = np.full(len(columns[0][1]), np.nan)
+    headed = [(found, values) for heading, values in columns if (found := HEADING.fullmatch(heading.strip()))]
+    channels = [
+        (key := KEYS[found[2].capitalize()], found[1] or sheet or source.path.stem, values * scale(key, found[3]))
+        for found, values in headed
+    ]
+    times = [values for key, _, values in channels if key == "time"]
+    time = times[0] if len(times) == 1 else np.full(len(columns[0][1]), np.nan)
     tests: dict[str, dict[str, list[Series]]] = {}
-    for heading, values in columns:
-        found = HEADING.fullmatch(heading.strip())
-        if found:
-            key = KEYS[found[2].capitalize()]
-            channel = values * scale(key, found[3])
-            if key == "time":
-                time = channel
-            else:
-                name = found[1] or sheet or source.path.stem
-                tests.setdefault(name, {"load": [], "depth": []})[key].append((time, channel))
+    for key, name, values in channels:
+        if key == "time":
+            time = values
+        else:
+            tests.setdefault(name, {"load": [], "depth": []})[key].append((time, values))
     named = {f"{sheet} {name}" if name in known else name: both for name, both in tests.items()}
     return [
         attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in named.items()
@@ -149,7 +151,7 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
         warnings.append(f"{(~common).sum()} of {len(time)} points of the load left out: the depth has none there")
     time, force = time[common], force[common]
     recording = Recording(time, force, np.interp(time, moments, path), name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)))
+    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)), marked=False)
 
 
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:

@@ -21,6 +21,7 @@ CLOCK = re.compile(
     r" ?(?:(?P<after>[ap])\.? ?m\.?)?(?: ?(?:Z|[-+]\d\d:?\d\d))?(?: \d{4})?",
     re.IGNORECASE,
 )
+HALVES = {"午前": "AM ", "午後": "PM ", "上午": "AM ", "下午": "PM ", "오전": "AM ", "오후": "PM "}
 MINUTES_FIRST = re.compile(r"\bm+(?:in)?:s+", re.IGNORECASE)
 HOURS_FIRST = re.compile(r"\bh+:m+(?:in)?(?!\w*:)", re.IGNORECASE)
 TAKEN = "times such as {} are taken as minutes and seconds (a heading with hh:mm says hours and minutes)"
@@ -106,6 +107,8 @@ def _reading(cell: Any, heading: str) -> Reading | None:
         return _of_calendar(cell if isinstance(cell, datetime.datetime) else datetime.datetime(*cell.timetuple()[:3]))
     if not isinstance(cell, str) or (":" not in cell and not ISO.fullmatch(cell.strip())):
         return None
+    for half, meant in HALVES.items():
+        cell = cell.replace(half, meant)
     text = " ".join(cell.split())
     if ISO.fullmatch(text):
         try:

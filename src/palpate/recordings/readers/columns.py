@@ -22,6 +22,7 @@ from palpate.recordings.readers.vendor import (
     VendorTest,
     attempt,
     increasing,
+    unfinished,
     unless_all_fail,
 )
 from palpate.recordings.recording import Recording
@@ -93,7 +94,14 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
+    told += unfinished(load) if part.rows[-1] == len(body.values) - 1 and _breaks_off(part.values, whole[-1]) else ()
     return VendorTest(name, recording, facts, told, marked=False)
+
+
+def _breaks_off(values: np.ndarray, last: int) -> bool:
+    """Return whether rows without three numbers follow the `last` one of `values` (n, 3) that are no words."""
+    rest = values[last + 1 :]
+    return bool((np.isfinite(rest).any(axis=1) | np.isinf(rest).all(axis=1)).any())
 
 
 def _units(

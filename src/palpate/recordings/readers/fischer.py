@@ -67,7 +67,7 @@ def _test(source: Source, name: str, start: int, end: int, program: dict[str, st
     entries = [[cell.strip() for cell in line.split("\t")] for line in lines[:header]]
     results = {f"{entry[0]} {entry[1]}": entry[2] for entry in entries if len(entry) > 2}
     facts = program | {"test": lines[0].strip()} | results
-    return VendorTest(name, recording, facts, (*warnings, *unfinished(recording.load)))
+    return VendorTest(name, recording, facts, (*warnings, *unfinished(recording.load)), marked=False)
 
 
 READER = Reader("fischer", "Fischer HM2000/Picodentor export", matches, read)

@@ -120,7 +120,7 @@ def _test(source: Source, name: str, values: np.ndarray, facts: dict[str, str], 
     kept, warnings = usable(source, name, *values.T)
     time, load, depth = values[kept].T
     recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, facts, (*told, *warnings, *unfinished(load)))
+    return VendorTest(name, recording, facts, (*told, *warnings, *unfinished(load)), marked=False)
 
 
 READER = Reader("fischer_hdf5", "Fischer HDF5 (by h5py)", matches, read)

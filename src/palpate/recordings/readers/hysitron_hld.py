@@ -28,7 +28,7 @@ from palpate.recordings.recording import Recording
 COUNT = "Test Data Points"
 VERSION = "File Version: Hysitron"
 COLUMNS = {"Time": "time", "Disp": "depth", "Force": "load", "LoadCell": "depth"}
-SENSOR = "PiezoDisp"
+CELL, SENSOR = "LoadCell", "PiezoDisp"
 HEADING = re.compile(r"\s*(\w+)_([^\W_]+)\s*")
 NEEDED = ("Machine Comp", "Drift Rate", "Disp Shift", "Force Shift")
 COMPLIANCE, RATE = (
@@ -60,11 +60,13 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     for headings in source.lines[start + 1 : start + 2]:
         require_tabs(headings, source.path)
     places = _places(source, start)
-    if any(name not in places for name in COLUMNS):
-        raise InputError(f"lacks one of the columns {', '.join(COLUMNS)}", remedy="copy it again", file=source.path)
+    missing = [name for name in COLUMNS if name not in places and (name != CELL or versioned)]
+    if missing:
+        raise InputError(f"lacks the column {', '.join(missing)}", remedy="copy it again", file=source.path)
     width = len(source.lines[start + 1].split("\t"))
     announced = source.lines[start].partition(":")[2]
     values = counted(source.lines[start + 2 :], start + 3, width, source.path, announced)
+    places.setdefault(CELL, (0, 0.0))  # a specimen that rests on none
     wanted = [*COLUMNS, *([SENSOR] if SENSOR in places else [])]
     columns = [values[:, index] * factor for index, factor in (places[name] for name in wanted)]
     kept, warnings = usable(source, "test data", *columns)

@@ -15,6 +15,8 @@ SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
 FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
+NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
+TELLING = 20  # points of an approach, chosen, that tell how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
 VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
 
@@ -110,18 +112,38 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
     return [test for test in tests if id(test) in found]
 
 
-def air_at_start(r: Recording) -> tuple[str, ...]:
-    """Return a warning where a recording that should begin at contact begins in air."""
+def air_at_start(r: Recording, marked: bool = True) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact, which the file marked or not, begins in air."""
     if _retreats(r):
-        said = (
-            f"the tip retreats by {float(_first_retreat(r.load, r.depth)):.3g} nm after contact, before the load rises"
-        )
+        said = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
     elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
-        share = 100 * min(float(still), rough)
-        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
+        share, since = 100 * min(float(still), rough), "the file's contact" if marked else "its first point"
+        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
     else:
         return ()
     return (f"{said} (--contact auto finds the touch)",)
+
+
+def sloping(r: Recording, touch: int) -> tuple[str, ...]:
+    """Return a warning where the load changes with the depth in air, and so adds to the load of the test.
+
+    The slope is that of the way in up to point `touch`, but for its last tenth, where the surface may already pull.
+    """
+    first = int(np.argmin(r.depth[: touch + 1]))
+    way = float(r.depth[touch] - r.depth[first])
+    air = first + np.flatnonzero(r.depth[first:touch] < r.depth[touch] - NEAR * way)
+    if len(air) < TELLING:
+        return ()
+    depth, load = r.depth[air] - r.depth[air].mean(), r.load[air] - r.load[air].mean()
+    slope = float(depth @ load / (depth @ depth))
+    uncertain = float(np.std(load - slope * depth) / np.sqrt(depth @ depth))
+    share = slope * float(r.depth.max() - r.depth[touch]) / float(r.load.max() - r.load[touch])
+    if abs(slope) <= CLEAR * uncertain or abs(share) <= SHARE:
+        return ()
+    return (
+        f"the load in air changes by {1e3 * slope:.3g} mN/um of depth; what that makes up to the largest depth, "
+        f"{share:.0%} of the largest load, is left in the load",
+    )
 
 
 def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:

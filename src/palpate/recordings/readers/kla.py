@@ -77,7 +77,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
-    """Return the test on a sheet; where no marker tells its contact, the load does."""
+    """Return the test on a sheet, its depth zero at contact; where no marker tells that, the load does."""
     names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
     channels = [channel(source, sheet, names[key], key) for key in CHANNELS]
     kept, warnings = usable(source, sheet, *channels)
@@ -87,7 +87,7 @@ def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
         begin = int(np.searchsorted(kept, marked))
     else:
         begin, warnings = contact(load, depth), (*warnings, UNMARKED)
-    recording = Recording(time - time[begin], load, depth, sheet, (f"from {source.path.name}",))
+    recording = Recording(time - time[begin], load, depth - depth[begin], sheet, (f"from {source.path.name}",))
     return VendorTest(sheet, recording, metadata, warnings)
 
 

@@ -1,7 +1,7 @@
 """Optics11 (Piuma, Chiaro, Pavone) exports: a piezo moves a cantilever whose bending is the load.
 
 The column Indentation is piezo less cantilever, counted from the contact that the instrument found, and zero before it.
-The two columns give the depth before contact too::
+A file whose instrument found none counts it from its first point. The two columns give the depth before contact too::
 
     depth = piezo - cantilever - (its value at the instrument's contact)
 """
@@ -26,20 +26,20 @@ from palpate.recordings.readers.vendor import (
 from palpate.recordings.recording import Recording
 
 COLUMNS = {"Time": "time", "Load": "load", "Indentation": "depth", "Cantilever": "depth", "Piezo": "depth"}
-HEADING = re.compile(r"\s*(\w+)\s*\((.+)\)\s*")
+HEADING = re.compile(r"\s*(\w+)\s*[(\[](.+)[)\]]\s*")
 DEEP = 0.1  # of the largest indentation: only what leads there is the contact
 LEVEL = 10  # points that give the load without contact
 
 
 def matches(source: Source) -> bool:
     """Return whether a line names the columns of piezo and cantilever."""
-    return any("Cantilever" in line and "Piezo" in line and {*COLUMNS} <= {*columns(line)} for line in source.lines)
+    return any("piezo" in line.casefold() and {*COLUMNS} <= {*columns(line)} for line in source.lines)
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:
     """Return the place and the unit of each column that a line of headings such as ``Piezo (nm)`` names."""
     headings = enumerate(map(HEADING.fullmatch, line.split("\t")))
-    return {found[1]: (place, found[2]) for place, found in headings if found}
+    return {found[1].capitalize(): (place, found[2]) for place, found in headings if found}
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
@@ -53,19 +53,30 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     kept, warnings = usable(source, "measured values", *channels)
     time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)
     depth = piezo - cantilever
-    marked = bool(np.any(indentation > 0)) and bool(np.any(indentation <= 0))
-    begin, zero = _contact(indentation, depth) if marked else (0, 0.0)
+    marked = _marked(indentation)
+    begin, zero = _contact(indentation, depth) if marked else (0, float(depth[0]))
     free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
     recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))
     warnings = (*warnings, *unfinished(recording.load))
     return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings, marked)]
 
 
+def _marked(indentation: np.ndarray) -> bool:
+    """Return whether the column tells contact: it is zero before it, or negative from far before it on."""
+    largest = float(indentation.max())
+    before = indentation[: _last_free(indentation) + 1]
+    return largest > 0.0 and bool(before[-1] == 0.0 or before.min() < -DEEP * largest)
+
+
+def _last_free(indentation: np.ndarray) -> int:
+    """Return the last point that is not pressed before the tip goes deep."""
+    deep = int(np.argmax(indentation > DEEP * indentation.max()))
+    return max([0, *np.flatnonzero(indentation[:deep] <= 0)])
+
+
 def _contact(indentation: np.ndarray, depth: np.ndarray) -> tuple[int, float]:
     """Return the last point before the instrument's contact, and the depth there [nm]."""
-    pressed = indentation > 0
-    deep = int(np.argmax(indentation > DEEP * indentation.max()))
-    return max([0, *np.flatnonzero(~pressed[:deep])]), float(np.median((depth - indentation)[pressed]))
+    return _last_free(indentation), float(np.median((depth - indentation)[indentation > 0]))
 
 
 def metadata(lines: list[str]) -> dict[str, str]:

@@ -13,8 +13,9 @@ import numpy as np
 
 SAME = 0.02  # of a channel's range: how far load and depth may step where they go on
 LIKE = 0.05  # of a channel's range: how near another test begins to where the first one began
+TWICE = 2.0  # of the step before it: a longer one to zero is a jump
 BESIDE = 5  # steps on either side of a cut that tell how far load and depth step there anyway
-OFTEN = 10  # of the usual step in time: what begins anew goes on with steps such as these
+OFTEN = 200  # of the usual step in time: what begins anew goes on with steps such as these
 ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
 
 
@@ -95,13 +96,22 @@ def written_twice(values: np.ndarray) -> np.ndarray:
 
 
 def padding(values: np.ndarray) -> np.ndarray:
-    """Return which rows of `values` (n, k) are zeros that follow a test: at the end, or before more zeros."""
+    """Return which rows of `values` (n, k), the time first, are zeros that follow a test: at the end, or before more.
+
+    At the end the time may go on in two rows or more whose other channels jump to zero.
+    """
     whole = np.flatnonzero(np.isfinite(values).all(axis=1))
     zero = (values[whole] == 0).all(axis=1)
     padded = np.zeros(len(values), dtype=bool)
     if zero.all():
         return padded
     padded[whole] = zero & np.append(zero[1:], True) & (np.arange(len(whole)) > np.argmin(zero))
+    others = np.abs(values[whole, 1:])
+    last = int(np.flatnonzero(others.any(axis=1))[-1]) if others.any() else len(whole)
+    if 0 < last < len(whole) - 2:
+        step = np.abs(others[last] - others[last - 1])
+        if (others[last] > np.maximum(SAME * others.max(axis=0), TWICE * step)).any():
+            padded[whole[last + 1 :]] = True
     return padded
 
 

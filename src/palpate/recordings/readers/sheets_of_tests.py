@@ -14,7 +14,7 @@ from palpate.recordings.readers.headings import BRACKETED, is_word
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
 
-MARKERS = ("markers", "marker")
+MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
 
 
@@ -67,8 +67,9 @@ def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
     stated, known = stated_unit(source, sheet, name), SCALES.get(quantity, STIFFNESS)
     unit = unit_of(quantity, stated) if quantity in SCALES else stated
     if unit not in known:
+        called = BRACKETED.sub("", plain(str(rows[0][index]))).strip()
         raise InputError(
-            f"{BRACKETED.sub('', plain(str(rows[0][index]))).strip()} is in {stated!r}",
+            f"{called} is in {stated!r}" if stated else f"states no unit of {called}, in brackets or in its second row",
             remedy=f"export it in one of: {', '.join(known)}", file=source.path, place=f"sheet {sheet}",
         )  # fmt: skip
     cells = [[row[index]] for row in rows[start:]]

@@ -17,7 +17,7 @@ IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
 IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
-TEST = re.compile(r"test[ _]?(\d+)(?![^\W_])", re.IGNORECASE)
+TEST = re.compile(r"test[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
 PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 

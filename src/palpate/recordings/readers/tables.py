@@ -13,12 +13,12 @@ from palpate.recordings.readers.decimals import PARTING
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import first_few
 
-DELIMITERS = ("\t", ";", ",")
+DELIMITERS = ("\t", ";", "|", ",")
 WORD = re.compile(r"[^\W\d_]")
 LISTED = 12
 NUMBER = rf"[-+]?(?:(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?|\d{{1,3}}(?:[{PARTING}]\d{{3}})+(?:[.,]\d*)?)"
 NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
-BLANKS = re.compile("[ \t]+")
+BLANKS, GAPS = re.compile("[ \t]+"), re.compile(" {2,}")
 HALF_OF_DAY = re.compile(r"(?<=:\d\d)([.,]\d+)? +([ap]\.?m\.?)(?= |$)", re.IGNORECASE)
 NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
 
@@ -62,8 +62,8 @@ class Table:
 def tables_of(source: Source) -> list[Table]:
     """Return a workbook's sheets, or the one table of a text file.
 
-    Lines are split at tabs, semicolons or commas, whichever most of them hold more than one of, but not at the decimal
-    commas of numbers between blanks; else at blanks.
+    Lines are split at tabs, semicolons, bars or commas, whichever most of them hold more than one of, but not at the
+    decimal commas of numbers between blanks; else at blanks.
     """
     if source.workbook:
         sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
@@ -84,15 +84,16 @@ def tables_of(source: Source) -> list[Table]:
 
 
 def _at_blanks(line: str, width: int) -> list[str]:
-    """Return the cells of a line without # before it; units in brackets join their names where that gives `width`.
+    """Return the cells of a line without # before it, as many as `width` where it can be.
 
-    The half of the day behind a clock belongs to it. Blanks that break no line part cells only where no others do:
-    elsewhere they may part a number's thousands.
+    Words of a name stand one blank apart where cells stand more apart, and units in brackets join their names. The half
+    of the day behind a clock belongs to it. Blanks that break no line part cells only where no others do: elsewhere
+    they may part a number's thousands.
     """
     line = HALF_OF_DAY.sub(r"\1\2", line.removeprefix("#"))
-    cells = NAME_WITH_UNIT.findall(line)
-    if len(cells) == width:
-        return cells
+    for cells in (GAPS.split(line.strip()), NAME_WITH_UNIT.findall(line)):
+        if len(cells) == width:
+            return cells
     apart = [cell for cell in BLANKS.split(line) if cell.strip()]
     return apart if len(apart) > 1 else line.split()
 

@@ -12,7 +12,9 @@ from palpate.errors import InputError
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import Unreadable, VendorTest
 
-TAGGED = re.compile(r"(?<![^\W_])(tagged|excluded|rejected|discarded)(?![^\W_])", re.IGNORECASE)
+TAGGED = re.compile(
+    r"(?<![^\W_])(tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
+)
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:

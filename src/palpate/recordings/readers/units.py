@@ -12,18 +12,28 @@ from palpate.errors import InputError
 
 CHANNELS = {"time": "s", "load": "mN", "depth": "nm"}
 SCALES = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0},
     "load": {"mN": 1.0, "uN": 1e-3, "nN": 1e-6, "pN": 1e-9, "N": 1e3, "gf": 9.80665, "mgf": 9.80665e-3, "kgf": 9806.65},
     "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "A": 0.1, "pm": 1e-3},
 }
 STIFFNESS = {"N/m": 1.0}
 SPELLED = {
-    "time": {"second": "s", "sec": "s", "sek": "s", "minute": "min", "min": "min", "hour": "h", "hr": "h"},
+    "time": {
+        "second": "s", "seconde": "s", "sekunde": "s", "sekunden": "s", "sec": "s", "sek": "s", "minute": "min",
+        "minuten": "min", "min": "min", "hour": "h", "heure": "h", "stunde": "h", "stunden": "h", "hr": "h", "day": "d",
+    },
     "load": {"newton": "N", "gramforce": "gf", "gf": "gf"},
-    "depth": {"meter": "m", "metre": "m", "micron": "um", "angstrom": "A", "angström": "A"},
-}
-PREFIX = {"milli": "m", "micro": "u", "nano": "n", "pico": "p", "centi": "c", "kilo": "k", "m": "m", "u": "u", "k": "k"}
+    "depth": {"meter": "m", "metre": "m", "mètre": "m", "micron": "um", "angstrom": "A", "angström": "A", "ang": "A"},
+}  # fmt: skip
+PREFIX = {
+    "milli": "m", "micro": "u", "mikro": "u", "nano": "n", "pico": "p", "piko": "p", "centi": "c", "zenti": "c",
+    "kilo": "k", "m": "m", "u": "u", "k": "k",
+}  # fmt: skip
 CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not tell it from the millinewton
+BRACKETS = {  # as wide as a letter, read as Latin-1: Shift-JIS, GBK and EUC-KR, Big5
+    "\x81i": "(", "\x81j": ")", "\x81m": "[", "\x81n": "]", "£¨": "(", "£©": ")", "£Û": "[", "£Ý": "]", "¡]": "(",
+    "¡^": ")",
+}  # fmt: skip
 MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
 TORN = re.compile("[ÂÃÎ][\x80-\xbf]")  # two bytes that begin as those of µ, ² or °, of ü, and of the Greek mu
 
@@ -32,9 +42,10 @@ def plain(unit: str) -> str:
     """Return a unit in letters that every keyboard has: ``um`` for either of Unicode's micro signs.
 
     So it is where the sign was written in another encoding than it was read in, as Chinese and Japanese programs do.
+    Brackets as wide as their letters are treated alike.
     """
-    for spelling in MICRO:
-        unit = unit.replace(spelling, "u")
+    for spelling, meant in {**dict.fromkeys(MICRO, "u"), **BRACKETS}.items():
+        unit = unit.replace(spelling, meant)
     return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ【】〔〕", "uA[][]"))
 
 

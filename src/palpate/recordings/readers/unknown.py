@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import re
+
 from palpate.errors import InputError
 from palpate.recordings.readers.source import Source
 
 LIST = "`palpate read --formats` lists formats and units"
 BY_COLUMNS = "name the columns of its table (--columns time=...,load=...,depth=...); " + LIST
-NANOSCOPE = (rb"\*Force file list", rb"\*File list", rb"?*File list")
+NANOSCOPE = re.compile(rb"[\\?]\*(force )?file list", re.IGNORECASE)
+
+
+def of_nanoscope(source: Source) -> bool:
+    """Return whether a file begins as those of NanoScope do: with a header of text, before binary channels."""
+    return NANOSCOPE.match(source.content) is not None
 
 
 def unknown(source: Source) -> InputError:
     """Return the error of a file of no known format: a container, a NanoScope file, or another with its first line."""
     kind, remedy = source.container, f"unpack it, or export its tests as text; {LIST}"
-    if source.content.startswith(NANOSCOPE):
+    if of_nanoscope(source):
         kind = "a NanoScope file, which the library afmformats does not read either"
         remedy = "export the force curve as text with time, force and separation, and name these by --columns"
     if kind:

@@ -20,6 +20,7 @@ from palpate.recordings.readers.in_air import (
     air_before,
     retreat_before,
     share_in_air,
+    sloping,
     until_retreat,
 )
 from palpate.recordings.readers.source import number_of
@@ -72,7 +73,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     except InputError as error:
         raise error.located(place=test.name) from None
     told = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
-    return _ended(test, begun(r, point, FOUND if found else GIVEN), told)
+    return _ended(test, begun(r, point, FOUND if found else GIVEN), (*told, *sloping(r, point.index)))
 
 
 def _from_the_file_s(test: VendorTest) -> VendorTest:
@@ -82,7 +83,12 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     marked = r.at(slice(begin, None))
     air = None if test.marked else air_before(r)
     if air is None:
-        told = (*_off_zero(marked), *_loaded_before(r.load, begin), *(air_at_start(marked) if test.marked else ()))
+        told = (
+            *_off_zero(marked),
+            *_loaded_before(r.load, begin),
+            *air_at_start(marked, test.marked),
+            *sloping(r, begin),
+        )
         return _ended(test, marked, told)
     share = 100 * share_in_air(r, air)
     said = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
@@ -90,7 +96,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     if retreat > SHARE * (float(r.depth.max()) - air.depth):
         said += f", and the tip retreats by {retreat:.3g} nm before it touches"
     said += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    return _ended(test, begun(r, air, FOUND), (said, *_vague(r, air)))
+    return _ended(test, begun(r, air, FOUND), (said, *_vague(r, air), *sloping(r, air.index)))
 
 
 def _ended(test: VendorTest, recording: Recording, told: tuple[str, ...]) -> VendorTest:
