@@ -281,7 +281,7 @@ def test_a_diagnosis_without_candidates_still_shows_itself(fit):
     alone = diagnose(fit.study, calibration=fit)
     assert alone.verdict == "adequate"
     assert isinstance(alone.to_frame(), pd.DataFrame) and alone.to_frame().empty
-    assert "nothing is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
+    assert "no further effect is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
 
 
 def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys):
