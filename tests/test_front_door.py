@@ -219,7 +219,7 @@ def test_a_draft_stays_where_a_folder_is_given(file):
     study = Study.draft(file, law="elastic", folder=folder)
     assert (study.name, study.file) == ("mine", folder / "study.yaml")
     assert Study.read(folder / "study.yaml").levels == study.levels
-    with pytest.raises(InputError, match=r"study\.yaml: stands there already"):
+    with pytest.raises(InputError, match=r"study\.yaml: exists already"):
         Study.draft(file, law="elastic", folder=folder)
 
 

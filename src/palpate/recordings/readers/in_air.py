@@ -11,12 +11,12 @@ from palpate.errors import InputError
 from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, noises_of, rough_contact
 from palpate.recordings.recording import Recording
 
-SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
+SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
 FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
 TOGETHER = 1_000_000  # points, looked at at once
-VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
+VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
 
 
 def air_before(recording: Recording) -> ContactPoint | None:
@@ -113,19 +113,19 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
 def air_at_start(r: Recording) -> tuple[str, ...]:
     """Return a warning where a recording that should begin at contact begins in air."""
     if _retreats(r):
-        said = (
+        message = (
             f"the tip retreats by {float(_first_retreat(r.load, r.depth)):.3g} nm after contact, before the load rises"
         )
     elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
         share = 100 * min(float(still), rough)
-        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
+        message = f"the load does not rise over the first {share:.2g} % of the depth, counted from the file's contact"
     else:
         return ()
-    return (f"{said} (--contact auto finds the touch)",)
+    return (f"{message} (--contact auto finds the contact)",)
 
 
 def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
-    """Return a recording that begins at contact up to where the tip has left, and what is said of the rest.
+    """Return a recording that begins at contact up to where the tip has left, and messages on the rest.
 
     It has left where the load falls below zero for good, or where the depth comes back through contact for good; or
     before that, where the load has fallen to what it reads in air beyond, which may have drifted.

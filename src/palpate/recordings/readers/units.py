@@ -23,7 +23,7 @@ SPELLED = {
     "depth": {"meter": "m", "metre": "m", "micron": "um", "angstrom": "A", "angström": "A"},
 }
 PREFIX = {"milli": "m", "micro": "u", "nano": "n", "pico": "p", "centi": "c", "kilo": "k", "m": "m", "u": "u", "k": "k"}
-CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not tell it from the millinewton
+CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not distinguish it from the millinewton
 MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
 TORN = re.compile("[ÂÃÎ][\x80-\xbf]")  # two bytes that begin as those of µ, ² or °, of ü, and of the Greek mu
 
