@@ -1,4 +1,4 @@
-# The whole of a study, from its configuration to its report: snakemake --cores 2 [--configfile STUDY.yaml]
+# A study from its configuration to its report: snakemake --cores 2 [--configfile STUDY.yaml]
 DEFAULT = "study" not in config
 if DEFAULT:
 

@@ -218,8 +218,8 @@ def _meaning(action: argparse.Action) -> str:
     return action.help or MEANING.get(str(action.metavar), "")
 
 
-def rooms() -> str:
-    """Return one table of the rooms of the package, in the order in which one may import another."""
+def subpackages() -> str:
+    """Return one table of the subpackages, in the order in which one may import another."""
     rows = []
     for name in _order():
         file = SOURCE / f"{name}.py"
@@ -227,11 +227,11 @@ def rooms() -> str:
         lines = sum(len(module.read_text(encoding="utf-8").splitlines()) for module in modules)
         first = _first_line(_docstring(file if file.is_file() else SOURCE / name / "__init__.py"))
         rows.append((f"`{name}`", first, len(modules), lines))
-    return table(("room", "what it holds", "files", "lines"), rows)
+    return table(("subpackage", "what it holds", "files", "lines"), rows)
 
 
 def _order() -> list[str]:
-    """Return the rooms as the test of the architecture lists them."""
+    """Return the subpackages as the test of the architecture lists them."""
     text = (SOURCE.parents[1] / "tests/test_architecture.py").read_text(encoding="utf-8")
     return re.search(r'ROOMS = """(.*?)"""', text, re.DOTALL)[1].split()  # type: ignore[index]
 
@@ -246,10 +246,10 @@ def _first_line(text: str) -> str:
 
 
 def packages() -> Iterator[tuple[str, Path]]:
-    """Yield name and folder of every package, in the order of the rooms."""
+    """Yield name and folder of every package, in the order of the subpackages."""
     order = [name for name in _order() if (SOURCE / name).is_dir()]
-    for room in order:
-        for init in sorted((SOURCE / room).rglob("__init__.py")):
+    for subpackage in order:
+        for init in sorted((SOURCE / subpackage).rglob("__init__.py")):
             if "__pycache__" not in init.parts:
                 yield ".".join(init.parent.relative_to(SOURCE.parent).parts), init.parent
 
@@ -281,7 +281,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "mechanisms": mechanisms,
     "mechanism_table": mechanism_table,
     "commands": commands,
-    "rooms": rooms,
+    "subpackages": subpackages,
     "source": source,
 }
 

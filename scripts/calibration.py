@@ -1,7 +1,7 @@
 """Calibrate one condition set on one set of recordings, and draw the fit.
 
-input: recordings (CSV), surrogates. output: result (JSON), curves (CSV), figure (PNG), record (JSON: what MLflow is
-told). settings: `calibration`, `seed`.
+input: recordings (CSV), surrogates. output: result (JSON), curves (CSV), figure (PNG), record (JSON: the runs
+for MLflow). settings: `calibration`, `seed`.
 """
 
 from palpate.output.figures import fitted_curves

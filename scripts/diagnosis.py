@@ -1,7 +1,7 @@
-"""Diagnose one set of recordings, beginning where calibration ended, and draw what was found.
+"""Diagnose one set of recordings, beginning where calibration ended, and draw the result.
 
 input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV), figure (PNG), page (HTML), record
-(JSON: what MLflow is told). settings: `diagnosis`, `calibration`, `seed`.
+(JSON: the runs for MLflow). settings: `diagnosis`, `calibration`, `seed`.
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""Write the study's report, and the checksums of what it was made from.
+"""Write the report of a study, and the checksums of the files behind it.
 
 input: every result of the study that it shows. output: report (HTML), manifest (JSON). settings: `title`, `source`.
 """

@@ -1,4 +1,4 @@
-"""Put the tables of all batches of snapshots together.
+"""Join the tables of all batches of snapshots.
 
 input: tables of the batches (CSV). output: one table (CSV).
 """

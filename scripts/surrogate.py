@@ -1,7 +1,7 @@
 """Fit the surrogate of one condition.
 
-input: tables of the batches of snapshots. output: model (arrays), summary (JSON: figures of merit), record (JSON: what
-MLflow is told). settings: `surrogate`.
+input: tables of the batches of snapshots. output: model (arrays), summary (JSON: figures of merit), record (JSON: the
+run for MLflow). settings: `surrogate`.
 """
 
 from palpate.solver import store

@@ -93,7 +93,7 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
     [
         ("diagnosis", {"mechanisms": ["magic"]}, "diagnosis.mechanisms: mechanism 'magic' is not known"),
         ("diagnosis", {"ranges": {"friction": {"amount": [0, 1]}}}, "diagnosis.ranges.friction: amount is not"),
-        ("diagnosis", {"snapshots": 8}, "diagnosis.snapshots: snapshots is gone: explanations are fitted on the"),
+        ("diagnosis", {"snapshots": 8}, "diagnosis.snapshots: snapshots was removed: explanations are fitted on the"),
         (
             "diagnosis",
             {"reference": {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [-24.5], "uncertainty": 0.02}},
@@ -298,9 +298,7 @@ def test_a_recording_of_the_same_name_is_never_replaced(tmp_path, capsys):
         (tmp_path / day / "1.txt").write_text(f"t,P,h\n0,0,0\n1,1,{scale}\n2,2,{2 * scale}\n")
         assert main(["read", str(tmp_path / day / "1.txt"), *BY_NAME, "-o", str(tmp_path / "out")]) == 0
         told.append(capsys.readouterr().err)
-    beside = (
-        f"palpate: {tmp_path / 'out/1.csv'}: stands there with another content; written to {tmp_path / 'out/1_2.csv'}"
-    )
+    beside = f"palpate: {tmp_path / 'out/1.csv'}: exists with another content; written to {tmp_path / 'out/1_2.csv'}"
     assert told == ["", f"{beside}\n", f"{beside}\n"]
     assert read_recording(tmp_path / "out/1.csv").depth[-1] == 2.0
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["1.csv", "1_2.csv"]

@@ -168,7 +168,7 @@ def test_studies_and_specifications_load(file, tmp_path, monkeypatch):
             study_from(values, file)
 
 
-def test_what_is_generated_tells_every_law_mechanism_command_and_room():
+def test_what_is_generated_lists_every_law_mechanism_command_and_subpackage():
     laws, mechanisms, shown = HOOKS.laws(), HOOKS.mechanisms(), HOOKS.commands()
     listed = HOOKS.mechanism_table()
     for law in LAWS.values():
@@ -185,7 +185,7 @@ def test_what_is_generated_tells_every_law_mechanism_command_and_room():
         for action in parser._actions[1:]:
             assert HOOKS._spelt(action) in shown
             assert HOOKS._meaning(action), f"{name} {action.dest} has no meaning"
-    assert all(f"| `{room}` |" in HOOKS.rooms() for room in HOOKS._order())
+    assert all(f"| `{room}` |" in HOOKS.subpackages() for room in HOOKS._order())
 
 
 @pytest.mark.parametrize("file", named(PAGES))

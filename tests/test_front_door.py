@@ -219,7 +219,7 @@ def test_a_draft_stays_where_a_folder_is_given(file):
     study = Study.draft(file, law="elastic", folder=folder)
     assert (study.name, study.file) == ("mine", folder / "study.yaml")
     assert Study.read(folder / "study.yaml").levels == study.levels
-    with pytest.raises(InputError, match=r"study\.yaml: stands there already"):
+    with pytest.raises(InputError, match=r"study\.yaml: exists already"):
         Study.draft(file, law="elastic", folder=folder)
 
 
@@ -281,7 +281,7 @@ def test_a_diagnosis_without_candidates_still_shows_itself(fit):
     alone = diagnose(fit.study, calibration=fit)
     assert alone.verdict == "adequate"
     assert isinstance(alone.to_frame(), pd.DataFrame) and alone.to_frame().empty
-    assert "nothing is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
+    assert "no further effect is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
 
 
 def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys):

@@ -150,7 +150,7 @@ def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, caps
     for name in ("P1_T30_1", "V_1"):
         write(tmp_path / f"own/{name}.csv", *curve())
     once = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
-    assert "4 cells, 2 conditions, 4 snapshots" in once
+    assert "4 materials, 2 conditions, 4 snapshots" in once
     assert "calibrated on P1_T30; validated on V" in once
     assert f"recordings lab in {tmp_path / 'own'}: 1 of P1_T30, 1 of V" in once
     assert "too few tests are repeated" in once
@@ -164,9 +164,9 @@ def test_check_tells_which_conditions_share_their_simulations(tmp_path, capsys, 
     monkeypatch.chdir(tmp_path)
     twice = CONDITION | {"name": "P2_T30", "max_load": 2.0 * CONDITION["max_load"]}
     slow = CONDITION | {"name": "slow", "loading_time": 2.0 * CONDITION["loading_time"]}
-    shared = "one simulation serves P1_T30, P2_T30, which differ in size alone"
+    shared = "P1_T30, P2_T30 differ in size alone: one simulation gives them all"
     assert shared in told(tmp_path, capsys, conditions=[CONDITION, slow, twice])
-    assert "serves" not in told(tmp_path, capsys, conditions=[CONDITION, slow])
+    assert "one simulation" not in told(tmp_path, capsys, conditions=[CONDITION, slow])
 
 
 def test_missing_recordings_and_strange_files(tmp_path):

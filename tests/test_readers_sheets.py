@@ -60,7 +60,7 @@ def test_without_markers_and_units_a_sheet_is_of_no_format(tmp_path):
         read_vendor_file(write_workbook(tmp_path / "x.xlsx", sheets))
     sheets = {"Test 1": sheet(("Time", "Load", "Depth"), markers="")}
     (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", sheets))
-    assert "no marker says where the surface is" in test.warnings[0]
+    assert "no marker gives the surface" in test.warnings[0]
 
 
 def test_depth_is_zero_where_the_surface_is_marked(tmp_path):

@@ -118,7 +118,7 @@ def test_without_a_marker_the_load_tells_the_contact(tmp_path, marker):
     (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": kla(marker)}))
     assert test.recording.time[0] == 0
     assert test.recording.depth[0] == pytest.approx(0, abs=4)
-    assert "no marker says where the surface is" in test.warnings[0]
+    assert "no marker gives the surface" in test.warnings[0]
 
 
 @pytest.mark.parametrize("drift", [0.5, "0,5"])

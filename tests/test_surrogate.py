@@ -15,7 +15,7 @@ from sklearn.utils.estimator_checks import estimator_checks_generator
 
 from palpate.errors import InputError, PalpateError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
-from palpate.surrogate.missing import check_missing, words
+from palpate.surrogate.missing import check_missing, summary_text
 from palpate.surrogate.saved import load, save
 from palpate.workflow_support import steps
 
@@ -208,8 +208,11 @@ def test_a_few_failed_snapshots_are_said():
     cells = [{"modulus": float(value)} for value in range(20)]
     failed = [value == 19 for value in range(20)]
     check_missing("T030", cells, failed)
-    assert words("T030", cells, failed) == "T030: 1 of 20 snapshots failed, 25 % of those at the upper end of modulus."
-    assert words("T030", cells, [False] * 20) == ""
+    assert (
+        summary_text("T030", cells, failed)
+        == "T030: 1 of 20 snapshots failed, 25 % of those at the upper end of modulus."
+    )
+    assert summary_text("T030", cells, [False] * 20) == ""
 
 
 @pytest.mark.faults(before="unpickled, whatever it held; a traceback")

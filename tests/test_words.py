@@ -1,4 +1,4 @@
-"""A diagnosis in words: one sentence for each verdict, from what diagnosis.json holds."""
+"""The summary of a diagnosis: one sentence for each verdict, from what diagnosis.json holds."""
 
 import pytest
 
@@ -51,7 +51,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
 def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_made():
     said = sentence(content("identified", DRIFT))
     assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
-    assert "held-out error falls from 14.1 to 1.9 nm, where noise and scatter alone make 1.7 nm" in said
+    assert "held-out error falls from 14.1 to 1.9 nm; noise and scatter alone would leave 1.7 nm" in said
     assert "Young's modulus came out 6% too low" in said
 
 
@@ -86,11 +86,11 @@ def test_what_all_explanations_share_is_said():
 
 def test_a_single_suspicion_is_no_name():
     said = sentence(content("suspected", DRIFT, held_out=(None, None)))
-    assert "These recordings do not suffice to name it; the fitted error falls from 9.0 to 2.0 nm" in said
+    assert "These recordings do not suffice to identify it; the fitted error falls from 9.0 to 2.0 nm" in said
 
 
 @pytest.mark.parametrize(
-    ("verdict", "words"), [("adequate", "nothing is claimed"), ("unexplained", "something else is missing")]
+    ("verdict", "words"), [("adequate", "no further effect is claimed"), ("unexplained", "something else is missing")]
 )
 def test_no_effect_is_named_without_need(verdict, words):
     said = sentence(content(verdict))
@@ -98,7 +98,7 @@ def test_no_effect_is_named_without_need(verdict, words):
     assert "hermal" not in said
 
 
-def test_only_what_stands_far_from_zero_is_suspected():
+def test_only_what_is_far_from_zero_is_suspected():
     def beside(half):
         entry = {"estimate": 0.11, "lower": 0.11 - half, "upper": 0.11 + half}
         return sentence(content("identified", DRIFT) | {"undetected_effects": {"frame_compliance.compliance": entry}})
@@ -107,7 +107,7 @@ def test_only_what_stands_far_from_zero_is_suspected():
     assert "frame compliance, 0.11 nm/mN (0.06 to 0.16)" in beside(0.05)
 
 
-def test_an_error_that_rises_is_told():
+def test_an_error_that_rises_is_reported():
     assert "rises from 5.2 to 6.2 nm" in sentence(content("identified", DRIFT, held_out=(5.2, 6.2)))
 
 
@@ -115,7 +115,7 @@ def test_a_suspicion_names_the_effect_that_may_be_none():
     spread = {"estimate": 0.3, "lower": -0.6, "upper": 1.1}
     shifted = {"mechanisms": ["zero_offset"], "probability": 1.0, "parameters": {"zero_offset.offset": spread}}
     said = sentence(content("suspected", shifted))
-    assert "do not suffice to name it, as the zero offset may be zero on average" in said
+    assert "do not suffice to identify it, because the mean of the zero offset may be zero" in said
 
 
 def test_what_the_missing_physics_would_have_to_change_is_said_with_figures():

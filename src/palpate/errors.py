@@ -1,4 +1,4 @@
-"""Errors that a user can act on: each says what came, what was expected and what to do."""
+"""Errors that a user can correct: each states the problem, the remedy, and the place."""
 
 from __future__ import annotations
 

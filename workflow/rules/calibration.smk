@@ -29,7 +29,7 @@ rule calibration:
         "../../scripts/calibration.py"
 
 
-# The diagnosis waits for this one alone.
+# The diagnosis depends on this calibration alone, so it comes first.
 use rule calibration as calibration_on_all with:
     wildcard_constraints:
         condition_set="all",

@@ -57,7 +57,7 @@ def read_study(file=None):
         for each in given:
             read_yaml(
                 each
-            )  # tells a key that is given twice, of which Snakemake keeps the last
+            )  # refuses a key that is given twice, of which Snakemake keeps the last
         name = given[-1] if given else job.CONFIGURATION
         values = job.plain(config)
         if "data" in config and given and not DEFAULT:
@@ -78,7 +78,7 @@ def constant(value):
 
 
 def attempt(receipt):
-    """What differs from the last execution where that left runs on disk that MLflow does not have."""
+    """A value that changes, so that the rule runs again, while runs on disk are not in MLflow yet."""
     if not Path(receipt).is_file():
         return "first"
     found = read_json(receipt)
@@ -87,7 +87,7 @@ def attempt(receipt):
 
 
 def curves(values, accuracy):
-    """What the recordings of every condition are compared with: role and address of the curve at `values`."""
+    """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
         (
             condition.name,

@@ -101,6 +101,6 @@ rule tracking:
     params:
         attempt=attempt(f"{FOLDER}/tracking/receipt.json"),
     message:
-        "runs to MLflow"
+        "sending runs to MLflow"
     script:
         "../../scripts/tracking.py"

@@ -1,4 +1,4 @@
-# One job a batch: its curves go to the store, its table lists where they lie and which failed.
+# One job for each batch: its curves go to the store, its table lists their addresses and those that failed.
 rule snapshots:
     output:
         f"{FOLDER}/snapshots/{{batch}}.csv",

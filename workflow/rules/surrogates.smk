@@ -1,4 +1,4 @@
-# One surrogate a condition.
+# One surrogate for each condition.
 rule surrogate:
     input:
         lambda wildcards: [

@@ -1,1 +1,1 @@
-"""Closed forms and exact laws of indentation, one a file: what a solver can be held to."""
+"""Closed forms and exact laws of indentation, one a file, with which solvers are compared."""

@@ -1,1 +1,1 @@
-"""What every room uses: parameters with their bounds, files in YAML, hashes of content and code."""
+"""What every package uses: parameters with their bounds, files in YAML, hashes of content and code."""

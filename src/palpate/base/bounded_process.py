@@ -1,7 +1,7 @@
 """Parsing in a process of its own whose memory and time are bounded.
 
 A damaged or hostile file can make its parser allocate or loop without end, panic or abort. Here that ends the other
-process, and the caller learns it.
+process, and the caller gets None.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def spared(source: Path, output: Path) -> Path:
 
 
 def written_beside(path: Path, write: Callable[[Path], object]) -> Path:
-    """Write a file, and return where: at `path`, or beside what stands there with another content, as ``NAME_2``.
+    """Write a file, and return where: at `path`, or, where a file with another content exists there, as ``NAME_2``.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def check_values(declared: Iterable[Parameter], values: Mapping[str, object], ow
             checked[parameter.name] = parameter.default
         else:
             raise InputError(
-                f"{owner} lacks its parameter {parameter.name!r}",
+                f"{owner} has no value for its parameter {parameter.name!r}",
                 remedy=f"give {parameter.meaning} in {parameter.unit}",
                 place=parameter.name,
             )

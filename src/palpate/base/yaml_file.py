@@ -1,4 +1,4 @@
-"""YAML files, read so that a mistake is told with its line and a key given twice is not quietly dropped."""
+"""YAML files, read so that an error names its line, and a key that is given twice is refused."""
 
 from __future__ import annotations
 

@@ -89,16 +89,16 @@ def frame_of(tests: Sequence[tuple[np.ndarray, np.ndarray, Sequence[Segment]]]) 
     """Return the frame's compliance from whole tests (load [mN], depth [nm], segments) on one material.
 
     Unloading follows a power law once the frame's deflection is taken off: what was found is taken off, and found anew.
-    Tests whose own unloadings cannot tell are left out; each of the others has four or more, from loads that differ by
-    a factor of three.
+    Tests are left out whose own unloadings do not determine it; each of the others has four or more, from loads that
+    differ by a factor of three.
     """
     known, found = 0.0, None
     for _ in range(ROUNDS):
         seen = [tops(load, depth - known * load, parts) for load, depth, parts in tests]
-        telling = [pair for pair in seen if _tells(pair[0])]
-        if not telling:
+        usable = [pair for pair in seen if _sufficient(pair[0])]
+        if not usable:
             return None
-        left = frame_compliance(telling)
+        left = frame_compliance(usable)
         known, lower, upper = (known + value for value in (left.compliance, left.lower, left.upper))
         found = FrameCompliance(known, lower, upper, left.unloadings)
     return found
@@ -128,13 +128,13 @@ def frame_by_oscillation(tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> Fram
         blocks = [rising[step == k] for k in np.unique(step)]
         values = [(np.median(load[block]), np.median(1.0 / stiffness[block])) for block in blocks]
         loads, compliances = np.array(values).T
-        if _tells(loads):
+        if _sufficient(loads):
             seen.append((loads, compliances))
     return frame_compliance(seen) if seen else None
 
 
 def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> FrameCompliance:
-    """Return the frame's compliance from the tops (loads [mN], compliances [nm/mN]) of tests that can tell.
+    """Return the frame's compliance from the tops (loads [mN], compliances [nm/mN]) of tests with enough of them.
 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
@@ -148,7 +148,7 @@ def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
     return FrameCompliance(slope, min(lower, *others), max(upper, *others), count)
 
 
-def _tells(loads: np.ndarray, start: float = 0.0) -> bool:
+def _sufficient(loads: np.ndarray, start: float = 0.0) -> bool:
     """Return whether the loads (n,) from a share of the largest on are enough and different enough."""
     kept = loads[loads >= start * loads.max()] if len(loads) else loads
     return len(kept) >= FEWEST and kept.max() >= SPAN * kept.min()
@@ -158,7 +158,7 @@ def _from_start(
     tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]], start: float
 ) -> tuple[float, float, float, int] | None:
     """Return slope, 95 % interval and number of points from a share of the largest load on, or None without enough."""
-    lines = [_line(loads, values, start) for loads, values in tops_of_tests if _tells(loads, start)]
+    lines = [_line(loads, values, start) for loads, values in tops_of_tests if _sufficient(loads, start)]
     if not lines:
         return None
     count = sum(len(line.values) for line in lines)

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check the study, and every set of recordings that is not written by the study itself; say what it will do."""
+    """Check the study, and every set of recordings that is not written by the study itself; print what it will do."""
     from palpate.base.yaml_file import read_yaml
     from palpate.configuration.study_file import load_study
     from palpate.workflow_support.expected_time import expected
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def examined(study: Study) -> Iterator[str]:
-    """Check a study and its recordings, each of which is read once, and say what will be done; raises `InputError`."""
+    """Check a study and its recordings, each read once, and yield what will be done; raises `InputError`."""
     from palpate.workflow_support.check_study import checked
     from palpate.workflow_support.data_quality import anomalies
 
@@ -59,18 +59,20 @@ def examined(study: Study) -> Iterator[str]:
 def _described(
     study: Study, counts: Mapping[str, Mapping[str, int]], remarks: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
-    """Say what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
+    """Yield what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
     from palpate.inference.study_recordings import written_by_workflow
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
 
     roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
     count = len(study.cells) * len(roles["calibrate"])
-    yield f"{study.file}: {len(study.cells)} cells, {len(study.conditions)} conditions, {count} snapshots"
+    plural = "s" if len(study.conditions) > 1 else ""
+    yield f"{study.file}: {len(study.cells)} materials, {len(study.conditions)} condition{plural}, {count} snapshots"
     for conditions in conditions_by_shape(study):
         if len(conditions) > 1:
-            yield f"one simulation serves {', '.join(c.name for c in conditions)}, which differ in size alone"
-    yield f"calibrated on {', '.join(roles['calibrate'])}; validated on {', '.join(roles['validate']) or 'nothing'}"
+            yield f"{', '.join(c.name for c in conditions)} differ in size alone: one simulation gives them all"
+    held_out = ", ".join(roles["validate"]) or "no condition"
+    yield f"calibrated on {', '.join(roles['calibrate'])}; validated on {held_out}"
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():

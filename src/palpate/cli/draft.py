@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, vendors' files, or folders of them"
     )
     read.reading_arguments(parser)
-    parser.add_argument("--law", type=_law, help="material model (default: chosen from the tests)")
+    parser.add_argument("--law", type=_law, help="law of the material (default: chosen from the tests)")
     parser.add_argument(
         "--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: as files state, or Berkovich)"
     )
@@ -46,7 +46,7 @@ def _length(text: str) -> float:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the recordings as replicates of the conditions that they are, and the study; say what it does."""
+    """Write the recordings as replicates of the conditions that they are, and the study; print what it will do."""
     from palpate.draft import lines, readable, study_name, write_study
     from palpate.errors import InputError
 

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="add a fourth column with the stiffness by oscillation, where the file has it",
     )
     parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
-    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and leave")
+    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and end")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
 
 
@@ -39,21 +39,25 @@ def reading_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare how vendors' files are read."""
     chosen = parser.add_mutually_exclusive_group()
     chosen.add_argument(
-        "--raw", dest="corrections", action="store_const", const=frozenset(), help="leave the vendor's corrections off"
+        "--raw",
+        dest="corrections",
+        action="store_const",
+        const=frozenset(),
+        help="leave the vendor's corrections of drift and frame off",
     )
     chosen.add_argument(
         "--correct",
         dest="corrections",
         type=_corrections,
         metavar="NAMES",
-        help="apply these alone, such as drift,frame",
+        help="apply these corrections of the vendor alone, such as drift,frame",
     )
     parser.add_argument(
         "--contact",
         type=_contact,
         default="file",
         metavar="file|auto|none|NM",
-        help="begin at the file's contact, at the one found, nowhere (keep the approach), or at this depth",
+        help="begin at the file's contact, at the one found by palpate, nowhere (keep the air), or at a depth [nm]",
     )
     parser.add_argument("--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="columns of a table")
     parser.add_argument(
@@ -61,7 +65,7 @@ def reading_arguments(parser: argparse.ArgumentParser) -> None:
         type=_pairs,
         default={},
         metavar="time=s,load=mN,depth=nm",
-        help="their units, in place of those that the table states; load=-mN turns the sign",
+        help="their units, in place of those that the table states; load=-mN changes the sign",
     )
 
 
@@ -106,7 +110,7 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write one CSV a test, with what the file says of it as comments; with ``--survey`` a figure and a table too."""
+    """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.base.overwrite import spared, written_beside
     from palpate.errors import InputError
     from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
@@ -130,16 +134,16 @@ def run(arguments: argparse.Namespace) -> int:
     paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
     applied = f"corrections in depth: {in_words(arguments.corrections)}"
     arguments.output.mkdir(parents=True, exist_ok=True)
-    say_what_is_wrong(arguments.file, begun)
+    report_problems(arguments.file, begun)
     if arguments.stiffness:
-        _say_where_stiffness_lacks(arguments.file, [test for _, test in readable])
+        _report_missing_stiffness(arguments.file, [test for _, test in readable])
     for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
         notes = (*test.recording.notes, applied, *test.warnings, *facts)
         stiffness = test.recording.stiffness if arguments.stiffness else None
         place = written_beside(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
         if place != path:
-            print(f"palpate: {path}: stands there with another content; written to {place}", file=sys.stderr)
+            print(f"palpate: {path}: exists with another content; written to {place}", file=sys.stderr)
         print(place)
         if surveys and isinstance(found := surveys[number], Survey):
             _draw(found, place.with_suffix(".png"), taken[number])
@@ -168,7 +172,7 @@ def _write_table(
 
 
 def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
-    """Return where a table holds time, load and depth, as the arguments say, if they do.
+    """Return where a table holds time, load and depth, as the arguments state, if they do.
 
     Raises
     ------
@@ -185,7 +189,7 @@ def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
     return ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
 
 
-def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
+def report_problems(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
     """Print what is left out, and what the readers warn of."""
     from palpate.recordings.readers import messages
 
@@ -193,7 +197,7 @@ def say_what_is_wrong(file: Path, tests: Sequence[VendorTest | Unreadable]) -> N
         print(f"palpate: {line}", file=sys.stderr)
 
 
-def _say_where_stiffness_lacks(file: Path, tests: Sequence[VendorTest]) -> None:
+def _report_missing_stiffness(file: Path, tests: Sequence[VendorTest]) -> None:
     """Print, in one line, which tests get no column of the stiffness that was asked for."""
     without = [test.name for test in tests if test.recording.stiffness is None]
     if without:

@@ -23,9 +23,11 @@ PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("study", type=Path, metavar="STUDY.yaml")
-    parser.add_argument("--cores", type=int, default=os.cpu_count() or 1, metavar="N", help="default: all")
+    parser.add_argument(
+        "--cores", type=int, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
+    )
     parser.add_argument("--data", help="vendor's file, in place of the study's source.file")
-    parser.add_argument("-n", "--dry-run", action="store_true", help="say what would be done")
+    parser.add_argument("-n", "--dry-run", action="store_true", help="show what would be done, and do nothing")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,8 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
     with killed_run.marked(here):
         code = _executed(command)
     if code and killed_run.locks(here) and not killed_run.running(here):
-        remedy = "if none runs on another machine either, remove .snakemake/locks"
-        raise PalpateError(f"an execution holds the lock of this folder, {here}, or was killed; {remedy}")
+        remedy = "where none runs on another machine either, remove .snakemake/locks"
+        raise PalpateError(f"the folder {here} is locked by another execution, or by one that was killed; {remedy}")
     return code
 
 

@@ -42,7 +42,7 @@ LONGEST = 60
 
 
 def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
-    """Check the content of a YAML file; unknown keys are reported before the missing ones that they may stand for.
+    """Check the content of a YAML file; unknown keys are reported before missing ones, which they may be meant for.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
         known = error.schema.get("properties", {})
         key = next(key for key in error.instance if key not in known)
         if gone := error.schema.get("removed", {}).get(key):
-            raise InputError(f"{key} is gone: {gone}", remedy="take it out", place=f"{place}.{key}".lstrip("."))
+            raise InputError(f"{key} was removed: {gone}", remedy="take it out", place=f"{place}.{key}".lstrip("."))
         raise InputError(
             f"unknown key {key!r}{suggestion(key, known)}",
             remedy=f"use one of: {', '.join(known)}",
@@ -91,7 +91,7 @@ def _numbers(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tu
 
 
 def _problem(error: jsonschema.ValidationError) -> str:
-    """Say in plain words what the schema does not allow."""
+    """Return in a sentence what the schema does not allow."""
     found: Any = error.instance
     wanted: Any = error.validator_value
     kind = str(error.validator)

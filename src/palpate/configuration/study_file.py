@@ -194,7 +194,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     check_schema(values, schema)
     if values["study"] in SHARED:
         raise InputError(
-            f"{values['study']!r} is what other results are called", remedy="choose another name", place="study"
+            f"{values['study']!r} is reserved for other results", remedy="choose another name", place="study"
         )
     _check_contradictions(values)
     settings = with_defaults(values, schema)
@@ -254,7 +254,7 @@ def _recordings(given: Mapping[str, str]) -> dict[str, Path]:
     for name in given:
         if name in RESERVED:
             raise InputError(
-                f"{name!r} is what other results are called", remedy="choose another name", place="recordings"
+                f"{name!r} is reserved for other results", remedy="choose another name", place="recordings"
             )
     return {name: Path(folder) for name, folder in given.items()}
 
@@ -263,7 +263,9 @@ def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
     """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
     if "source" not in settings:
         if data is not None:
-            raise InputError("data is given, but the study names no source", remedy="leave data off", place="data")
+            raise InputError(
+                "data is given, but the study has no section source", remedy="leave data off", place="data"
+            )
         return {}
     source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
     conditions = [entry["name"] for entry in settings["conditions"]]
@@ -298,11 +300,11 @@ def _check_contradictions(values: Mapping[str, Any]) -> None:
     design, surrogate = values.get("design", {}), values.get("surrogate", {})
     if "points" in design and design.get("kind") != "sobol":
         raise InputError(
-            "the grid of levels has no number of points", remedy="add kind: sobol, or leave it out",
+            "points applies to kind: sobol alone", remedy="add kind: sobol, or leave points out",
             place="design.points",
         )  # fmt: skip
     if "energy" in surrogate and surrogate.get("n_modes") is not None:
-        raise InputError("n_modes takes its place", remedy="keep one of them", place="surrogate.energy")
+        raise InputError("energy has no effect beside n_modes", remedy="keep one of them", place="surrogate.energy")
     if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
         raise InputError(
             "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
@@ -314,7 +316,9 @@ def _check_laboratories(study: Study) -> None:
     for key, settings in study.laboratory.items():
         place = f"laboratory.{key}"
         if key not in study.recordings:
-            raise InputError("it writes no recordings", remedy=f"add the folder of {key} to recordings", place=place)
+            raise InputError(
+                f"{key} is no set of recordings", remedy=f"add the folder of {key} to recordings", place=place
+            )
         try:
             study.specification(settings["parameters"], study.conditions[0])
         except InputError as error:

@@ -42,7 +42,7 @@ def reduce_levels(levels: Mapping[str, Sequence[float]], analysis: Anova) -> dic
     Raises
     ------
     InputError
-        When the analysis lacks a factor.
+        When the analysis does not have the factors of the grid.
     """
     counts = level_counts(analysis)
     if set(counts) != set(levels):

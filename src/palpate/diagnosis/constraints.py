@@ -63,9 +63,11 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
         laws.append(drift)
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
-        words = f"no faster than late in holds, {len(fastest)}"
+        source = f"no faster than late in holds, {len(fastest)}"
         laws.append(
-            AmplitudeConstraint("thermal_drift", "rate", rate, -np.inf, upper, words, breaking(Assumption.STEADY_DRIFT))
+            AmplitudeConstraint(
+                "thermal_drift", "rate", rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)
+            )
         )
     return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
@@ -102,7 +104,7 @@ def _frame_by_tops(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     """Return the frame from the tops of unloadings, with each test's drift subtracted where a hold gives it."""
     of_drift = OF_HOLDS if all(found.drift for found in seen) else (*OF_HOLDS, Assumption.NO_DRIFT)
     frame = frame_of([(found.load, _without_drift(found), found.parts) for found in seen])
-    return _law_of(frame, "tops of unloadings", OF_TOPS + of_drift) if frame else None
+    return _law_of(frame, "initial slopes of unloadings", OF_TOPS + of_drift) if frame else None
 
 
 def _without_drift(found: Survey) -> np.ndarray:
@@ -127,8 +129,8 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Ampl
     return [_law_of(frame, "unloadings of a solid of known modulus", (Assumption.ONE_COMPLIANCE,))]
 
 
-def _law_of(frame: FrameCompliance, words: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
-    interval, source = (frame.compliance, frame.lower, frame.upper), f"{words}, {frame.unloadings}"
+def _law_of(frame: FrameCompliance, measured_by: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
+    interval, source = (frame.compliance, frame.lower, frame.upper), f"{measured_by}, {frame.unloadings}"
     return AmplitudeConstraint("frame_compliance", "compliance", *interval, source, breaking(*assumed))
 
 

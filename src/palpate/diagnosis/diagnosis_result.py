@@ -121,7 +121,7 @@ def _rms(values: pd.Series) -> float:
 
 
 def limits(study: Study, problem: Problem) -> list[str]:
-    """Say what cannot be known from these recordings."""
+    """Return what cannot be known from these recordings, in sentences."""
     count, messages = len(problem.conditions), []
     if not problem.replicated:
         messages.append(
@@ -145,12 +145,17 @@ def limits(study: Study, problem: Problem) -> list[str]:
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
     if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        hidden = ", ".join(mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load)
-        messages.append(f"All tests reach the same {kinds.pop()}: the material's parameters can compensate {hidden}.")
+        effects = ", ".join(
+            mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load
+        )
+        messages.append(
+            f"All tests reach the same largest {kinds.pop()}: a change of the material's parameters can have the same "
+            f"effect as {effects}."
+        )
     if study.calibration["solver_error"] >= COARSE:
         messages.append(
-            f"The simulation is taken to err by {study.calibration['solver_error']:.0%} of the depth: a misfit "
-            "within that counts as explained, though it may be far above the noise."
+            f"The study allows the simulation an error of {study.calibration['solver_error']:.0%} of the depth: a "
+            "misfit within it counts as explained, even far above the noise."
         )
     if not any(item.role == "validate" for item in problem.observed.values()):
         messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")
@@ -158,7 +163,7 @@ def limits(study: Study, problem: Problem) -> list[str]:
 
 
 def far_out(diagnosis: Diagnosis) -> list[str]:
-    """Say which quantities of the most likely explanation lie outside their ranges."""
+    """Return which quantities of the most likely explanation lie outside their ranges."""
     fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
     found = outside(fits[0])
     if not found:
@@ -167,7 +172,7 @@ def far_out(diagnosis: Diagnosis) -> list[str]:
 
 
 def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
-    """Say which effect on single recordings depends on the test, where no explanation was accepted."""
+    """Return which effect on single recordings depends on the test, where no explanation was accepted."""
     if diagnosis.verdict != "unexplained":
         return []
     found = p_between_tests(diagnosis.tried[0].fit, rng)
@@ -176,8 +181,8 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
         return []
     return [
         f"The most likely explanation that was tried needs another value of {' and '.join(titles)} for each test, "
-        "while replicates agree: this is no effect of single recordings. Either the instrument changed between the "
-        "tests, or an effect that depends on the test is not in the library."
+        "while replicates agree. So this is no effect of single recordings: either the instrument changed between the "
+        "tests, or the missing effect depends on the test and is not in the library."
     ]
 
 

@@ -68,7 +68,7 @@ def _weights(fit: Fit, conditions: Sequence[Condition], which: np.ndarray) -> np
 
 
 def in_words(content: Mapping[str, Any]) -> str:
-    """Say what the missing physics would have to change, most certain first; nothing where no part is certain."""
+    """Return what the missing physics would have to change, most significant first; only significant parts count."""
     changes: dict[str, str] = {}
     for row in content["location"]:
         if row["q_value"] < CERTAIN and row["segment"] not in changes:
@@ -77,13 +77,13 @@ def in_words(content: Mapping[str, Any]) -> str:
             changes[row["segment"]] = f"{change} of {row['condition']} ({row['residual_nm']:+.2g} nm)"
     if not changes:
         return ""
-    words = f" What is missing would have to {_joined(list(changes.values()))}"
+    text = f" What is missing would have to {_joined(list(changes.values()))}"
     for trend in content["trends"]:
         if trend["p_value"] < CERTAIN:
             ends = f"{trend['from']:.3g} to {trend['to']:.3g} {trend['unit']}"
             change = f"{trend['residual_from']:+.1%} to {trend['residual_to']:+.1%} of the depth"
-            words += f"; from a {trend['by']} of {ends} the difference goes from {change}"
-    return f"{words}."
+            text += f"; from a {trend['by']} of {ends} the difference goes from {change}"
+    return f"{text}."
 
 
 def _joined(parts: Sequence[str]) -> str:

@@ -29,7 +29,7 @@ ADDED = np.linspace(0.0, 1.0, 9)
 SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
-PROMISING = 3  # amplitudes of least misfit, at which a search may begin
+STARTS = 3  # amplitudes of least misfit, at which a search may begin
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +96,10 @@ class Screen:
         return replace(fit, curve=fit.curve + effect + fit.tangent @ change)
 
     def starts(self, fit: Fit, key: str) -> list[np.ndarray]:
-        """Return where searches may begin for a fit and one more mechanism, the most promising first.
+        """Return where searches may begin for a fit and one more mechanism, that of least misfit first.
 
         At the amplitudes of least misfit, the material's parameters and the other amplitudes take half of their
-        first-order step. Where the model bends much that step leads astray, so at others they stay; the last is the
+        first-order step. Where the model is far from linear that step is wrong, so at others they stay; the last is the
         weakest effect, which leaves the fit about as it is.
         """
         if not fit.problem.is_simulated(key) and self.trials[key].shape[1] > 1:
@@ -107,9 +107,9 @@ class Screen:
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
         change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
-        moved = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:PROMISING]
+        moved = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:STARTS]
         change = np.clip(0.5 * change, -0.5, 0.5)
-        staying = np.argsort(np.sum(left**2, axis=0))[:PROMISING]
+        staying = np.argsort(np.sum(left**2, axis=0))[:STARTS]
         weakest = np.argmin(np.sum(fit.whiten(self.effects[key].T) ** 2, axis=0))
         steps = [(change[:, i], i) for i in moved] + [(np.zeros(len(fit.z)), i) for i in (*staying, weakest)]
         return [np.concatenate([fit.z + step, self.trials[key][i]]) for step, i in steps]
@@ -143,7 +143,7 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
         start[where] += change[len(fit.z) :]
         moved = fit.z + np.clip(change[: len(fit.z)], -0.5, 0.5)
         found.append((-float(change @ design.T @ fit.white), np.append(moved, start[material:])))
-    return [start for _, start in sorted(found, key=lambda each: each[0])[:PROMISING]] + [none]
+    return [start for _, start in sorted(found, key=lambda each: each[0])[:STARTS]] + [none]
 
 
 def count_of_trials(problem: Problem, key: str) -> int:

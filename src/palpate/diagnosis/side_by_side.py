@@ -1,7 +1,7 @@
 """Fits side by side: those that may be asked for next are begun where a core would be idle.
 
 A search asks for one fit after another, and each answer decides whether the next one is worth its time. With several
-threads the most promising ones are begun meanwhile; one that is not asked for is dropped, so that the answers do not
+threads the most likely ones are begun meanwhile; one that is not asked for is dropped, so that the answers do not
 depend on the number of threads. Compiled kernels run without the interpreter's lock.
 """
 

@@ -1,4 +1,4 @@
-"""A diagnosis in one paragraph of plain words."""
+"""The summary of a diagnosis in one paragraph."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 
-RISEN = 1.05  # ratio of errors from which one says that they rise
-CLEARLY = 0.01  # p-value below which what is left is called more than noise
+RISEN = 1.05  # ratio of errors from which they are reported to rise
+CLEARLY = 0.01  # p-value below which a residual is called more than noise
 
 
 def sentence(content: Mapping[str, Any]) -> str:
-    """Say what a diagnosis found, from the content of `diagnosis.json`."""
+    """Return the summary of a diagnosis, from the content of `diagnosis.json`."""
     verdict, p = content["verdict"], content["p_value"]
     probability = _probability(p)
     if verdict == "adequate":
-        return f"The base model explains the recordings to their noise ({probability}); nothing is claimed."
+        return f"The base model explains the recordings to their noise ({probability}); no further effect is claimed."
     start = f"The base model does not explain the recordings ({probability}){_where(content)}."
     if verdict == "unexplained":
         none = "No set of known mechanisms that was tried explains it: something else is missing."
@@ -30,10 +30,10 @@ def sentence(content: Mapping[str, Any]) -> str:
         claim = _claim(content["candidates"][0])
         return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
     if verdict == "suspected":
-        best = f"What explains it best: {_claim(content['candidates'][0])}"
+        best = f"The best explanation: {_claim(content['candidates'][0])}"
         uncertain = _may_be_none(content["candidates"][0])
-        why = f", as the {uncertain} may be zero on average" if uncertain else ""
-        return f"{start} {best}. These recordings do not suffice to name it{why}; {_gain(content)}."
+        why = f", because the mean of the {uncertain} may be zero" if uncertain else ""
+        return f"{start} {best}. These recordings do not suffice to identify it{why}; {_gain(content)}."
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     test = content["discriminating_test"]
     further = (
@@ -47,7 +47,7 @@ def sentence(content: Mapping[str, Any]) -> str:
 
 
 def _may_be_none(candidate: Mapping[str, Any]) -> str:
-    """Return the effects of the instrument whose intervals contain zero, in words."""
+    """Return the titles of the effects of the instrument whose intervals contain zero."""
     found = []
     for key in candidate["mechanisms"]:
         mechanism = MECHANISMS[key]
@@ -74,7 +74,7 @@ def _amount(value: float, parameter: Parameter, digits: int = 3) -> str:
 
 
 def _claim(candidate: Mapping[str, Any]) -> str:
-    """Name an explanation with its amplitudes."""
+    """Return the title of an explanation with its amplitudes."""
     claims = []
     for key in candidate["mechanisms"]:
         title, values = MECHANISMS[key].title, []
@@ -88,7 +88,7 @@ def _claim(candidate: Mapping[str, Any]) -> str:
 
 
 def _nearest(content: Mapping[str, Any]) -> str:
-    """Name the most likely explanation, where it clearly leaves more than noise."""
+    """Return the most likely explanation, where its residual is clearly more than noise."""
     best = content["tried"][0]
     if not best["mechanisms"] or best["p_value"] is None or best["p_value"] >= CLEARLY:
         return ""
@@ -107,14 +107,14 @@ def _probability(p: float) -> str:
 
 
 def _in_all(content: Mapping[str, Any]) -> str:
-    """Say which effects all accepted explanations have in common."""
+    """Return the effects that all accepted explanations have in common."""
     shared = set.intersection(*(set(candidate["mechanisms"]) for candidate in content["candidates"]))
     titles = " and ".join(MECHANISMS[key].title for key in sorted(shared))
     return f" All of them need {titles}." if shared else ""
 
 
 def _suspected(content: Mapping[str, Any]) -> str:
-    """Name effects that are not needed, but would differ from zero if they joined, at a family-wise 1 %.
+    """Return effects that are not needed, but would differ from zero if they were added, at a family-wise 1 %.
 
     The intervals are wider where few replicates determine the noise; at 1 % the same factor is assumed.
     """
@@ -130,29 +130,31 @@ def _suspected(content: Mapping[str, Any]) -> str:
 
 
 def _where(content: Mapping[str, Any]) -> str:
-    """Say where the misfit is clearest."""
+    """Return where the misfit is most significant."""
     found = [row for row in content["location"] if row["q_value"] < CERTAIN]
     if not found:
         return ""
     row = found[0]
     part = "" if row["part"] == "whole" else f"{row['part']} "
+    segment = "the hold" if row["segment"] == "hold" else row["segment"]
     sign = "+" if row["residual_nm"] > 0.0 else ""
-    return f", most clearly in {part}{row['segment']} of {row['condition']} ({sign}{rounded(row['residual_nm'], 2)} nm)"
+    residual = f"recorded less simulated depth {sign}{rounded(row['residual_nm'], 2)} nm"
+    return f", most clearly {part}in {segment} of {row['condition']} ({residual})"
 
 
 def _gain(content: Mapping[str, Any]) -> str:
-    """Say how the errors fall."""
+    """Return how the errors change."""
     fit = content["fit"]
-    role, words = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
+    role, tests = ("validate", "held-out") if fit["validate"]["before_rmse_nm"] is not None else ("calibrate", "fitted")
     before, after = fit[role]["before_rmse_nm"], fit[role]["after_rmse_nm"]
     change = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
     if after > RISEN * before:
         change = f"rises from {before:.1f} to {after:.1f} nm"
-    return f"the {words} error {change}, where noise and scatter alone make {fit['noise_nm']:.1f} nm"
+    return f"the {tests} error {change}; noise and scatter alone would leave {fit['noise_nm']:.1f} nm"
 
 
 def _bias(content: Mapping[str, Any]) -> str:
-    """Say which material parameter was biased most without the effect, in half-widths of its interval."""
+    """Return which material parameter was biased most without the effect, in half-widths of its interval."""
     before, after = content["parameters"]["before"], content["parameters"]["after"]
 
     def moved(name: str) -> float:

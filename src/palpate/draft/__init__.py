@@ -1,4 +1,4 @@
-"""A first study of recordings: what they say is written down, what they do not say is guessed and marked as such."""
+"""A first study of recordings: what files state is taken, all else is guessed and marked as such."""
 
 from palpate.draft.drafted import Drafted, assumed
 from palpate.draft.first_study import FirstStudy, write_study

@@ -23,7 +23,7 @@ from palpate.recordings.segments import segments
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which nobody minds what is assumed
-PULLED = 0.02  # of the largest load, a pull on the tip that is told
+PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 CLEAR = 10.0  # standard deviations of the load, likewise
 
 
@@ -38,7 +38,7 @@ class Drafted:
     source
         What the reader found in the file.
     assumed
-        How long the loading is that no point tells [s]: the test begins under load, or 0.
+        How long the loading is that no point records [s]: the test begins under load, or 0.
     preload
         Under which load it begins [mN].
     pull
@@ -53,9 +53,9 @@ class Drafted:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What the file says of tip and sample; a recording that `palpate read` has written says it in its comments."""
-        said = (note.partition(": ") for note in self.recording.notes)
-        return {key: value for key, _, value in said if value} | dict(self.source.metadata)
+        """What the file states of tip and sample; a recording written by `palpate read` states it in its comments."""
+        stated = (note.partition(": ") for note in self.recording.notes)
+        return {key: value for key, _, value in stated if value} | dict(self.source.metadata)
 
     @classmethod
     def of(
@@ -66,7 +66,7 @@ class Drafted:
         Parameters
         ----------
         file, test
-            Where it stands, and what was read there.
+            Where it is, and what was read there.
         corrections
             That its depth holds; None for the vendor's own.
         whole
@@ -87,8 +87,8 @@ class Drafted:
         if not assumed:
             return cls(replace(begun, notes=notes), test, pull=pull)
         preload = float(test.recording.load[0])
-        told = f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed"
-        return cls(replace(begun, notes=(*notes, told)), test, assumed, preload, pull)
+        note = f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed"
+        return cls(replace(begun, notes=(*notes, note)), test, assumed, preload, pull)
 
 
 def assumed(tests: Sequence[Drafted]) -> list[str]:
@@ -137,8 +137,8 @@ def _assumed(recording: Recording, begun: Recording) -> float:
 
 def _provenance(file: Path, test: VendorTest, corrections: frozenset[str] | None) -> tuple[str, ...]:
     """Return the comments of `palpate read`, with the file as it was given."""
-    said = [note for note in test.recording.notes if note != f"from {file.name}"]
-    if not any(note.startswith(CORRECTED) for note in said):
-        said.append(CORRECTED + in_words(corrections))
+    notes = [note for note in test.recording.notes if note != f"from {file.name}"]
+    if not any(note.startswith(CORRECTED) for note in notes):
+        notes.append(CORRECTED + in_words(corrections))
     facts = (f"{key}: {value}" for key, value in test.metadata.items())
-    return (printable(f"from {file}, {test.name}"), *said, *test.warnings, *facts)
+    return (printable(f"from {file}, {test.name}"), *notes, *test.warnings, *facts)

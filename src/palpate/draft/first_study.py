@@ -65,11 +65,11 @@ def write_study(
     ----------
     tests
     output
-        Folder of what is written: ``study.yaml`` and ``recordings``, neither of which may stand there.
+        Folder of what is written: ``study.yaml`` and ``recordings``, neither of which may exist.
     name
         Of the study.
     report
-        Told of tests that are left out, and why.
+        Called with one line for each test that is left out, with the reason.
     law
         Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
     sphere
@@ -80,9 +80,9 @@ def write_study(
     InputError
         When no test is left, or the study would not be sound; nothing is left behind.
     """
-    for standing in (output / "study.yaml", output / "recordings"):
-        if standing.exists():
-            raise InputError("stands there already", remedy="name another output, or move it away", file=standing)
+    for existing in (output / "study.yaml", output / "recordings"):
+        if existing.exists():
+            raise InputError("exists already", remedy="name another output, or move it away", file=existing)
     tests = _without_copies(tests, report)
     stated = Stated.by_all([test.facts for test in tests])
     tip = KnownTip.of(stated, sphere, float(np.median([test.recording.depth.max() for test in tests])))
@@ -139,7 +139,7 @@ def _drafted(
 ) -> FirstStudy:
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
-    stated, said = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
+    stated, facts_by_name = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
     solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
     ratio = stated.poisson_ratio or (OF_GELS if solid.secant < LINEAR else POISSON_RATIO)
     solid = Solid.of(recordings, tip, ratio)
@@ -150,7 +150,11 @@ def _drafted(
     guessed = ranges(chosen[0], solid, shortest)
     table = guess_table(chosen, solid, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
     deepest = float(np.median([recording.depth.max() for recording in recordings]))
-    remarks = [*not_taken(said, stated, tip, deepest, ratio), *of_the_instrument(said), *unlike(recordings, tip)]
+    remarks = [
+        *not_taken(facts_by_name, stated, tip, deepest, ratio),
+        *of_the_instrument(facts_by_name),
+        *unlike(recordings, tip),
+    ]
     remarks += [*assumed(tests), *pulled(tests)]
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
@@ -169,11 +173,11 @@ def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
 
 def _on_stiffness(law: str, solid: Solid) -> list[str]:
     """Return a remark on a solid that is as stiff as no polymer is, or as soft as no plastic."""
-    told = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is"
+    remark = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is"
     if law == POLYMER and solid.stiff:
-        return [f"{told} no polymer's; --law bilinear_plasticity is for metals and ceramics; or are loads in uN?"]
+        return [f"{remark} no polymer's; --law bilinear_plasticity is for metals and ceramics; or are loads in uN?"]
     if solid.secant < SOFTEST_PLASTIC:
-        return [f"{told} a gel's or a rubber's; where it is neither: are depths in pm, or loads in N?"]
+        return [f"{remark} a gel's or a rubber's; where it is neither: are depths in pm, or loads in N?"]
     return []
 
 

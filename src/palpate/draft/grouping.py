@@ -62,7 +62,7 @@ def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Gro
     Raises
     ------
     InputError
-        When a test is too short to tell its segments; with the recording's name as the file.
+        When a test is too short to find its segments; with the recording's name as the file.
     """
     found: list[list[Recording]] = []
     for recording in recordings:
@@ -90,7 +90,7 @@ def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Gro
 
 
 def _suffix(earlier: int) -> str:
-    """Return what tells a name from so many earlier ones: nothing, b to z, z26, z27, ..."""
+    """Return what distinguishes a name from so many earlier ones: nothing, b to z, z26, z27, ..."""
     if earlier < len(ascii_lowercase):
         return ascii_lowercase[earlier] if earlier else ""
     return f"z{earlier}"

@@ -70,7 +70,7 @@ def guess_table(
         if name in CREEP and solid.secant < LINEAR:
             why = "linear creep, as of gels and rubbers"
         shown = " to ".join(f"{value:.4g}" for value in values)
-        rows.append(Guess(name, f"{shown} {units[name].replace('-', '')}".strip(), f"guess: {why}"))
+        rows.append(Guess(name, f"{shown} {'' if units[name] == '-' else units[name]}".strip(), f"guess: {why}"))
     return rows
 
 
@@ -90,7 +90,7 @@ def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) ->
             continue
         shown = "no unloading determines it" if math.isnan(ours) else f"{ours:.4g} GPa"
         count = f" (median of {len(theirs)} tests)" if len(theirs) > 1 else ""
-        vendor = f"the files say {float(np.median(theirs)):.4g} GPa{count}" if theirs else "the files say nothing"
+        vendor = f"the files state {float(np.median(theirs)):.4g} GPa{count}" if theirs else "the files state none"
         rows.append(Guess(f"{what} by unloading", shown, vendor))
     return rows
 

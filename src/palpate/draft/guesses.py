@@ -1,4 +1,4 @@
-"""Guessed ranges of a law's parameters, about what recordings tell of the solid without simulations."""
+"""Guessed ranges of a law's parameters, from what recordings show of the solid without simulations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_POINTS = 128
 def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ...]]:
     """Return guessed ranges of a law's parameters; one value holds a parameter constant.
 
-    A solid that creeps is stiffer than an elastic one as deep, and its unloadings tell no modulus, as creep goes on in
+    A solid that creeps is stiffer than an elastic one as deep, and its unloadings give no modulus, as creep goes on in
     them, unless it is stiffer than a polymer. One that yields unloads elastically, but a frame left in the depth
     flattens that. Without unloading its modulus is thought of as three times that of the elastic body as deep, which
     has the hardness of a metal. The yield stress lies between a fifth and nine tenths of the hardness (Johnson, Contact
@@ -35,7 +35,7 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     Raises
     ------
     InputError
-        When the law has parameters of which recordings tell nothing.
+        When the law has parameters of which recordings show nothing.
     """
     declared = law_of(law).declared({})
     names = [parameter.name for parameter in declared]
@@ -103,7 +103,7 @@ def reason(law: str, solid: Solid) -> str:
     """Return in words where the range of the modulus comes from."""
     if "yield_stress" in [parameter.name for parameter in law_of(law).declared({})]:
         if math.isnan(solid.modulus):
-            return f"no unloading tells a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
+            return f"no unloading gives a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
         return f"about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
-    more = "" if law == "elastic" else "; creep asks for more"
+    more = "" if law == "elastic" else "; creep requires a larger one"
     return f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa{more}"

@@ -1,4 +1,4 @@
-"""Which law a draft asks for, told from how the tests load, creep in their holds and recover."""
+"""Which law a draft takes, chosen by how the tests load, creep in their holds and recover."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def chosen_law(solid: Solid) -> tuple[str, str]:
     if solid.stiff:
         by = "an elastic body as deep" if math.isnan(solid.modulus) else "unloading"
         value = solid.secant if math.isnan(solid.modulus) else solid.modulus
-        return METAL, f"{by} tells {value:.3g} GPa; no polymer is stiffer than {STIFFEST_POLYMER:g}"
+        return METAL, f"{by} gives {value:.3g} GPa; no polymer is stiffer than {STIFFEST_POLYMER:g}"
     if solid.returned > ALL_RETURNED and not solid.creep > NO_CREEP:
         return ELASTIC, f"unloading gives {solid.returned:.0%} of the work back"
     creep = "" if math.isnan(solid.creep) else f"; the depth grows by {solid.creep:.1%} in the hold"

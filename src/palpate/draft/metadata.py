@@ -1,4 +1,4 @@
-"""What files say of tip and sample: taken where all say it alike, else told with the reason why it is not taken."""
+"""What files state of tip and sample: taken where all agree, else reported with the reason why it is not taken."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from palpate.draft.solid import POISSON_RATIO
 from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio
 
 BERKOVICH, NEAR = 24.5, 0.05
-Said = Sequence[tuple[str, Mapping[str, Any]]]
+NamedMetadata = Sequence[tuple[str, Mapping[str, Any]]]
 
 
 def not_taken(
-    tests: Said, stated: Stated, tip: KnownTip, deepest: float = 0.0, ratio: float = POISSON_RATIO
+    tests: NamedMetadata, stated: Stated, tip: KnownTip, deepest: float = 0.0, ratio: float = POISSON_RATIO
 ) -> list[str]:
     """Return one remark for each of tip and Poisson's ratio that is stated and not taken.
 
@@ -26,7 +26,7 @@ def not_taken(
     stated
         What was taken.
     tip
-        That is used; nothing is said of the files' tips where one was given.
+        That is used; no message is given on the files' tips where one was given.
     deepest
         Largest depth of the tests [nm].
     ratio
@@ -35,8 +35,8 @@ def not_taken(
     remarks = []
     if stated.poisson_ratio is None:
         ratios = {name: poisson_ratio(each) for name, each in tests}
-        said = {name: "" if ratio is None else f"{ratio:g}" for name, ratio in ratios.items()}
-        remarks += _remark("Poisson's ratio", said, "it is not above 0 and below 0.5", f"{ratio:g} is guessed")
+        stated_ratios = {name: "" if ratio is None else f"{ratio:g}" for name, ratio in ratios.items()}
+        remarks += _remark("Poisson's ratio", stated_ratios, "it is not above 0 and below 0.5", f"{ratio:g} is guessed")
     if tip.why.startswith("guess"):
         tips = {name: coefficients(each) for name, each in tests}
         if not all(_ideal(area) for area in tips.values()):
@@ -51,20 +51,20 @@ def not_taken(
     return remarks
 
 
-def of_the_instrument(tests: Said) -> list[str]:
+def of_the_instrument(tests: NamedMetadata) -> list[str]:
     """Return one remark with what files say of frame, drift and temperature."""
-    said = of_instrument(tests[0][1])
-    if not said:
+    entries = of_instrument(tests[0][1])
+    if not entries:
         return []
-    differ = any(of_instrument(each) != said for _, each in tests)
+    differ = any(of_instrument(each) != entries for _, each in tests)
     which = f"{tests[0][0]} states" if differ and len(tests) > 1 else "the files state"
-    return [f"{which}: {', '.join(said)}; each recording says which corrections its depth holds"]
+    return [f"{which}: {', '.join(entries)}; each recording states which corrections its depth contains"]
 
 
-def _remark(what: str, said: Mapping[str, str], reason: str, instead: str) -> list[str]:
+def _remark(what: str, entries: Mapping[str, str], reason: str, instead: str) -> list[str]:
     """Return what tests say, each value with the first test that says it; nothing where none says anything."""
     tests_of: dict[str, list[str]] = {}
-    for name, value in said.items():
+    for name, value in entries.items():
         tests_of.setdefault(value, []).append(name)
     if not any(tests_of):
         return []

@@ -1,7 +1,7 @@
 """Groups of tests that one method has made, though they reach different loads or displacements.
 
 Under depth or strain-rate control the specimen decides the load; behind a cantilever the height at which it is touched
-decides how far the piezo goes on. Two signs tell such tests from those of several sizes: they end their loading at one
+decides how far the piezo goes on. Two signs distinguish them from tests of several sizes: they end their loading at one
 depth, while the depths of unlike loads differ by the root of these; or they are many, and their sizes form no levels,
 but spread.
 """
@@ -22,7 +22,7 @@ SHAPE = 0.05  # of the largest, root mean square, by which normalised histories 
 LONGER = 1.5  # ratio of durations of one method
 SAME_DEPTH = 0.25  # of what the loads would make the depths differ by, that they differ at most
 SPREAD = 1.5  # ratio of the sizes of one condition, the largest to the least
-MANY = 6  # tests that tell a spread from levels
+MANY = 6  # tests that distinguish a spread from levels
 GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
 GRID = np.linspace(0.0, 1.0, 201)
 LOADED = 0.98

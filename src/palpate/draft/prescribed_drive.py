@@ -75,7 +75,7 @@ class Drive:
         return recording.depth + self.compliance * recording.load
 
     def followed(self, recording: Recording) -> Protocol:
-        """Return the history of the drive that a recording, from contact on, tells."""
+        """Return the history of the drive that a recording gives from contact on."""
         return recorded(recording.time, self.of(recording), control=self.control, compliance=self.compliance)
 
 

@@ -26,7 +26,7 @@ def readable(
     files
         Recordings, vendors' files, or folders of them.
     report
-        Told of what is left out, and of what the readers warn of.
+        Called with one line for what is left out, and for each warning of the readers.
     contact, corrections, columns
         As for `palpate.recordings.readers.read_vendor_file`.
 

@@ -12,7 +12,7 @@ from pathlib import Path
 def taken_back_if_unsound(study: Path, folder: Path) -> Iterator[None]:
     """Remove a study, its `folder` of recordings and the folders made for them when the block ends with an error.
 
-    Neither of the two may stand there before; what else lies in an output folder stays.
+    Neither of the two may exist before; what else lies in an output folder stays.
     """
     made = [path for path in folder.parents if not path.exists()]
     try:

@@ -1,4 +1,4 @@
-"""What recordings tell of a solid without simulations: its modulus, how it flows, and whether units can be right."""
+"""What recordings show of a solid without simulations: its modulus, how it flows, and whether units can be right."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BERKOVICH = KnownTip()
 
 @dataclass(frozen=True)
 class Solid:
-    """What recordings tell of a solid without simulations, medians of the tests.
+    """What recordings show of a solid without simulations, medians of the tests.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Solid:
         Modulus of an elastic half-space that is as deep at the largest load (Sneddon 1965, Hertz 1882) [GPa].
     modulus, hardness
         By unloading (W.C. Oliver and G.M. Pharr, J. Mater. Res. 7 (1992) 1564-1583) under a diamond tip [GPa]; NaN
-        where no test has one that tells them.
+        where no test has one that gives them.
     creep
         How much the depth grows while the load is held, as a part of it; NaN where no load is held.
     returned
@@ -62,7 +62,7 @@ class Solid:
 
     @property
     def stiff(self) -> bool:
-        """Whether it is stiffer than any polymer, by its unloading or, where that tells nothing, by its depth."""
+        """Whether it is stiffer than any polymer, by its unloading or, where that gives none, by its depth."""
         return max(self.secant, 0.0 if math.isnan(self.modulus) else self.modulus) > STIFFEST_POLYMER
 
 
@@ -72,7 +72,7 @@ def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
 
 
 def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> tuple[float, float]:
-    """Return modulus and hardness [GPa] by unloading, NaN where it does not tell them."""
+    """Return modulus and hardness [GPa] by unloading, NaN where it does not give them."""
     with suppress(InputError):
         area = tip.area_at(float(recording.depth.max()))
         found = oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=TipConstants(area) if area else None)

@@ -1,4 +1,4 @@
-"""What vendors' files say of tip, instrument and sample beside their curves, by the names that the vendors give it."""
+"""What vendors' files state of tip, instrument and sample beside their curves, by the vendors' names."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _shared(values: Sequence[Value], otherwise: Value) -> Value:
 def quantity(
     metadata: Mapping[str, Any], named: re.Pattern[str], units: Mapping[str, float], usual: str = ""
 ) -> float | None:
-    """Return the first positive quantity of that name, whose unit stands behind it or in brackets in its name.
+    """Return the first positive quantity of that name, whose unit is behind it or in brackets in its name.
 
     Parameters
     ----------
@@ -112,12 +112,12 @@ def quantity(
     usual
         The unit where none is stated; such an entry does not count where this is empty.
     """
-    for name, said in metadata.items():
-        value = _number(said) if named.match(name.strip()) else None
+    for name, entry in metadata.items():
+        value = _number(entry) if named.match(name.strip()) else None
         if value is None or value <= 0.0:
             continue
         in_name = re.search(r"[\[(]([^\])=]+)[\])]\W*$", name)
-        unit = plain(str(said).partition(" ")[2]) or (plain(in_name[1]) if in_name else usual)
+        unit = plain(str(entry).partition(" ")[2]) or (plain(in_name[1]) if in_name else usual)
         if unit in units:
             return value * units[unit]
     return None
@@ -140,11 +140,13 @@ def of_instrument(metadata: Mapping[str, Any]) -> list[str]:
 
 
 def _said(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
-    return next((f"{name.strip()} {said}" for name, said in metadata.items() if named.match(name.strip()) and said), "")
+    return next(
+        (f"{name.strip()} {entry}" for name, entry in metadata.items() if named.match(name.strip()) and entry), ""
+    )
 
 
 def _entry(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
-    return next((str(said).strip() for name, said in metadata.items() if named.match(name.strip())), "")
+    return next((str(entry).strip() for name, entry in metadata.items() if named.match(name.strip())), "")
 
 
 def _radius(metadata: Mapping[str, Any]) -> float | None:
@@ -154,8 +156,8 @@ def _radius(metadata: Mapping[str, Any]) -> float | None:
 
 def _shape(metadata: Mapping[str, Any]) -> str:
     """Return the shape of the tip that an entry names."""
-    said = " ".join(str(value) for name, value in metadata.items() if SHAPE.fullmatch(name.strip())).lower()
-    return next((shape for shape, words in SHAPES.items() if re.search(words, said)), "")
+    shapes = " ".join(str(value) for name, value in metadata.items() if SHAPE.fullmatch(name.strip())).lower()
+    return next((shape for shape, words in SHAPES.items() if re.search(words, shapes)), "")
 
 
 def _area(metadata: Mapping[str, Any]) -> tuple[float, ...]:
@@ -182,14 +184,14 @@ def coefficients(metadata: Mapping[str, Any]) -> tuple[float, ...]:
 
 def poisson_ratio(metadata: Mapping[str, Any]) -> float | None:
     """Return what a file states as its sample's Poisson's ratio, whatever that is; None where it states none."""
-    said = [_number(value) for name, value in metadata.items() if OF_SAMPLE.match(name)]
-    return next((value for value in said if value is not None), None)
+    ratios = [_number(value) for name, value in metadata.items() if OF_SAMPLE.match(name)]
+    return next((value for value in ratios if value is not None), None)
 
 
-def _number(said: object) -> float | None:
+def _number(entry: object) -> float | None:
     """Return the number with which an entry begins, before its unit; None where there is none."""
     try:
-        value = number(str(said).split()[0])
+        value = number(str(entry).split()[0])
     except (ValueError, IndexError):
         return None
     return value if math.isfinite(value) else None

@@ -20,15 +20,15 @@ from palpate.materials import law_of
 
 WIDTH = 116  # of a comment, without its sign
 STUDY = Template("""\
-# A first study, drafted from recordings. Load histories and replicates are theirs; what says `guess` is not.
-# docs/study.md tells every key.
+# A first study, drafted from recordings. Load histories and replicates are theirs; what is marked `guess` is not.
+# docs/study.md lists every key.
 ${remarks}study: $name
 seed: 1
 cells_per_job: 64
 
 # law: $why
 $material
-# a range is what is plausible and no wall: estimates may lie outside, and the report says which do
+# a range is plausible values and no limit: estimates may lie outside, and the report states which do
 parameters:
 $parameters
 design: {kind: sobol, points: $points}
@@ -77,14 +77,14 @@ def study_text(
     remarks
         What people should know of the draft, a comment each.
     """
-    said = {row.what: row for row in table}
-    law = said["law"].value
+    rows = {row.what: row for row in table}
+    law = rows["law"].value
     units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
     parameters = []
     for key, values in guessed.items():
         shown = ", ".join(f"{value:.4g}" for value in values)
         unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
-        parameters.append(_row(f"  {key}: [{shown}]", f"{unit}; {said[key].why}"))
+        parameters.append(_row(f"  {key}: [{shown}]", f"{unit}; {rows[key].why}"))
     judge = groups[len(groups) // 2] if len(groups) > 2 else None
     conditions = []
     for group in groups:
@@ -92,20 +92,20 @@ def study_text(
         entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
         own = ", each under a load of its own" if "own_loads" in group.history else ""
         conditions.append(_row(entry, f"{count} test{'s' if count > 1 else ''}{own}"))
-    ratio = said["Poisson's ratio"]
+    ratio = rows["Poisson's ratio"]
     return STUDY.substitute(
         remarks="".join(_comment(remark) for remark in remarks),
         name=scalar(name),
-        why=said["law"].why,
+        why=rows["law"].why,
         material=_row(f"material: {{model: {law}, poisson_ratio: {ratio.value}}}", ratio.why),
         parameters="\n".join(parameters),
         points=points_for(guessed),
-        drive=said["drive"].why,
+        drive=rows["drive"].why,
         indenter=_row(f"indenter: {{{_keys(tip.keys)}}}", tip.why),
         conditions="\n".join(conditions),
         recordings=scalar(folder.as_posix()),
         diagnosis=_row(
-            "diagnosis: {enabled: true}", "asks what is missing; mechanisms: [...] restricts it, false skips it"
+            "diagnosis: {enabled: true}", "searches for missing effects; mechanisms: [...] restricts it, false skips it"
         ),
     )
 

@@ -1,1 +1,1 @@
-"""What recordings say about parameters: their coordinates and prior, and least squares on the finite elements."""
+"""Estimation of parameters: coordinates and prior, noise, and least squares on the finite elements."""

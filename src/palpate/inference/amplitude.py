@@ -2,7 +2,7 @@
 
 Where such a mechanism varies, each recording has amplitudes of its own: what one unit of an amplitude adds under a
 condition is then the column c of a variance component v c c^T (`palpate.inference.noise`). Other parameters, such as
-the time in which a transient dies away, belong to the instrument and are the same in every recording.
+the time in which a transient decays, belong to the instrument and are the same in every recording.
 """
 
 from __future__ import annotations

@@ -143,7 +143,7 @@ def base_fit(
 
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
-    replicates noise cannot be told from what the law lacks: the fit comes as close to the curves as it can, with no
+    replicates noise cannot be distinguished from misfit: the fit comes as close to the curves as it can, with no
     factor of the site free, and allows for a discrepancy; intervals allow for sites, and take what the fit leaves
     beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
 

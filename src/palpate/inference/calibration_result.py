@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-MOST_MISFIT = 1.5  # chosen, of chi-square per degree of freedom: above it the model lacks something
+MOST_MISFIT = 1.5  # chosen, of chi-square per degree of freedom: above it something is missing from the model
 
 
 @dataclass(frozen=True)

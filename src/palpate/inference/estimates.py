@@ -62,13 +62,13 @@ def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict
 
 def described(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, float]]:
     """Return the noise of each condition that takes part, for the record."""
-    told = {}
+    rows = {}
     for k, name in enumerate(problem.names):
         item = problem.recorded[name]
-        told[name] = {
+        rows[name] = {
             f"sigma_{item.quantity.unit}": float(noise.sigma[k]) / problem.nm.get(name, 1.0),
             "correlation": float(noise.autocorrelation[k]),
             "site_scatter": float(np.sqrt(noise.variances["site"])) * abs(item.quantity.share),
             "replicates": len(item.response),
         }
-    return told
+    return rows

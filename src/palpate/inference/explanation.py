@@ -131,11 +131,11 @@ class Fit:
     def posterior(self) -> np.ndarray:
         """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand.
 
-        Where the fit leaves more than the errors, what curves and laws tell counts less by the misfit ratio
+        Where the fit leaves more than the errors, the information of curves and laws is divided by the misfit ratio
         (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
         """
-        told = self.information / max(self.misfit_ratio, 1.0)
-        return np.linalg.inv(told + np.eye(len(self.z)) / PRIOR_VARIANCE)
+        information = self.information / max(self.misfit_ratio, 1.0)
+        return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
     def information(self) -> np.ndarray:

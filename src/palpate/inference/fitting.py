@@ -89,7 +89,7 @@ class Fitter:
         Parameters
         ----------
         starts
-            Coordinates (k,) from which searches may begin, the most promising first.
+            Coordinates (k,) from which searches may begin, that of least expected misfit first.
         depth : ndarray, shape (n_all,)
             Curves that lie near [nm].
 
@@ -163,7 +163,7 @@ class Fitter:
         self._residual_as_noise, self._noise = residual, {}
 
     def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        """Yield the coordinates (k,) at which the model of record may be known, the most promising first."""
+        """Yield the coordinates (k,) at which the model of record may be known, that of least expected misfit first."""
         if len(starts) == 1:
             yield starts[0]
         way = self._followed(starts)
@@ -192,7 +192,8 @@ class Fitter:
         misfit, model
             Misfit of the explanation, and its forward model.
         starts
-            The most promising first. As many as run in the time of one are simulated, and the best are followed.
+            That of least expected misfit first. As many as run in the time of one are simulated, and the best are
+            followed.
         depth : ndarray, shape (n_all,)
             Curves from which they come [nm].
         limit
@@ -231,7 +232,7 @@ class Fitter:
         return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
 
     def _without_discrepancy(self, fit: Fit) -> Misfit:
-        """Return the misfit of a model that lacks nothing, by the errors of a fit."""
+        """Return the misfit of a model without a discrepancy, by the errors of a fit."""
         return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def _misfit(

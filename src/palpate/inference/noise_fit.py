@@ -1,7 +1,7 @@
 """Noise of the recordings by restricted maximum likelihood, from what distinguishes replicates.
 
 Orthonormal contrasts of the replicates have the covariance of the noise (`noise`) and do not know the curve, so they
-determine the noise whatever the model lacks (Patterson & Thompson, Biometrika 58 (1971) 545-554). With few replicates
+determine the noise under any model (Patterson & Thompson, Biometrika 58 (1971) 545-554). With few replicates
 the estimate of a variance is often zero although the variance is not; a prior proportional to the standard deviation
 keeps site scatter and random walk off that boundary, by a standard error at most (Chung et al., Psychometrika 78 (2013)
 685-709). A single contrast, of two recordings in all, gives one number about the sites: that prior would then raise

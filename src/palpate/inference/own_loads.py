@@ -6,7 +6,7 @@ is taken off with the forward model h,
 
     r_i' (t) = r_i (t T_i / T) - h(t T_i / T; P_i) + h(t; P),
 
-where T and T_i are the durations. Both simulations share their errors, so that what is left is what the model lacks.
+where T and T_i are the durations. Both simulations share their errors, so that they cancel in the difference.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def brought_to_one_load(
     values
         Material parameters of the forward model.
     report
-        Told of simulations that fail.
+        Called with one line for each condition whose simulations fail.
     """
     return {
         name: _brought(study, study.condition(name), item, values, report) if item.own else item

@@ -80,14 +80,14 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
     elastic = [
         depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, recording.load.max(), modulus)
     ]
-    for wrong, words in (
+    for wrong, question in (
         (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
         (depth > DEEPEST * max(elastic), "are depths in pm, or loads in N?"),
     ):
         if wrong:
             raise InputError(
                 f"the largest depth is {depth:.4g} nm, where elastic bodies of the study's moduli give "
-                f"{min(elastic):.4g} to {max(elastic):.4g} nm; {words}",
+                f"{min(elastic):.4g} to {max(elastic):.4g} nm; {question}",
                 remedy="write depths in nm and loads in mN, or correct the moduli",
                 place="depth_nm",
             )

@@ -1,1 +1,1 @@
-"""A virtual laboratory, whose recordings hide what is known."""
+"""A virtual laboratory: synthetic recordings of a known material, with known effects concealed in them."""

@@ -19,7 +19,7 @@ from palpate.materials.law import Creep, Law
 FLOW = (
     Parameter("reference_rate", r"\dot\epsilon_0", "1/s", 0.0, 1e6, "strain rate at a stress of about sigma_0"),
     Parameter("eyring_stress", r"\sigma_0", "GPa", 1e-12, 1e3, "stress that raises the strain rate e-fold"),
-    Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "stress that makes up for a unit of pressure"),
+    Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "stress that balances a unit of pressure"),
 )
 ROOT3 = math.sqrt(3.0)
 STEEPEST = 200.0  # of the exponent of a rate: above it the fluidity stays; far above what any solution reaches

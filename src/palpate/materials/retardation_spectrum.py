@@ -18,7 +18,9 @@ from palpate.errors import InputError
 from palpate.materials.law import Law, LinearVoigt
 
 FLOW = (
-    Parameter("spectrum_coefficient", "C", "1/GPa", 0.0, 1e12, "compliance of an element that retards by 1 s"),
+    Parameter(
+        "spectrum_coefficient", "C", "1/GPa", 0.0, 1e12, "compliance of an element with a retardation time of 1 s"
+    ),
     Parameter("spectrum_exponent", "n", "-", -5.0, 5.0, "exponent of the retardation time in the compliance"),
     Parameter("shortest_time", "t_1", "s", 1e-6, 1e9, "shortest retardation time", default=0.1),
     Parameter("longest_time", "t_N", "s", 1e-6, 1e9, "longest retardation time", default=1000.0),

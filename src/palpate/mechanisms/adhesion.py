@@ -1,8 +1,9 @@
-"""Adhesion: tip and surface attract each other, so the tip sinks in deeper and clings on unloading.
+"""Adhesion: tip and surface attract each other, so the tip sinks in deeper and is held back in unloading.
 
-At a given load the depth gains in proportion to the work, not to its root: what the wider contact adds to first order,
-the pull at its edge takes away. A curve shows adhesion at small loads, and most of all late in unloading. Depth counts
-from where the undeformed surface would touch, so a surface that jumps into contact is deep at once.
+At a given load the depth grows in proportion to the work of adhesion. Terms with its square root cancel: the wider
+contact adds what the tension at its edge takes away. A curve shows adhesion at small loads, and most of all late in
+unloading. Depth is zero where the tip meets the undeformed surface, so a surface that jumps into contact begins at a
+depth above zero.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ MECHANISM = Mechanism(
     key="adhesion",
     title="adhesion",
     effect="attraction between tip and surface",
-    parameters=(Parameter("work", "w", "mJ/m^2", 0.0, 1e5, "work that separates tip and surface, for each area"),),
+    parameters=(Parameter("work", "w", "mJ/m^2", 0.0, 1e5, "work of adhesion per area"),),
     neutral={"work": 0.0},
     example={"work": 100.0},
     source="Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313",

@@ -1,4 +1,7 @@
-"""Controller lag: what is prescribed acts later than recorded, P_acting(t) = P_recorded(t - lag), or z likewise."""
+"""Controller lag: the load on the body follows the recorded one with a delay, P_applied(t) = P_recorded(t - lag).
+
+Under displacement control the same holds for the displacement.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Delay the history and sample it when the recording does; raises `InputError` where nothing would act."""
+    """Delay the history and sample it when the recording does; raises `InputError` where the test ends before."""
     lag, protocol = values["lag"], specification.protocol
     if lag == 0.0:
         return specification
@@ -35,8 +38,8 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="controller_lag",
     title="controller lag",
-    effect="what is prescribed acts later than it is recorded",
-    parameters=(Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the acting load, shorter than every test"),),
+    effect="the load on the body follows the recorded one with a delay",
+    parameters=(Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the applied load, shorter than every test"),),
     neutral={"lag": 0.0},
     example={"lag": 1.0},
     source="Hay, Experimental Techniques 33 (2009) 66-72 (dynamics of load control)",

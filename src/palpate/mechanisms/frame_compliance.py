@@ -1,4 +1,4 @@
-"""Frame compliance: the load frame gives under the load, so depth gains compliance * load."""
+"""Frame compliance: the load frame deflects under the load, so depth gains compliance * load."""
 
 from __future__ import annotations
 

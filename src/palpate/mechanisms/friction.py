@@ -1,4 +1,4 @@
-"""Friction: between indenter and surface it differs from what the base model assumes."""
+"""Friction: the coefficient between indenter and surface differs from that of the base model."""
 
 from __future__ import annotations
 

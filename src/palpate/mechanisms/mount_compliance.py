@@ -1,4 +1,4 @@
-"""Mount compliance: the specimen gives way where it is held, by more in one place than in another.
+"""Mount compliance: the support of the specimen deflects under the load, in some places more than in others.
 
 Depth gains compliance * load as with a compliant frame, but each recording has a compliance of its own: near an edge,
 over a void in the glue or on a thin part of the specimen it is larger.

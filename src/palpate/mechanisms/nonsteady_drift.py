@@ -1,4 +1,4 @@
-"""Drift that is not steady: tip and specimen still come to one temperature while the test runs.
+"""Decaying drift: tip and specimen reach one temperature only while the test runs.
 
 A difference of temperature between two bodies in contact decays exponentially, and so does the rate of their expansion,
 
@@ -28,12 +28,12 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 
 MECHANISM = Mechanism(
     key="nonsteady_drift",
-    title="drift that dies away",
+    title="decaying drift",
     effect="depth gains rate * t + amplitude * (1 - exp(-t / time))",
     parameters=(
         Parameter("rate", r"\dot d", "nm/s", -100.0, 100.0, "drift rate of one recording, once it is steady"),
-        Parameter("amplitude", "d_0", "nm", -1e5, 1e5, "drift of one recording beyond the steady one, in all"),
-        Parameter("time", r"\tau_d", "s", 1e-3, 1e6, "time in which the excess of the rate falls to 37 %"),
+        Parameter("amplitude", "d_0", "nm", -1e5, 1e5, "total drift of one recording in excess of the steady one"),
+        Parameter("time", r"\tau_d", "s", 1e-3, 1e6, "time in which the excess rate falls to 37 %"),
     ),
     neutral={"rate": 0.0, "amplitude": 0.0, "time": 20.0},
     example={"rate": 0.05, "amplitude": 8.0, "time": 10.0},

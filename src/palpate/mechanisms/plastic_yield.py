@@ -43,9 +43,14 @@ MECHANISM = Mechanism(
     source="Simo & Hughes, Computational Inelasticity (1998), section 3.3",
     plausible=lambda s: {
         "flow_stress": Range(
-            0.25 * s.pressure, 2.0 * s.pressure, log=True, least=0.0, unit="GPa", meaning="at Tabor's strain"
+            0.25 * s.pressure,
+            2.0 * s.pressure,
+            log=True,
+            least=0.0,
+            unit="GPa",
+            meaning="flow stress at Tabor's strain",
         ),
-        "hardened_share": Range(0.0, 0.8, least=0.0, largest=LARGEST_SHARE, meaning="part of it that hardening gives"),
+        "hardened_share": Range(0.0, 0.8, least=0.0, largest=LARGEST_SHARE, meaning="share of it due to hardening"),
     },
     concealed=lambda rng: {"yield_stress": log_uniform(rng, 0.07, 0.3), "hardening": rng.uniform(0.05, 0.8)},
     simulate=simulate,

@@ -42,14 +42,16 @@ MECHANISM = Mechanism(
     title="second Voigt element",
     effect="one more Voigt element: strain recovers on a time scale that the base model does not have",
     parameters=tuple(
-        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning}; of the second element")
+        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning}, of the second element")
         for p, name in zip(VOIGT, NAMES, strict=True)
     ),
     neutral={"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},
     example={"coefficient": 0.1, "exponent": 0.3, "retardation_time": 10.0},
     source="Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
     plausible=lambda s: {
-        "compliance": Range(0.0, 0.5 / s.modulus, least=0.0, unit="1/GPa", meaning="at the study's stress"),
+        "compliance": Range(
+            0.0, 0.5 / s.modulus, least=0.0, unit="1/GPa", meaning="compliance at the stress of the tests"
+        ),
         "exponent": Range(0.0, 0.6),
         "retardation_time": Range(0.1 * s.loading_time, s.duration, log=True),
     },

@@ -21,7 +21,9 @@ MECHANISM = Mechanism(
     title="indentation size effect",
     effect="resistance to inelastic flow grows by sqrt(1 + length / depth) at small depth",
     parameters=(
-        Parameter("length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that far below"),
+        Parameter(
+            "length", "h^*", "nm", 0.0, 1e6, "depth at which the resistance is sqrt(2) times that at large depth"
+        ),
     ),
     neutral={"length": 0.0},
     example={"length": 50.0},

@@ -1,4 +1,4 @@
-"""The front door: what `palpate` offers a notebook or a script, as objects with a summary, a table and a plot.
+"""The interface for notebooks and scripts: objects with a summary, a table and a plot.
 
-Everything here wraps what other rooms do, and none of them imports it.
+Everything here wraps what other packages do, and none of them imports it.
 """

@@ -79,7 +79,8 @@ class CalibratedStudy(Shown):
         lines = [html_report.misfit_sentence(content), html_report.bound_sentence(content)]
         if self.calibration.converged is False:
             lines.append(
-                "The search has not converged: hold parameters that the data cannot separate, or narrow the ranges."
+                "The search has not converged: hold parameters constant that the data cannot separate, or narrow the "
+                "ranges."
             )
         return [sentence for sentence in lines if sentence]
 
@@ -149,16 +150,16 @@ def calibrate(
     PalpateError
         When too many simulations fail.
     """
-    chosen, say = study_of(study), report or _silent
+    chosen, report = study_of(study), report or _silent
     tests = StudyTests.of(chosen, recordings)
     observed = resampled(chosen, tests.by_condition)
-    models = _surrogates(chosen, kept_results() if results is None else Path(results), say)
-    found = calibrate_study(chosen, models, observed, say)
+    models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
+    found = calibrate_study(chosen, models, observed, report)
     return CalibratedStudy(chosen, tests, found, curves_beside(chosen, observed, found))
 
 
 def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:
-    """Return the surrogate of each condition that calibrates; snapshots that the store lacks are simulated first."""
+    """Return the surrogate of each condition that calibrates; those of its snapshots that are missing are simulated."""
     contents: dict[str, list[dict[str, Any]]] = {}
     for batch in store.plan(study):
         found = store.computed(batch.snapshots, results / "store", report)

@@ -107,7 +107,7 @@ class NotebookStudy(Shown, Study):
         """
         messages: list[str] = []
 
-        def say(line: str) -> None:
+        def reported(line: str) -> None:
             messages.append(line)
             if report:
                 report(line)
@@ -115,15 +115,18 @@ class NotebookStudy(Shown, Study):
         given = several(recordings)
         if not given:
             raise InputError("no recordings are given", remedy="give a file or a test", place="recordings")
-        drafted = [test for each in given for test in _drafted(each, say)]
+        drafted = [test for each in given for test in _drafted(each, reported)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
-        found = write_study(drafted, output, name, say, law, sphere)
+        found = write_study(drafted, output, name, reported, law, sphere)
         return cls.of(found.study, [*messages, *found.remarks])
 
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
-        lines = [f"{len(self.cells)} materials to simulate under each condition that calibrates", f"recordings: {sets}"]
+        lines = [
+            f"{len(self.cells)} materials to simulate under each condition of the calibration",
+            f"recordings: {sets}",
+        ]
         return [f"study: {self.file}", *lines, *self.remarks]
 
     def _tables(self) -> list[pd.DataFrame]:

@@ -1,1 +1,1 @@
-"""What people look at: figures, pages, and files for other programs."""
+"""Figures, pages, and files for other programs."""

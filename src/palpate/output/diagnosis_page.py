@@ -1,4 +1,4 @@
-"""The page of a diagnosis: the verdict in words, the figure, and the numbers behind them."""
+"""The page of a diagnosis: its summary, the figure, and the numbers behind them."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ TABLES = {
     ),
     "laws": (
         "Amplitudes from exact laws",
-        "A hold at low load shows the drift, and unloadings from several loads show the frame, whatever the shape of "
-        "the tip. Where the solid creeps, the amplitudes that these laws give for the base model's own curves are "
-        "subtracted, and widen the interval by as much on both sides. A law without a lower end is an upper bound. The "
-        "amplitudes are data beside the curves: an explanation whose amplitude from the curves contradicts them is not "
-        "accepted. They do not apply to explanations with a mechanism of the last column, which breaks their "
-        "assumptions.",
+        "A hold at low load gives the drift, and the initial slopes of unloadings from several loads give the frame "
+        "compliance, whatever the shape of the tip. Where the solid creeps, the amplitudes that these laws give for "
+        "the base model's own curves are subtracted, and widen the interval by as much on both sides. A law without a "
+        "lower end is an upper bound. The amplitudes are data beside the curves: an explanation whose amplitude from "
+        "the curves contradicts them is not accepted. The last column lists the mechanisms that break the assumptions "
+        "of a law: it does not apply to explanations with one of these.",
     ),
     "zero_points": (
         "Zero points by the law of a sharp tip",
@@ -69,19 +69,19 @@ def sections(
     found.append(_material(content, declared))
     if test := content["discriminating_test"]:
         power = f"expected power {test['expected_power']:.0%}"
-        words = f"{test['test']} ({power}) separates {' and '.join(test['separates'])}"
-        found.append(("Next test", [html_report.paragraph(words)]))
+        text = f"{test['test']} ({power}) separates {' and '.join(test['separates'])}"
+        found.append(("Next test", [html_report.paragraph(text)]))
     if content["limits"]:
-        found.append(("Limits of these recordings", [html_report.paragraph(words) for words in content["limits"]]))
-    for key, (heading, words) in TABLES.items():
+        found.append(("Limits of these recordings", [html_report.paragraph(text) for text in content["limits"]]))
+    for key, (heading, text) in TABLES.items():
         if content[key]:
             table = html_report.table(pd.DataFrame(_rows(key, content[key])))
-            found.append((heading, [html_report.paragraph(words), table]))
+            found.append((heading, [html_report.paragraph(text), table]))
     found.append(("Misfit of the base model by parts of the tests", [located(content["location"])]))
     if left := content["missing"]:
         closest = " with ".join(left["mechanisms"]) or "the base model"
         trends = [html_report.table(pd.DataFrame(left["trends"]))] if left["trends"] else []
-        found.append((f"What {closest}, the closest explanation, leaves", [located(left["location"]), *trends]))
+        found.append((f"Residual of the closest explanation, {closest}", [located(left["location"]), *trends]))
     return found
 
 
@@ -119,8 +119,8 @@ def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> 
     if content["candidates"]:
         return "Material parameters before and after", [html_report.table(table)]
     alone = html_report.table(table.drop(columns="before").rename(columns={"after": "estimate"}))
-    words = "The intervals assume that the base model is right, which it is not."
-    warning = [html_report.paragraph(words)] if content["verdict"] == "unexplained" else []
+    text = "The intervals assume that the base model is right, which it is not."
+    warning = [html_report.paragraph(text)] if content["verdict"] == "unexplained" else []
     return "Material parameters of the base model", [*warning, alone]
 
 

@@ -83,7 +83,7 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
 
 def misfit_sentence(calibration: Mapping) -> str:
-    """Say how far simulation and recordings agree, and what that means."""
+    """Return how far simulation and recordings agree, and what that means."""
     errors = [entry["rmse_nm"] for entry in calibration["conditions"].values()]
     loads = [entry["rmse_mN"] for entry in calibration["conditions"].values() if "rmse_mN" in entry]
     span = f"Root mean square misfit {_span(errors)} nm over the conditions."
@@ -101,7 +101,7 @@ def misfit_sentence(calibration: Mapping) -> str:
     ratio = calibration["misfit_ratio"]
     if ratio < MOST_MISFIT:
         return (
-            f"{span} Taken as a whole that is about the noise of the recordings (chi-square per degree of freedom: "
+            f"{span} As a whole that is about the noise of the recordings (chi-square per degree of freedom: "
             f"{ratio:.2f}); a small effect may still be present, which the diagnosis tests."
         )
     return (
@@ -111,28 +111,31 @@ def misfit_sentence(calibration: Mapping) -> str:
 
 
 def _span(errors: Sequence[float]) -> str:
-    """Return the smallest and the largest error in words."""
+    """Return the smallest and the largest error as text."""
     return f"{min(errors):.3g} to {max(errors):.3g}" if len(errors) > 1 else f"{errors[0]:.3g}"
 
 
 def bound_sentence(calibration: Mapping) -> str:
-    """Say which estimates lie outside their range, or at a limit of the law."""
+    """Return which estimates lie outside their range, or at a limit of the law."""
     names = {key: [n for n, e in calibration["parameters"].items() if e[key]] for key in ("at_bound", "outside")}
     beyond = [name for name in names["outside"] if name not in names["at_bound"]]
     sentences = []
     if names["at_bound"]:
         sentences.append(f"At a limit: {', '.join(names['at_bound'])}; the other estimates may compensate for it.")
     if beyond:
-        sentences.append(f"Outside the plausible range: {', '.join(beyond)}. Is the law the right one?")
+        sentences.append(
+            f"Outside the plausible range: {', '.join(beyond)}. Check the range, and that the law suits the material."
+        )
     return " ".join(sentences)
 
 
 def search_sentences(calibration: Mapping) -> str:
-    """Say how the estimate was found, and whether the search for it arrived."""
+    """Return how the estimate was found, and whether the search converged."""
     found = (
         "The estimate is that of the finite elements themselves, by least squares from the optimum of the genetic "
         "search on surrogates, which is in calibration.json, and from points scattered over the ranges."
     )
     if calibration["converged"]:
         return found
-    return f"{found} The search has not converged: hold parameters that the data cannot separate, or narrow the ranges."
+    remedy = "hold parameters constant that the data cannot separate, or narrow the ranges"
+    return f"{found} The search has not converged: {remedy}."

@@ -63,8 +63,8 @@ def write_reading(study: Study, folder: Path) -> None:
     frame = frame_of([(s.recording.load - s.contact.load, s.recording.depth, s.parts) for s in found])
     if frame is not None:
         facts += (
-            f" The tops of {frame.unloadings} unloadings say that a frame compliance of {frame.compliance:.3g} nm/mN "
-            f"({frame.lower:.3g} to {frame.upper:.3g}) is in the depth, if the tests are on one material."
+            f" The initial slopes of {frame.unloadings} unloadings show a frame compliance of {frame.compliance:.3g} "
+            f"nm/mN ({frame.lower:.3g} to {frame.upper:.3g}) in the depth, if all tests are on one material."
         )
     sections = [("What was found", [f"{facts}</p>", html_report.table(rows)]), ("The tests", pieces)]
     html_report.build(f"{study.title}: the recordings as read", sections, [], folder / "reading.html")

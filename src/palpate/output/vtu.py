@@ -36,8 +36,8 @@ def write(moments: Iterable[Fields], folder: Path) -> None:
 
 def mesh_of(fields: Fields) -> meshio.Mesh:
     """Return points in nm, displacement in nm, and mean stresses of the elements in GPa."""
-    stress, lacking = fields.element_stress, 3 - fields.displacement.shape[1]
-    nodes, displacement = (np.pad(each, ((0, 0), (0, lacking))) for each in (fields.mesh.nodes, fields.displacement))
+    stress, missing = fields.element_stress, 3 - fields.displacement.shape[1]
+    nodes, displacement = (np.pad(each, ((0, 0), (0, missing))) for each in (fields.mesh.nodes, fields.displacement))
     return meshio.Mesh(
         1e3 * nodes,
         [(CELLS[fields.mesh.elements.shape[1]], fields.mesh.elements)],

@@ -16,8 +16,8 @@ BORNE = 10.0  # standard deviations of its average's noise by which a load that 
 FALLS = 0.3  # of its rise, by which a load that is borne falls at least while the tip comes back
 DRIFTS = 2.0  # times what the load reaches on the first way in, that one which drifts within its noise may rise
 FIRST_WAY = 0.3  # of the largest depth
-NEAR_START = 10  # points that tell the load without contact
-TELLING = 20  # points that tell the noise of a load
+NEAR_START = 10  # points that give the load without contact
+FEWEST = 20  # points that determine the noise of a load
 
 
 def check_borne(recording: Recording) -> None:
@@ -34,7 +34,7 @@ def check_borne(recording: Recording) -> None:
         With the rise and the noise.
     """
     load, depth = recording.load, recording.depth
-    if len(load) < TELLING or _borne(load, depth):
+    if len(load) < FEWEST or _borne(load, depth):
         return
     smooth, _, noise = _averaged(load)
     rise = float(smooth.max() - np.median(load[:NEAR_START]))
@@ -42,7 +42,7 @@ def check_borne(recording: Recording) -> None:
         return
     raise InputError(
         f"never bears load: over {np.ptp(depth):.4g} nm its load rises by {rise:.3g} mN, its noise is {noise:.3g} mN",
-        remedy="leave it out: the tip did not touch, or the load is in another column",
+        remedy="leave it out: the tip made no contact, or the load is in another column",
     )
 
 

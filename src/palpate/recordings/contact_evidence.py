@@ -10,7 +10,7 @@ covariance
     C = white noise / block size + (slope of the law x noise of the depth)^2 + correlated noise
         + (delta L)^2 smooth over a factor e of the way into the body + a free start.
 
-The term in delta stands for what every law leaves out; it makes deep points count less, so that no end of the fit has
+The term in delta represents what every law leaves out; it makes deep points count less, so that no end of the fit has
 to be chosen. The coefficients b have normal priors, k a uniform one about what the load rises by, s the prior 1/s; all
 are integrated out, so that baselines with more terms pay for them. What remains is the evidence of h_0, of law,
 baseline and C, and the posterior of h_0 is its sum over all the others: the interval includes that nobody knows them.

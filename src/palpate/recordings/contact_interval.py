@@ -1,6 +1,6 @@
 """The 95 % interval of a contact that was sought, as a comment of the recording: ``contact_interval_nm: LOWER UPPER``.
 
-It stands on the recording's own scale, whose zero is the contact that was taken.
+It is on the recording's own scale, whose zero is the contact that was taken.
 """
 
 from __future__ import annotations

@@ -139,7 +139,7 @@ def earlier_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> floa
     A film, dirt or an asperity is touched before the body, whose law the whole loading follows. The last half is
     tried, the last quarter and so on, and the whole where the load rises over all of it: the rise at the end has to be
     far above noise, and above all that the load does in seven stretches as long before, so that no wave counts. The
-    clearest of them tells the depth.
+    clearest of them gives the depth.
     """
     clearest, found = 0.0, None
     length = len(load) if rises_steadily(load) else len(load) // 2

@@ -9,7 +9,7 @@ correlated. Therefore c is estimated at every rho, and the estimates are weighed
     L(rho) = (1 - rho^2)^(m / 2) |X^T W X|^(-1/2) Q^(-(n - p) / 2)
 
 with m series, n points, p coefficients, the whitening W = W(rho) of all terms X, and Q what is left after whitening.
-Few points leave rho open; before they speak, it has the density of its reference prior, (1 - rho^2)^(-1/2): the
+Few points leave rho open; its prior is the reference prior with the density (1 - rho^2)^(-1/2): the
 correlations on trial are the sines of even steps.
 
 Sources: H.D. Patterson and R. Thompson, Biometrika 58 (1971) 545-554; S.J. Prais and C.B. Winsten, Cowles Commission

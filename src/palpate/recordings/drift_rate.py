@@ -3,9 +3,10 @@ r"""The rate of thermal drift, from a hold under a low load, with the uncertaint
     h(t) = a + r t + c exp(-(t - t_0) / tau) + e(t)
 
 The exponential is what recovery after unloading leaves, over within the hold (tau is at most a fifth of it; slower
-recovery cannot be told from drift); it is kept when the Bayesian information criterion speaks
-very strongly for it (by more than 10: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
-Neighbouring errors are correlated, by how much a hold does not tell either: see `palpate.recordings.correlated_errors`.
+recovery cannot be distinguished from drift); it is kept when the Bayesian information criterion favours
+it very strongly (by more than 10: Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
+Neighbouring errors are correlated by an amount that a hold does not determine: see
+`palpate.recordings.correlated_errors`.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ DISPLACEMENT_HISTORY = "time_s,displacement_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3
-DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not tell apart
+DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -67,11 +67,11 @@ class Recording:
     def from_contact(self, drive: np.ndarray | None = None) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.
 
-        What stands before the clock's zero without load is the approach, and is left out. A recording that begins under
+        What comes before the clock's zero without load is the approach, and is left out. A recording that begins under
         load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
         its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
-        within one sampling interval of it, and no point under load stands there. Where a displacement is prescribed,
-        that is the `drive` (n,) by which all this is told, in place of the load.
+        within one sampling interval of it, and no point under load is there. Where a displacement is prescribed,
+        that is the `drive` (n,) by which all this is decided, in place of the load.
 
         Raises
         ------
@@ -114,7 +114,7 @@ class Recording:
         Raises
         ------
         InputError
-            When something stands there that is no file.
+            When something exists there that is no file.
         """
         path = Path(path)
         if path.exists() and not path.is_file():

@@ -52,7 +52,7 @@ def condition_of(file: Path) -> str:
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read a recording CSV and check it; its stiffness may stand in a folder beside (`Recording.write_apart`).
+    """Read a recording CSV and check it; its stiffness may lie in a folder beside (`Recording.write_apart`).
 
     Raises
     ------

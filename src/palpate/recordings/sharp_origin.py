@@ -16,12 +16,12 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
     r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
 
     Any body without a length or a time obeys it under a cone or pyramid while the load grows. Creep, as in every
-    polymer, moves the origin to smaller depths, further than the interval says.
+    polymer, moves the origin to smaller depths, further than the interval allows.
 
     The points are those that reach each of 400 levels of load first (so holds and reloading count little), above a
-    tenth of the largest load. Their errors are correlated, by how much nobody knows
+    tenth of the largest load. Their errors are correlated, by an unknown amount
     (`palpate.recordings.correlated_errors`). The interval covers that, and how the origin moves when the fit begins at
-    5, 20 or 40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not tell.
+    5, 20 or 40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not show.
     All three are NaN where fewer than four points rise to the largest load.
 
     Parameters

@@ -165,9 +165,9 @@ def computed(
     report: Callable[[str], None] = print,
     solve: Callable[[Sequence[Specification]], Sequence[Simulation]] = simulate_batch,
 ) -> list[dict[str, Any]]:
-    """Return the contents of snapshots as `read` does, computing those that the store lacks or holds damaged.
+    """Return the contents of snapshots as `read` does, computing those that are missing in the store or damaged.
 
-    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are. A cell that lacks one of
+    They are solved `AT_ONCE` at a time under each condition, and written as soon as they are. A cell without one of
     its conditions is solved under all of them, because of those that differ in size alone the first is simulated: what
     was interrupted goes on to the last bit as if it had not been.
 
@@ -183,8 +183,8 @@ def computed(
         Simulates specifications.
     """
     found = {snapshot.address: _intact(place(snapshot.address, store)) for snapshot in snapshots}
-    lacking = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}
-    missing = [snapshot for snapshot in snapshots if tuple(snapshot.cell.values()) in lacking]
+    incomplete = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}
+    missing = [snapshot for snapshot in snapshots if tuple(snapshot.cell.values()) in incomplete]
     at_once = AT_ONCE * len({snapshot.condition for snapshot in snapshots})
     for first in range(0, len(missing), at_once):
         chosen = missing[first : first + at_once]

@@ -1,1 +1,1 @@
-"""What is asked of a specimen: load history, indenter and body, put together as one specification."""
+"""The specification of a test: load history, indenter and body."""

@@ -54,13 +54,13 @@ class Protocol:
             object.__setattr__(self, name, value)
             if value.ndim != 1 or not np.all(np.isfinite(value)):
                 raise InputError(f"{name} must be a finite 1D array", remedy="remove missing values", place=name)
-        words = f"{self.control} history"
+        history = f"{self.control} history"
         if len(time) < 2 or len(time) != len(drive):
             raise InputError(
-                f"the {words} needs at least two knots", remedy=f"give times and {self.control}s of equal number"
+                f"the {history} needs at least two points", remedy=f"give times and {self.control}s of equal number"
             )
         if time[0] != 0.0 or np.any(np.diff(time) <= 0):
-            raise InputError(f"times of the {words} must start at 0 and increase", remedy="sort or correct the times")
+            raise InputError(f"times of the {history} must start at 0 and increase", remedy="sort or correct the times")
         if drive.max() <= 0 or (self.control == LOAD and np.any(drive < 0)):
             wanted = "none negative and a positive maximum" if self.control == LOAD else "a positive maximum"
             raise InputError(

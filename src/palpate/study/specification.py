@@ -89,10 +89,10 @@ def of_equivalent_cone(specification: Specification) -> Specification:
     return replace(specification, indenter=specification.indenter.equivalent_cone)
 
 
-def axisymmetric_only(lacking: str, place: str) -> InputError:
+def axisymmetric_only(feature: str, place: str) -> InputError:
     """Return the error for a feature that exists for axisymmetric indenters only."""
     return InputError(
-        f"a berkovich pyramid does not go with {lacking}",
+        f"not available under a berkovich pyramid: {feature}",
         remedy="leave it out, or use the equivalent cone of half-angle 70.3",
         place=place,
     )

@@ -40,7 +40,7 @@ def check_missing(condition: str, cells: Sequence[Mapping[str, float]], failed: 
         )
 
 
-def words(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> str:
+def summary_text(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> str:
     """Return how many snapshots failed and where they lie, in a sentence; empty where none did."""
     lost = np.asarray(failed, dtype=bool)
     if not lost.any():

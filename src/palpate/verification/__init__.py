@@ -1,1 +1,1 @@
-"""The solver held to closed forms, exact laws, its own convergence and another program, in one run."""
+"""Comparisons of the solver with closed forms, exact laws, its own convergence and another program."""

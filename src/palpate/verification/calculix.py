@@ -139,7 +139,7 @@ def compared(name: str, specification: Specification, theirs: np.ndarray, own_er
     Returns
     -------
     rows
-        The worst sample, which is checked; the root mean square and the peak, which are told.
+        The worst sample, which is checked; the root mean square and the peak, which are only reported.
     plot
         Both curves, and their deviation where it counts.
     """

@@ -1,7 +1,7 @@
 """Aluminium at large strains in CalculiX, without and with friction, on two meshes and in two steps of the motion.
 
-CalculiX moves the body onto the indenter and tells the load; palpate is given that load, and its depth compared. Steps
-grow with the depth: in a step that doubles the contact the plastic flow would have one direction.
+CalculiX moves the body onto the indenter and returns the load; palpate is given that load, and the depths are compared.
+Steps grow with the depth: in a step that doubles the contact the plastic flow would have one direction.
 """
 
 from __future__ import annotations

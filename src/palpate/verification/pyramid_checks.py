@@ -156,7 +156,10 @@ def _creep(accuracy: str) -> tuple[list[Row], Plot]:
         for indenter in (CONE, PYRAMID)
     ]
     cone, pyramid = curves
-    peak, note = int(np.argmax(CREEP.sample_load)), "not a check: how well the equivalent cone stands for the pyramid"
+    peak, note = (
+        int(np.argmax(CREEP.sample_load)),
+        "not a check: difference between the pyramid and its equivalent cone",
+    )
     rows = [
         Row(f"epoxy: depth at {name}, pyramid against cone, {accuracy} [nm]", cone[k], pyramid[k], None, note)
         for name, k in (("peak", peak), ("the end", -1))

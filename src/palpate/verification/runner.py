@@ -51,13 +51,13 @@ CASES = (
 VERDICT = {True: "yes", False: "NO", None: "not a check"}
 
 
-def run(settings: Settings, say: Callable[[str], None]) -> dict[str, Any]:
-    """Run every case; what cannot run is told in its notes and counts as a check that failed.
+def run(settings: Settings, report: Callable[[str], None]) -> dict[str, Any]:
+    """Run every case; one that cannot run is reported in its notes and counts as a check that failed.
 
     Parameters
     ----------
-    say
-        Takes one line a case as it finishes.
+    report
+        Called with one line a case as it finishes.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def run(settings: Settings, say: Callable[[str], None]) -> dict[str, Any]:
         checked = [row for row in rows if row["passed"] is not None]
         good = sum(row["passed"] for row in checked)
         seconds = time.perf_counter() - began
-        say(f"{case.title}: {good} of {len(checked)} checks passed ({seconds:.1f} s)")
+        report(f"{case.title}: {good} of {len(checked)} checks passed ({seconds:.1f} s)")
         cases.append(
             {
                 "key": case.key,

@@ -64,7 +64,7 @@ def _check_surrogate(study: Study) -> None:
 def _check_folders(study: Study) -> None:
     """Refuse to write recordings into a folder of the user's, or two sets into one; raises `InputError`.
 
-    The workflow empties the folder of a set that it writes: files that stood there would be lost.
+    The workflow empties the folder of a set that it writes: files of the user's in it would be lost.
     """
     results = Path("results").resolve()
     written: dict[Path, str] = {}

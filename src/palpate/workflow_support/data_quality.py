@@ -55,7 +55,7 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
 
 
 def passed_over(folder: Path) -> Iterator[str]:
-    """Say which files of a folder of recordings are not read."""
+    """Yield which files of a folder of recordings are not read."""
     for file in other_files(folder):
         yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
@@ -67,32 +67,32 @@ def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
         if lasts > LONGER * duration:
             yield (
                 f"{test.name}.csv lasts {lasts:.4g} s, the recorded load that its condition follows ends after "
-                f"{duration:.4g} s: what comes later does not count (the first file by name is followed)"
+                f"{duration:.4g} s: later points are ignored (the first file by name is followed)"
             )
 
 
 def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
-    """Say in which tests the depth jumps."""
+    """Report the tests in which the depth jumps."""
     found = {test.name: max(jumps, key=lambda each: each.jump) for test in tests if (jumps := pop_ins(test))}
     if found:
         name, largest = max(found.items(), key=lambda pair: pair[1].jump)
         others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         yield (
             f"{name}.csv{others}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
-            f"{largest.load:.3g} mN (a pop-in, a crack, or the tip slipped); no law follows that"
+            f"{largest.load:.3g} mN (a pop-in, a crack, or a tip that slipped); no law describes that"
         )
 
 
 def _pulled(tests: Sequence[Recording]) -> Iterator[str]:
-    """Say in which test the load falls below zero, where a condition under load control has none."""
+    """Report a test whose load falls below zero, which a condition under load control does not have."""
     pull, name = max((-float(test.load.min()), test.name) for test in tests)
     largest = max(float(test.load.max()) for test in tests)
     if pull > PULLED * largest:
-        yield f"{name}.csv: loads down to {-pull:.3g} mN count as zero, the surface's pull on the tip is cut off"
+        yield f"{name}.csv: the surface pulls on the tip by up to {pull:.3g} mN: loads below zero count as zero"
 
 
 def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
-    """Say of which test's drive an average is followed."""
+    """Report the tests of whose load or displacement an average is followed."""
     if not condition.follows:
         return
     followed = tests if condition.own_loads else tests[:1]

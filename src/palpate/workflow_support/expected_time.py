@@ -1,9 +1,9 @@
-"""How long a study will take, told roughly before it runs: numbers of curves times what one costs.
+"""An estimate of how long a study will take, before it runs: numbers of curves times what one costs.
 
-A calibration asks the finite elements for curves and derivatives until it has settled, and a diagnosis does so for each
-explanation; neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of
-a public recording (docs/measurements.md) on a free core; a study may well take half or twice as long, and a diagnosis
-that finds its explanation early much less.
+A calibration simulates curves and derivatives until it has converged, and a diagnosis does so for each explanation;
+neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of a public
+recording (docs/measurements.md) on a free core; a study may well take half or twice as long, and a diagnosis that finds
+its explanation early much less.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 
 def expected(study: Study, cores: int) -> Iterator[str]:
-    """Say how long a study will take on so many cores, and how the time is shared."""
+    """Yield the time that a study is expected to take on so many cores, and its parts."""
     judged = [condition for condition in study.conditions if condition.role == "calibrate"]
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
@@ -39,8 +39,8 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     parts += [f"diagnosis of {mechanisms} mechanisms up to {_in_words(explanations)}"] if mechanisms else []
     plural = "s" if cores > 1 else ""
     yield (
-        f"expected, roughly: {_in_words(total)} on {cores} free core{plural} ({', '.join(parts)}), and "
-        f"{_in_words(COMPILING)} more the first time"
+        f"expected time, within a factor of two: {_in_words(total)} on {cores} free core{plural} ({', '.join(parts)}); "
+        f"{_in_words(COMPILING)} more at the first use, for compilation"
     )
 
 

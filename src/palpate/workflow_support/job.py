@@ -62,6 +62,6 @@ def logged(path: str | Path) -> Iterator[None]:
     _note(log, f"done in {time.perf_counter() - began:.1f} s")
 
 
-def _note(log: Path, words: str) -> None:
+def _note(log: Path, text: str) -> None:
     with log.open("a", encoding="utf-8") as file:
-        print(words, file=file)
+        print(text, file=file)

@@ -36,7 +36,7 @@ def unlocked(folder: Path) -> bool:
 def marked(folder: Path) -> Iterator[None]:
     """Mark a folder while this machine executes a study there; what is killed leaves the mark.
 
-    Where locks stand already that no mark explains, none is set, so that they are never taken away.
+    Where there are locks already that no mark explains, none is set, so that they are never taken away.
     """
     mark = _mark(folder)
     if not locks(folder):

@@ -62,7 +62,7 @@ def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> lis
         lines.append(f"{', '.join(sorted(keys))} in the study's file changed since {folder / 'report.html'} was made")
     for name, known in then["files"].items():
         if not Path(name).is_file():
-            lines.append(f"{name} is gone since {folder / 'report.html'} was made")
+            lines.append(f"{name} was deleted since {folder / 'report.html'} was made")
         elif checksum(Path(name)) != known:
             lines.append(f"{name} changed since {folder / 'report.html'} was made")
     return lines

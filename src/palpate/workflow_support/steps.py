@@ -26,7 +26,7 @@ from palpate.output import html_report
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
-from palpate.surrogate.missing import check_missing, words
+from palpate.surrogate.missing import check_missing, summary_text
 from palpate.surrogate.saved import load
 
 
@@ -53,7 +53,7 @@ def fit_surrogate(
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
-        "missing": words(condition, cells, failed),
+        "missing": summary_text(condition, cells, failed),
         "modes": int(model.n_modes_),
         "energy_of_first_mode": float(model.energy_[0]),
         "shape": float(model.shape_),

@@ -48,25 +48,27 @@ def send(folder: Path, report: Callable[[str], None] = print) -> list[str]:
         try:
             _send(read_json(folder / name))
         except Exception as error:  # a server may answer with anything; results never depend on it
-            words = _problem(str(error))
-            report(f"tracking: {len(waiting) - number} records stay on disk ({words}); palpate track --send sends them")
+            problem = _problem(str(error))
+            report(
+                f"tracking: {len(waiting) - number} records stay on disk ({problem}); palpate track --send sends them"
+            )
             return waiting[number:]
         sent = read_json(ledger) if ledger.is_file() else {}
         write_json(ledger, {**sent, name: checksum(folder / name)})
     return []
 
 
-def _problem(words: str) -> str:
-    """Return in one line what MLflow says, with the remedy where its own words lack it."""
+def _problem(answer: str) -> str:
+    """Return in one line what MLflow answers, with the remedy where the answer has none."""
     uri = _uri()
-    if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", words):
+    if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", answer):
         return (
             f"{uri.removeprefix('sqlite:///')} is of another version of MLflow, schema {found[1]} where {found[2]} is "
             f"expected: move it away, or if it is older run mlflow db upgrade {uri}"
         )
-    if "filesystem tracking backend" in words:
+    if "filesystem tracking backend" in answer:
         return f"MLFLOW_TRACKING_URI is {uri}, a folder, which MLflow writes no more: name a server or {STORE}"
-    return " ".join(words.split())[:200]
+    return " ".join(answer.split())[:200]
 
 
 def _uri() -> str:

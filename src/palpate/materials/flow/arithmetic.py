@@ -1,6 +1,6 @@
 """Functions of a number that laws are written with.
 
-Python evaluates them as they stand. Compiled code takes the implementations registered with numba: those for doubles
+Python evaluates them as written. Compiled code takes the implementations registered with numba: those for doubles
 here, those for SIMD vectors in `palpate.solver.axisymmetric.lanes`. A law written with them and the operators + - * /
 therefore serves one point or the lanes of a vector.
 """

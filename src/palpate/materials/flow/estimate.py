@@ -1,4 +1,4 @@
-"""What a law does under a constant stress, roughly: for sizes of meshes, before anything is simulated."""
+"""An estimate of what a law does under a constant stress, from which meshes take their size before a simulation."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ from palpate.materials.flow.row import (
 ITERATIONS = 60
 TOLERANCE = 1e-5  # of ln q; the change that is smaller is still made, so the error left is of its third power
 SQUARED = 1e-7  # of rho, with plastic flow: the error left is of its second power
-NOTHING = 1e-150  # stands for rho = 0, so that the direction R / rho exists
+NOTHING = 1e-150  # takes the place of rho = 0, so that the direction R / rho exists
 UNKNOWN = -300.0  # below it ln q is no guess
 FAR = 0.6  # value of z beyond which the logarithm of V/rho is taken
 DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends where its exponential would overflow

@@ -30,7 +30,7 @@ PER_LINE = 8
 
 
 def creeps(specification: Specification) -> bool:
-    """Tell whether the law needs the user material."""
+    """Return whether the law needs the user material."""
     return steady_creep(specification, PROGRAM)[0] > 0.0 or any(c > 0.0 for c, _, _ in voigt_elements(specification))
 
 

@@ -2,7 +2,7 @@
 
 Apart from the idea of rings that grow from the tip it shares nothing with `palpate.solver.axisymmetric`: other
 elements, other integration, and a body of which the far boundary moves as one and is pressed against an indenter that
-stands still.
+does not move.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
 def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     """Draw the log evidence of what was tried, relative to the base model, accepted ones in colour.
 
-    Beside each bar stands by how much it lies behind the best one.
+    The number beside each bar is its difference from the best one.
     """
     tried = content["tried"][:9]
     accepted = [candidate["mechanisms"] for candidate in content["candidates"]]

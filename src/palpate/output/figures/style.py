@@ -1,6 +1,6 @@
 """One look for all figures: sizes for a journal's columns, colours that print in grey, byte-identical files.
 
-Series of lines have the colours of M. Okabe and K. Ito (2008), which people who confuse red and green tell apart.
+Series of lines have the colours of M. Okabe and K. Ito (2008), which people who confuse red and green can distinguish.
 Drawing opens no window and leaves Matplotlib's own settings as they were.
 """
 

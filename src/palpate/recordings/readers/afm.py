@@ -127,24 +127,24 @@ def _test(source: Source, number: int, curve: Any) -> VendorTest:
     if missing:
         raise InputError(f"lacks {' and '.join(missing)}", remedy="export it calibrated")
     force, height = np.asarray(curve["force"]), np.asarray(curve[names[0]])
-    time, told = (np.asarray(curve["time"]), ()) if "time" in curve else _time(source, len(force))
+    time, messages = (np.asarray(curve["time"]), ()) if "time" in curve else _time(source, len(force))
     depth = -1e9 * (height + force / stiffness)
     kept, warnings = usable(source, f"curve {number}", time, force, depth)
     time, force, depth = time[kept], force[kept], depth[kept]
     if names[0] != HEIGHTS[0]:
-        told = (*told, BY_PIEZO)
+        messages = (*messages, BY_PIEZO)
     notes = (f"from {source.path.name}",)
     recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts, (*warnings, *told), marked=False)
+    return VendorTest(str(number), recording, facts, (*warnings, *messages), marked=False)
 
 
 def _time(source: Source, count: int) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the times [s] of the `count` points of an Igor wave, which has no column of them."""
     if not is_wave(source.content):
         raise InputError("lacks time", remedy="export it with time")
-    step, told = sampling(source.content)
-    return step * np.arange(count), told
+    step, messages = sampling(source.content)
+    return step * np.arange(count), messages
 
 
 def _not_stated(*names: str) -> InputError:

@@ -43,25 +43,25 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     facts = metadata(lines[:start])
-    told = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
-    return [VendorTest(path.stem, recording, facts, told, marked=False)]
+    messages = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
+    return [VendorTest(path.stem, recording, facts, messages, marked=False)]
 
 
 def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
     """Return a warning for each of load and depth whose largest value falls short of the file's own."""
-    told = []
+    messages = []
     for key, values in (("load", recording.load), ("depth", recording.depth)):
         name = LARGEST[key]
         with suppress(InputError, ValueError):
             value, unit = facts.get(name, "").rsplit(maxsplit=1)
             if values.max() < (1 - SHORT) * number(value) * scale(key, unit):
                 found = f"the largest {key} is {values.max():.4g} {CHANNELS[key]}"
-                told.append(f"{found}, the file states {name} = {facts[name]}; the file may be cut off")
-    return tuple(told)
+                messages.append(f"{found}, the file states {name} = {facts[name]}; the file may be cut off")
+    return tuple(messages)
 
 
 def names_all(line: str) -> bool:
-    """Return whether a line names all channels, whatever stands between them."""
+    """Return whether a line names all channels, whatever is between them."""
     return all(re.search(rf"\b{key} *[(\[]", line) for key in KEYS)
 
 

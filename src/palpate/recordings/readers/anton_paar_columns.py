@@ -67,7 +67,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 
 
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
-    """Return the tests in columns, each with its heading; the sheet's name stands before a test's that is `known`."""
+    """Return the tests in columns, each with its heading; the sheet's name comes before a test's that is `known`."""
     headed = [(found, values) for heading, values in columns if (found := HEADING.fullmatch(heading.strip()))]
     channels = [
         (key := KEYS[found[2].capitalize()], found[1] or sheet or source.path.stem, values * scale(key, found[3]))
@@ -142,8 +142,8 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
                 f"has {len(found)} columns of {key}",
                 remedy="export both channels once, under a name of its own for each test",
             )
-        kept, said = usable(source, f"{name}, {key}", *found[0])
-        warnings += [f"{key}: {words}" for words in said]
+        kept, messages = usable(source, f"{name}, {key}", *found[0])
+        warnings += [f"{key}: {message}" for message in messages]
         clean.append((found[0][0][kept], found[0][1][kept]))
     (time, force), (moments, path) = clean
     common = _common(time, moments)

@@ -42,7 +42,7 @@ class Reading:
     date
         Any date beside it, as written.
     text
-        The text where nothing tells whether it is of minutes and seconds or of hours and minutes.
+        The text where nothing shows whether it is of minutes and seconds or of hours and minutes.
     """
 
     seconds: float

@@ -34,7 +34,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
     A table may hold several tests below one another (`palpate.recordings.readers.several_tests`). Sheets that give
     none, and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
 
-    The header is the first row with all names; where columns are given by their numbers it tells nothing but units.
+    The header is the first row with all names; where columns are given by their numbers it gives nothing but units.
     Rows without any number, of units and remarks, do no harm before and after the numbers, nor do rows that are written
     twice or zeros at the end; other rows without three, or with a time that does not increase, are left out with a
     warning.
@@ -86,16 +86,18 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     whole = np.flatnonzero(np.isfinite(part.values).all(axis=1))
     if body.named is not None or table.delimiter == ",":
         _check_width(table, body.header, part.rows[whole] + skipped)
-    kept, told = _kept(body.cells.at(part.rows.tolist()), part.values, part.idle)
-    units, assumed = _units(columns, body.above, body.header, told="s" if body.of_clock else None)
-    told = (*body.told, *part.told, *told)
+    kept, messages = _kept(body.cells.at(part.rows.tolist()), part.values, part.idle)
+    units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
+    messages = (*body.messages, *part.messages, *messages)
     if assumed:
-        told += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
+        messages += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
     time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
-    told += unfinished(load) if part.rows[-1] == len(body.values) - 1 and _breaks_off(part.values, whole[-1]) else ()
-    return VendorTest(name, recording, facts, told, marked=False)
+    messages += (
+        unfinished(load) if part.rows[-1] == len(body.values) - 1 and _breaks_off(part.values, whole[-1]) else ()
+    )
+    return VendorTest(name, recording, facts, messages, marked=False)
 
 
 def _breaks_off(values: np.ndarray, last: int) -> bool:
@@ -105,12 +107,12 @@ def _breaks_off(values: np.ndarray, last: int) -> bool:
 
 
 def _units(
-    columns: ColumnMap, above: Sequence[Sequence[str]], header: int | None, told: str | None
+    columns: ColumnMap, above: Sequence[Sequence[str]], header: int | None, clock_unit: str | None
 ) -> tuple[dict[str, str], list[str]]:
     """Return the unit of each channel and the channels whose unit nobody states, which is taken as s, mN or nm.
 
     It is as given, else as the rows `above` the numbers state it. A row holds the cells of time, load and depth. Above
-    the header it counts if it is of units, below it if of words. `told` is the unit of times that are read off a clock.
+    the header it counts if it is of units, below it if of words. `clock_unit` is that of times on a clock.
     """
     alone = [row for row in above[:header] if is_row_of_units(row)]
     if header is not None:
@@ -119,7 +121,7 @@ def _units(
     for k, key in enumerate(CHANNELS):
         heading = "" if header is None else above[header][k]
         beside = [row[k] for row in alone if row[k]]
-        given = told if told and key == "time" else columns.units.get(key)
+        given = clock_unit if clock_unit and key == "time" else columns.units.get(key)
         units[key] = given or stated(key, columns.names[key], heading, beside)
     assumed = [key for key, unit in units.items() if unit is None]
     return {key: unit or CHANNELS[key] for key, unit in units.items()}, assumed

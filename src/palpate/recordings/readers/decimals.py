@@ -30,12 +30,12 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.nd
     """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
 
     ``1,143.74``, ``1.143,74`` and ``1'143.74`` are one number; ``1,200`` may be two. The sign that makes numbers of
-    more of the table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e300 stand for "invalid".
+    more of the table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e300 mean "invalid".
 
     Parameters
     ----------
     place
-        Where a row stands in the file, for messages.
+        Where a row is in the file, for messages.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.nd
     if more == 0 and differ.any():
         row, column = (int(k) for k in np.argwhere(differ)[0])
         raise InputError(
-            f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not tell which",
+            f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not show which",
             remedy="export the numbers without separators of thousands, or with other than three decimals",
             place=place(row),
         )

@@ -85,10 +85,13 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
     tests: list[VendorTest | Unreadable] = []
     for number, part in enumerate(pressed, 1):
         called = f"{name} {number}" if len(pressed) > 1 else name
-        told = part.told
+        messages = part.messages
         if len(pressed) < len(parts):
-            told = (*told, f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out")
-        tests.append(attempt(source.path, called, _test, source, called, part.values, facts, told))
+            messages = (
+                *messages,
+                f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out",
+            )
+        tests.append(attempt(source.path, called, _test, source, called, part.values, facts, messages))
     return tests
 
 
@@ -115,12 +118,14 @@ def _values(group: Columns) -> np.ndarray:
     return np.column_stack(columns)
 
 
-def _test(source: Source, name: str, values: np.ndarray, facts: dict[str, str], told: tuple[str, ...]) -> VendorTest:
+def _test(
+    source: Source, name: str, values: np.ndarray, facts: dict[str, str], messages: tuple[str, ...]
+) -> VendorTest:
     """Return the test of a name from its `values` (n, 3)."""
     kept, warnings = usable(source, name, *values.T)
     time, load, depth = values[kept].T
     recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, facts, (*told, *warnings, *unfinished(load)), marked=False)
+    return VendorTest(name, recording, facts, (*messages, *warnings, *unfinished(load)), marked=False)
 
 
 READER = Reader("fischer_hdf5", "Fischer HDF5 (by h5py)", matches, read)

@@ -31,7 +31,7 @@ def channel_of(heading: str) -> str | None:
 
 
 def is_word(cell: str) -> bool:
-    """Return whether a cell is text, neither a number nor what stands for a missing one."""
+    """Return whether a cell is text, neither a number nor the sign of a missing one."""
     return LETTERS.search(cell) is not None and cell.lower() not in MISSING
 
 
@@ -45,7 +45,7 @@ def is_row_of_units(cells: Sequence[str]) -> bool:
 def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
     """Return the unit that the table states for a column, or None where it says nothing of any.
 
-    What stands in brackets, behind a slash or comma or alone in a cell is a unit: ``Load (uN)``, ``P / uN``, ``P, N``.
+    What is in brackets, behind a slash or comma or alone in a cell is a unit: ``Load (uN)``, ``P / uN``, ``P, N``.
     Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``. A single letter in it
     may also belong to the name, as in ``F_N``.
 

@@ -37,7 +37,7 @@ COMPLIANCE, RATE = (
 )
 UNITS = dict(zip(NEEDED, (COMPLIANCE, RATE, SCALES["depth"], SCALES["load"]), strict=True))
 LEVEL = 10  # points before contact that give the load without it
-UNMARKED = "the file marks no contact; the test begins where the load does (--contact auto finds the touch)"
+UNMARKED = "the file marks no contact; the test begins where the load does (--contact auto finds the contact)"
 
 
 def matches(source: Source) -> bool:
@@ -51,7 +51,7 @@ def matches(source: Source) -> bool:
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the last point without load before it is loaded.
 
-    ``frame`` stands for all that yields behind the specimen: machine compliance and load cell.
+    ``frame`` is everything compliant behind the specimen: machine compliance and load cell.
     """
     start, versioned = _announced(source), source.first.startswith(VERSION)
     entries = dict(line.split(":", 1) for line in source.lines[:start] if ":" in line)

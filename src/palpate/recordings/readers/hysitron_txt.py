@@ -27,7 +27,7 @@ HEAD = 20
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file announces its number of points and then its columns, whatever stands between these."""
+    """Return whether the file announces its number of points and then its columns, whatever is between these."""
     head = source.lines[:HEAD]
     return any(COUNT.match(line) for line in head) and any(DEPTH.search(line) for line in head)
 

@@ -28,7 +28,7 @@ def sampling(content: bytes) -> tuple[float, tuple[str, ...]]:
     Raises
     ------
     InputError
-        When neither the scaling nor the note tells it.
+        When neither the scaling nor the note gives it.
     """
     stated = RATE.search(content)
     by_rate = 1.0 / float(stated[1]) if stated and float(stated[1]) > 0 else 0.0

@@ -11,14 +11,14 @@ from palpate.errors import InputError
 from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, noises_of, rough_contact
 from palpate.recordings.recording import Recording
 
-SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is told
+SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
 FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
 NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
-TELLING = 20  # points of an approach, chosen, that tell how the load changes in air
+ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
-VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is told
+VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
 
 
 def air_before(recording: Recording) -> ContactPoint | None:
@@ -115,13 +115,13 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
 def air_at_start(r: Recording, marked: bool = True) -> tuple[str, ...]:
     """Return a warning where a recording that should begin at contact, which the file marked or not, begins in air."""
     if _retreats(r):
-        said = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
+        message = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
     elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
         share, since = 100 * min(float(still), rough), "the file's contact" if marked else "its first point"
-        said = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
+        message = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
     else:
         return ()
-    return (f"{said} (--contact auto finds the touch)",)
+    return (f"{message} (--contact auto finds the contact)",)
 
 
 def sloping(r: Recording, touch: int) -> tuple[str, ...]:
@@ -132,7 +132,7 @@ def sloping(r: Recording, touch: int) -> tuple[str, ...]:
     first = int(np.argmin(r.depth[: touch + 1]))
     way = float(r.depth[touch] - r.depth[first])
     air = first + np.flatnonzero(r.depth[first:touch] < r.depth[touch] - NEAR * way)
-    if len(air) < TELLING:
+    if len(air) < ENOUGH:
         return ()
     depth, load = r.depth[air] - r.depth[air].mean(), r.load[air] - r.load[air].mean()
     slope = float(depth @ load / (depth @ depth))
@@ -147,7 +147,7 @@ def sloping(r: Recording, touch: int) -> tuple[str, ...]:
 
 
 def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
-    """Return a recording that begins at contact up to where the tip has left, and what is said of the rest.
+    """Return a recording that begins at contact up to where the tip has left, and messages on the rest.
 
     It has left where the load falls below zero for good, or where the depth comes back through contact for good; or
     before that, where the load has fallen to what it reads in air beyond, which may have drifted.

@@ -40,7 +40,7 @@ CHANNELS = {
     "load": ("load", "load on sample", "force on surface", "corrected load"),
     "depth": ("depth", "displacement into surface", "indentation depth", "penetration depth", "corrected depth"),
 }
-UNMARKED = "no marker says where the surface is; the test begins where the load does (--contact auto finds the touch)"
+UNMARKED = "no marker gives the surface; the test begins where the load does (--contact auto finds the contact)"
 
 
 def matches(source: Source) -> bool:
@@ -77,7 +77,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
-    """Return the test on a sheet, its depth zero at contact; where no marker tells that, the load does."""
+    """Return the test on a sheet, its depth zero at contact; where no marker gives that, the load does."""
     names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
     channels = [channel(source, sheet, names[key], key) for key in CHANNELS]
     kept, warnings = usable(source, sheet, *channels)

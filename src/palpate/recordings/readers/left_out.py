@@ -1,4 +1,4 @@
-"""Why a table gives no test: what a sheet lacks that is passed over, and what a workbook lacks that gives nothing."""
+"""Why a table gives no test: what is missing in a sheet or a workbook."""
 
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ def _other_header(table: Table, columns: ColumnMap) -> InputError:
     """Return the error of a sheet whose header lacks some of the columns."""
     rows = [{plain(str(cell)) for cell in row} for row in table.rows]
     wanted = [columns.names[key] for key in CHANNELS]
-    lacking = min(([name for name in wanted if plain(name) not in row] for row in rows), key=len)
+    absent = min(([name for name in wanted if plain(name) not in row] for row in rows), key=len)
     return InputError(
-        f"has no column{'s' if len(lacking) > 1 else ''} {', '.join(lacking)}",
+        f"has no column{'s' if len(absent) > 1 else ''} {', '.join(absent)}",
         remedy=f"read it in a call of its own by its own names ({header_of([table])})",
         place=f"sheet {table.name}",
     )

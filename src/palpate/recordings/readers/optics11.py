@@ -62,7 +62,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
 
 
 def _marked(indentation: np.ndarray) -> bool:
-    """Return whether the column tells contact: it is zero before it, or negative from far before it on."""
+    """Return whether the column gives contact: it is zero before it, or negative from far before it on."""
     largest = float(indentation.max())
     before = indentation[: _last_free(indentation) + 1]
     return largest > 0.0 and bool(before[-1] == 0.0 or before.min() < -DEEP * largest)

@@ -1,7 +1,7 @@
 """Where a table's rows part: into tests below one another, or into segments of one test, each with a clock of its own.
 
-Time alone does not tell them apart. Where load and depth go on while time begins anew, the rows are the next segment of
-the same test; where they begin as the test did, they are another one.
+Time does not distinguish them. Where load and depth go on while time begins anew, the rows are the next segment of the
+same test; where they begin as the test did, they are another one.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 SAME = 0.02  # of a channel's range: how far load and depth may step where they go on
 LIKE = 0.05  # of a channel's range: how near another test begins to where the first one began
 TWICE = 2.0  # of the step before it: a longer one to zero is a jump
-BESIDE = 5  # steps on either side of a cut that tell how far load and depth step there anyway
+BESIDE = 5  # steps on either side of a cut that show how far load and depth step there anyway
 OFTEN = 200  # of the usual step in time: what begins anew goes on with steps such as these
 ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
 
@@ -31,14 +31,14 @@ class Part:
         Time, load and depth; time goes on over segments.
     idle : ndarray of bool, shape (n,)
         Rows that are no damage and hold nothing new: written twice, or zeros at the end.
-    told
-        What the user should know.
+    messages
+        What is reported to the user.
     """
 
     rows: np.ndarray
     values: np.ndarray
     idle: np.ndarray
-    told: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
 
 
 def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
@@ -49,14 +49,14 @@ def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) ->
     values : ndarray, shape (n, 3)
         Time, load and depth; not finite where a row holds no number.
     broken : ndarray of bool, shape (n,)
-        Whether a blank row or a repeated header stands before a row.
+        Whether a blank row or a repeated header comes before a row.
     place
-        Where rows stand in the file, for messages.
+        Where rows are in the file, for messages.
     """
     idle = written_twice(values) | padding(values)
     kept = np.flatnonzero(np.isfinite(values).all(axis=1) & ~idle)
     if len(kept) < 3:
-        return [Part(np.arange(len(values)), values, idle, _told(idle, values, place))]
+        return [Part(np.arange(len(values)), values, idle, _messages(idle, values, place))]
     breaks = np.cumsum(broken)
     cuts = _cuts(values[kept], np.diff(breaks[kept], prepend=breaks[kept[0]]) > 0)
     clock, values, begins = values[kept, 0], values.copy(), [0]
@@ -77,13 +77,13 @@ def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) ->
     parts = []
     for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(values)], strict=True), 1):
         rows = np.arange(begin, end)
-        told = _told(idle[rows], values[rows], lambda *each, rows=rows: place(*rows[list(each)]))
+        messages = _messages(idle[rows], values[rows], lambda *each, rows=rows: place(*rows[list(each)]))
         if number in segments:
             where = place(*segments[number])
-            told += (f"time begins anew where load and depth go on ({where}): joined as segments of one test",)
+            messages += (f"time begins anew where load and depth go on ({where}): joined as segments of one test",)
         if number in unmarked:
-            told += (f"begins at {place(begin)}, where time, load and depth begin anew as in the test before",)
-        parts.append(Part(rows, values[rows], idle[rows], told))
+            messages += (f"begins at {place(begin)}, where time, load and depth begin anew as in the test before",)
+        parts.append(Part(rows, values[rows], idle[rows], messages))
     return parts
 
 
@@ -115,7 +115,7 @@ def padding(values: np.ndarray) -> np.ndarray:
     return padded
 
 
-def _told(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -> tuple[str, ...]:
+def _messages(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -> tuple[str, ...]:
     """Return in words which rows count for nothing."""
     zeros = padding(values) & idle
     twice = idle & ~zeros
@@ -129,7 +129,7 @@ def _told(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -> tu
 def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
     """Return at which of whole rows `values` (m, 3) a ``test`` or a ``segment`` begins.
 
-    `apart` (m,) says where a blank row or a repeated header stands before.
+    `apart` (m,) marks rows after a blank row or a repeated header.
     """
     time, others = values[:, 0], values[:, 1:]
     span = np.ptp(others, axis=0)
@@ -164,7 +164,7 @@ def _until_next(clock: np.ndarray, others: np.ndarray, k: int) -> float:
     """Return how long after the last point before it a segment begins that starts at point `k` of `clock` (n,).
 
     Not at all where its first point is the last one again; a step where both segments are sampled at one rate, or where
-    the clock tells nothing; else as long as the clock says. `others` (n, 2) are load and depth.
+    the clock gives no step; else as long as the clock gives. `others` (n, 2) are load and depth.
     """
     step, following = clock[k - 1] - clock[k - 2], clock[k + 1] - clock[k]
     if clock[k] == 0 and (others[k] == others[k - 1]).all():

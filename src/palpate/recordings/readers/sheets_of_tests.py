@@ -40,7 +40,7 @@ def first_of(names: Collection[str], spellings: Sequence[str]) -> str | None:
 def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
     """Return a column (n,) of a sheet in s, nm, mN or N/m, be its cells numbers or text.
 
-    Empty cells, words and the 1.8e308 that stands for "invalid" are NaN.
+    Empty cells, words and the 1.8e308 that means "invalid" are NaN.
 
     Parameters
     ----------

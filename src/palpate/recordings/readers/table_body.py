@@ -1,4 +1,4 @@
-"""The rows of time, load and depth in a table: what stands above them, their numbers, and how they part into tests."""
+"""The rows of time, load and depth in a table: what is above them, their numbers, and how they divide into tests."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class TableBody:
     values : ndarray, shape (n, 3)
         The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
     repeated, broken : ndarray of bool, shape (n,)
-        Whether a row is the header again, and whether that or a blank row stands before it.
+        Whether a row is the header again, and whether that or a blank row comes before it.
     of_clock
         Whether the times are read off a clock, in seconds.
-    told
-        What the user should know of that.
+    messages
+        What is reported to the user about that.
     """
 
     table: Table
@@ -52,7 +52,7 @@ class TableBody:
     repeated: np.ndarray
     broken: np.ndarray
     of_clock: bool
-    told: tuple[str, ...]
+    messages: tuple[str, ...]
 
 
 def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
@@ -66,7 +66,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
         return None
     heading = " ".join(str(row[found[1][0]]) for row in table.rows[: numeric[0] + 1] if len(row) > found[1][0])
     clock = [row[0] for row in cells.rows]
-    shown, told = seconds([clock[k] for k in numeric], heading)
+    shown, messages = seconds([clock[k] for k in numeric], heading)
     for k, time in zip(numeric, shown, strict=True):
         clock[k] = time
     values = numbers([[time, *others] for time, (_, *others) in zip(clock, cells.rows, strict=True)], cells.place)
@@ -80,7 +80,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     repeated = np.array([header is not None and [*row] == [*table.rows[header]] for row in rows])
     blank = np.array([not any(map(str, row)) for row in rows]) | (np.diff(numbered, prepend=numbered[0]) > 1)
     of_clock = clock[first] != cells.rows[first][0]
-    return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, told)
+    return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, messages)
 
 
 def parts_of(body: TableBody) -> list[Part]:

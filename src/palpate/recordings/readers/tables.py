@@ -1,4 +1,4 @@
-"""Tables of cells: the sheets of a workbook, or the one table of a text whose separators tell themselves."""
+"""Tables of cells: the sheets of a workbook, or the one table of a text whose separators are detected."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells, and where they stand.
+    """Rows of cells, and where they are.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Table:
     rows, numbers
         Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
     delimiter
-        What parts the cells of a text, where a blank stands for any number of them; None in a workbook.
+        What parts the cells of a text, where a blank means any number of them; None in a workbook.
     """
 
     source: Source
@@ -44,7 +44,7 @@ class Table:
     delimiter: str | None = None
 
     def place(self, *rows: int) -> str:
-        """Return where the first few of `rows` stand, and how many more there are."""
+        """Return where the first few of `rows` are, and how many more there are."""
         named = first_few([self.numbers[row] for row in rows])
         return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named
 

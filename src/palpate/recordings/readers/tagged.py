@@ -32,7 +32,7 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
 
 
 def taken(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test that somebody names, be it tagged or not; a warning tells that it is."""
+    """Return a test that somebody names, be it tagged or not; a warning states that it is."""
     if isinstance(test, VendorTest) or test.tagged is None:
         return test
     return replace(test.tagged, warnings=(*test.tagged.warnings, test.error.problem))

@@ -29,7 +29,7 @@ PREFIX = {
     "milli": "m", "micro": "u", "mikro": "u", "nano": "n", "pico": "p", "piko": "p", "centi": "c", "zenti": "c",
     "kilo": "k", "m": "m", "u": "u", "k": "k",
 }  # fmt: skip
-CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not tell it from the millinewton
+CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not distinguish it from the millinewton
 BRACKETS = {  # as wide as a letter, read as Latin-1: Shift-JIS, GBK and EUC-KR, Big5
     "\x81i": "(", "\x81j": ")", "\x81m": "[", "\x81n": "]", "£¨": "(", "£©": ")", "£Û": "[", "£Ý": "]", "¡]": "(",
     "¡^": ")",

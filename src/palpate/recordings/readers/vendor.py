@@ -213,7 +213,7 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     Parameters
     ----------
     place
-        Where the points stand in the file, for messages.
+        Where the points are in the file, for messages.
     time, others : ndarray, shape (n,)
         All channels that the test needs; NaN where the file holds no number.
 
@@ -247,9 +247,9 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
             remedy="export the test again", file=source.path, place=place,
         )  # fmt: skip
     lost = sum(map(len, damaged.values()))
-    told = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
-    told += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
-    return kept, tuple(told)
+    reported = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
+    reported += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
+    return kept, tuple(reported)
 
 
 def first_few(numbers: Sequence[int] | np.ndarray) -> str:
@@ -260,8 +260,8 @@ def first_few(numbers: Sequence[int] | np.ndarray) -> str:
 
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
     """Return each cause with the numbers of the first few points that it strikes, counted from 1."""
-    said = []
+    listed = []
     for cause, points in causes.items():
         if len(points):
-            said.append(f"{cause} (point {first_few(points + 1)})")
-    return ", ".join(said)
+            listed.append(f"{cause} (point {first_few(points + 1)})")
+    return ", ".join(listed)

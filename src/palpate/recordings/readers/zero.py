@@ -34,7 +34,7 @@ FOUND, GIVEN = "found by palpate", "given by the user"
 DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
 WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
 OFF_ZERO = 0.05  # of the way to the largest load
-LAST_FREE = 10  # points of an approach that tell what the load reads without contact
+LAST_FREE = 10  # points of an approach from which the load without contact is taken
 
 
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
@@ -72,8 +72,8 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         point = found or touch_at(float(contact), r.time, r.load, r.depth)
     except InputError as error:
         raise error.located(place=test.name) from None
-    told = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
-    return _ended(test, begun(r, point, FOUND if found else GIVEN), (*told, *sloping(r, point.index)))
+    messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
+    return _ended(test, begun(r, point, FOUND if found else GIVEN), (*messages, *sloping(r, point.index)))
 
 
 def _from_the_file_s(test: VendorTest) -> VendorTest:
@@ -83,26 +83,26 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     marked = r.at(slice(begin, None))
     air = None if test.marked else air_before(r)
     if air is None:
-        told = (
+        messages = (
             *_off_zero(marked),
             *_loaded_before(r.load, begin),
             *air_at_start(marked, test.marked),
             *sloping(r, begin),
         )
-        return _ended(test, marked, told)
+        return _ended(test, marked, messages)
     share = 100 * share_in_air(r, air)
-    said = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
+    message = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
     retreat = retreat_before(r, air)
     if retreat > SHARE * (float(r.depth.max()) - air.depth):
-        said += f", and the tip retreats by {retreat:.3g} nm before it touches"
-    said += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    return _ended(test, begun(r, air, FOUND), (said, *_vague(r, air), *sloping(r, air.index)))
+        message += f", and the tip retreats by {retreat:.3g} nm before contact"
+    message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
+    return _ended(test, begun(r, air, FOUND), (message, *_vague(r, air), *sloping(r, air.index)))
 
 
-def _ended(test: VendorTest, recording: Recording, told: tuple[str, ...]) -> VendorTest:
-    """Return the test with a recording from contact on, up to the tip's retreat, and what is said of it."""
+def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) -> VendorTest:
+    """Return the test with a recording from contact on, up to the tip's retreat, and messages on it."""
     ended, of_end = until_retreat(recording)
-    return replace(test, recording=ended, warnings=(*test.warnings, *told, *of_end))
+    return replace(test, recording=ended, warnings=(*test.warnings, *messages, *of_end))
 
 
 def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
@@ -208,7 +208,7 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     """Return a warning where contact is elsewhere than where a test begins."""
     if not begins_off_contact(recording):
         return ()
-    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact (--contact auto finds the touch)",)
+    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact (--contact auto finds the contact)",)
 
 
 def begins_off_contact(recording: Recording) -> bool:

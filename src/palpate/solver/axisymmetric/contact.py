@@ -19,7 +19,7 @@ element at the edge of contact,
 with the local distance l of nodes and the slope f' that the tip has up to that edge. C and b depend on the exponent n
 of the tip there, which is 1 under a cone and 2 under a sphere. Where the pressure falls far below what it was at the
 largest load, w narrows with its root. Both a and p belong to the equilibrium that a step looks for, so the contact has
-no memory but for the largest force and area so far. Nothing here has a length or a stress of its own: scaling laws of
+no history but the largest force and area so far. Nothing here has a length or a stress of its own: scaling laws of
 sharp tips hold exactly. At given a and p the force has a potential, so the stiffness is symmetric without friction.
 
 Sources: for regularised contact P. Wriggers, Computational Contact Mechanics, 2nd ed. (2006), section 6.3; for kernels

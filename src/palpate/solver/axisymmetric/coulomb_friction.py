@@ -5,7 +5,7 @@ opposes the slip,
 
     m = mu tanh((R - A) / d),
 
-with the anchor A, which a node that slips drags along at the distance 2 d. The little slip d stands for sticking; in
+with the anchor A, which a node that slips drags along at the distance 2 d. The little slip d replaces sticking; in
 proportion to the rise of the tip it adds no length to a sharp cone.
 
 A node comes to touch gradually. What comes to touch of it in a step is anchored where it then is, midway, and the

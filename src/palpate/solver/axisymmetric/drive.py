@@ -16,7 +16,7 @@ import numpy as np
 
 from palpate.study.protocol import LOAD, Protocol
 
-NO_LOAD = 1e-5  # of the largest load: what stands for none
+NO_LOAD = 1e-5  # of the largest load: what counts as none
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ taken from there: where an element is squeezed to a hundredth the difference wou
 tangent's unsymmetric part, which true stress brings, is replaced by its symmetric half: Newton's method then takes an
 iteration or so more, and Cholesky's factorisation serves.
 
-The return to the law stands in `internal_forces` here and in `element`: as one function that both call, inlined
-or not, it makes a run a fifth slower.
+The return to the law is written out in `internal_forces` here and in `element`: as one function that both call,
+inlined or not, it makes a run a fifth slower.
 
 Arguments of the kernels: `body`, `points`, `laws`, `weights`, `displacement`, `forces` and `band` are those of
 `palpate.solver.axisymmetric.element`; `parts` (PARTS, LANES) is written by `stretch`; `t0`, `t1`, `t2`, `t3` are the

@@ -186,7 +186,7 @@ class March:
             At the time `begin`; spent by this.
         begin, end, parts, lanes : ndarray, shape (LANES,)
         beside
-            Told of each part: the states before and after, both times, and the lanes that found equilibrium.
+            Called after each part: with the states before and after, both times, and the lanes that found equilibrium.
 
         Returns
         -------

@@ -70,7 +70,7 @@ class Neighbours:
         return cls(host, [march for march, _ in begun], [states for _, states in begun], corners)
 
     def times(self, k: int, times: np.ndarray) -> np.ndarray:
-        """Return where neighbour number k stands at `times` of its hosts (LANES,) [s]."""
+        """Return the time that neighbour number k has reached at `times` of its hosts (LANES,) [s]."""
         return np.array([moved.get(time, time) for moved, time in zip(self.corners[k], times.tolist(), strict=True)])
 
     def follow(self, start: States, arrived: States, begin: np.ndarray, end: np.ndarray, lanes: np.ndarray) -> None:

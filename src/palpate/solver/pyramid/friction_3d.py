@@ -6,7 +6,7 @@ Along the tangents t_i = e_i + f_i e_z, with the metric a_ij = t_i . t_j = delta
     T . t_i = -mu N a_ij s_j / max(1, |s|),   s_i = (x_i - A_i) / (ELASTIC_SLIP f(X)),   |s|^2 = a_ij s_i s_j,
 
 with the anchor A: the place at first touch, dragged along when the node slips. As in the plane, the little slip before
-the limit stands for sticking and grows with the height f(X) of the indenter over its apex.
+the limit takes the place of sticking and grows with the height f(X) of the indenter over its apex.
 
 The normal force follows from the force F of the indenter on the node: N = P / J with P = f_i F_i - F_z, J^2 = 1 + f_i
 f_i. On a mirror plane a node slips in that plane alone, and the plane bears what acts across it, so that N follows from

@@ -55,7 +55,7 @@ class Mesh3D(Numbered):
     def share_above(self, height: float, points: int = 6) -> np.ndarray:
         """Return the share (m,) of each element's volume above z = `height` [um], by `points`^3 samples.
 
-        Each sample stands for a cell whose height counts, so that the share varies continuously.
+        Each sample represents a cell whose height counts, so that the share varies continuously.
         """
         ticks, corners = 2.0 * (np.arange(points) + 0.5) / points - 1.0, self.nodes[self.elements]
         places = np.stack(np.meshgrid(ticks, ticks, ticks), axis=-1).reshape(-1, 3)
