@@ -120,10 +120,15 @@ def _special_cases(
 ) -> list[Candidate]:
     """Return the special cases of an accepted set, refitted from its optimum, where that fits better.
 
-    Their own searches may have stopped at another local minimum, which the additional mechanism allowed to leave.
+    Their own searches may have stopped at another local minimum, which the additional mechanism allowed to leave. Those
+    far behind to first order, whatever the free parameters become, are left out.
     """
     fit, better = accepted.fit, []
+    floor = fit.log_evidence - search.policy.behind_best
+    hopeless = {smaller.explanation for smaller in search.neighbours(fit) if smaller.optimistic_log_evidence < floor}
     for explanation, z in _begun(search, fit):
+        if explanation in hopeless:
+            continue
         stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
         try:
             again = search.examined(search.fitted(explanation, [z], fit.curve))

@@ -20,6 +20,7 @@ from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.problem import Explanation, Problem
+from palpate.mechanisms import MECHANISMS
 
 LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
 
@@ -97,8 +98,9 @@ class Search:
         return self._fitter.fitted(explanation, starts, depth)
 
     def joined(self, fit: Fit, key: str) -> Fit:
-        """Fit an explanation and one more mechanism; raises as `fitted`."""
-        return self.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve)
+        """Fit an explanation and one more mechanism, with the references of the smaller one; raises as `fitted`."""
+        model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
+        return self._fitter.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve, model)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

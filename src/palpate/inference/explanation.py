@@ -149,6 +149,12 @@ class Fit:
         relative = np.eye(len(self.z)) + DENSITY_ONE * self.information
         return self.log_likelihood - 0.5 * float(np.linalg.slogdet(relative)[1])
 
+    @property
+    def optimistic_log_evidence(self) -> float:
+        """Of the same explanation where its parameters have to first order their best values, away from its own."""
+        off = self.off_tangent(self.white)
+        return self.log_evidence + 0.5 * float(self.white @ self.white - off @ off)
+
     @cached_property
     def with_discrepancy(self) -> Fit:
         """The same fit, weighted by the known errors and by the discrepancy that makes its misfit equal to them.

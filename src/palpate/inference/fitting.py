@@ -83,7 +83,9 @@ class Fitter:
         """Return places (k,) of the ranges of the base model at which a search may begin."""
         return list(qmc.Sobol(self.problem.material, seed=rng).random(self.policy.scattered))
 
-    def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
+    def fitted(
+        self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray, model: Forward | None = None
+    ) -> Fit:
         """Fit an explanation.
 
         Parameters
@@ -92,13 +94,15 @@ class Fitter:
             Coordinates (k,) from which searches may begin, that of least expected misfit first.
         depth : ndarray, shape (n_all,)
             Curves that lie near [nm].
+        model
+            Forward model of the explanation; by default with the references of the base model.
 
         Raises
         ------
         PalpateError
             When the forward model fails at all starts.
         """
-        problem, policy, model = self.problem, self.policy, self.problem.model(explanation)
+        problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
         begun = starts if explanation else self._with_slopes(model, starts)

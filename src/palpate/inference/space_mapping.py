@@ -74,11 +74,14 @@ class SpaceMapped:
         For each condition; where there is none, the fast model's curve is taken.
     place : ndarray, shape (k,)
         Coordinates at which they were simulated.
+    acting
+        Mechanisms that acted there.
     """
 
     full: FiniteElements
     references: Mapping[str, Reference]
     place: np.ndarray
+    acting: Sequence[Mechanism] = ()
 
     @classmethod
     def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
@@ -108,7 +111,7 @@ class SpaceMapped:
                 accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
                 reference = replace(reference, accurate=accurate)
             references[condition.name] = reference
-        return cls(full, references, u)
+        return cls(full, references, u, full.mechanisms)
 
     @property
     def coordinates(self) -> Coordinates:
@@ -138,18 +141,16 @@ class SpaceMapped:
         return self.full.amplitudes(u)
 
     def of_record(self, u: np.ndarray) -> SpaceMapped:
-        """See `Forward`; the same where the references lie near.
+        """See `Forward`; the same where the references lie near, and no mechanism has joined that acts on the body.
 
-        Those of a pyramid, whose curves cost as much as fifty of the cone, are also kept where a mechanism joins that
-        only adds to the depth. Friction and rounded tips change the ratio of pyramid and cone by 0.1 to 0.2 %.
+        Where one has joined that only adds to the depth, the references of a pyramid, whose curves cost as much as
+        fifty of the cone, are kept from farther away. Friction and rounded tips change the ratio of pyramid and cone by
+        0.1 to 0.2 %.
         """
+        joined = [mechanism for mechanism in self.full.mechanisms if mechanism not in self.acting]
+        near = PYRAMID_NEAR if joined and not self.full.study.indenter.of_revolution else CLOSE
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
-        on_body = any(mechanism.acts_on_body for mechanism in self.full.mechanisms)
-        if len(u) == len(self.place):
-            near = CLOSE
-        else:
-            near = 0.0 if on_body or self.full.study.indenter.of_revolution else PYRAMID_NEAR
-        if moved < near:
+        if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
             return self
         return SpaceMapped.of(self.full, u)
 
