@@ -21,10 +21,12 @@ class FitPolicy:
         The same of the base model, whose search begins far away and may follow a long valley.
     first_tolerance, tolerance
         Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
-        estimate.
+        estimate. Chi-square of an explanation counts over its ratio to the degrees of freedom, where that exceeds one.
     poor_fit
-        Chi-square per sample above which an explanation leaves far more than noise, whatever the error of the mesh: it
-        is not refined.
+        Chi-square per sample above which the base model leaves far more than noise, whatever the error of the mesh.
+    refined
+        Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
+        with 1.3 at most in cases of the blind trial.
     """
 
     scattered: int = 16
@@ -34,3 +36,4 @@ class FitPolicy:
     first_tolerance: float = 0.5
     tolerance: float = 0.02
     poor_fit: float = 50.0
+    refined: float = 10.0

@@ -111,18 +111,19 @@ class Fitter:
             end = self._searched(misfit, model, begun, depth, limit)
         weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
+        if explanation and fit.misfit_ratio > policy.refined:
+            return fit
+        tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=policy.tolerance, exact=False)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=tolerance, exact=False)
             fit = self._fit(explanation, model, end, fit.errors)
         near = self.near(fit)
-        if explanation and not near:
-            return fit
         record = model.of_record(end.u)
         goal = self._without_discrepancy(fit) if near else misfit
         if record is model:
-            end = descend(goal, model, [end], limit, tolerance=policy.tolerance, exact=False)
+            end = descend(goal, model, [end], limit, tolerance=tolerance, exact=False)
         else:
-            end = resumed(goal, record, end, limit, tolerance=policy.tolerance, exact=False)
+            end = resumed(goal, record, end, limit, tolerance=tolerance, exact=False)
         return self._fit(explanation, record, end, fit.errors)
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
