@@ -107,8 +107,9 @@ def _reading(cell: Any, heading: str) -> Reading | None:
         return _of_calendar(cell if isinstance(cell, datetime.datetime) else datetime.datetime(*cell.timetuple()[:3]))
     if not isinstance(cell, str) or (":" not in cell and not ISO.fullmatch(cell.strip())):
         return None
-    for half, meant in HALVES.items():
-        cell = cell.replace(half, meant)
+    if not cell.isascii():
+        for half, meant in HALVES.items():
+            cell = cell.replace(half, meant)
     text = " ".join(cell.split())
     if ISO.fullmatch(text):
         try:

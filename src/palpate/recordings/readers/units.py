@@ -35,6 +35,7 @@ BRACKETS = {  # as wide as a letter, read as Latin-1: Shift-JIS, GBK and EUC-KR,
     "¡^": ")",
 }  # fmt: skip
 MICRO = ("Âµ", "Î¼", "¦Ì", "\x83Ê", "£g", "¥ì")  # read as Latin-1: UTF-8, UTF-8 (Greek), GBK, Shift-JIS, Big5, EUC-KR
+PLAIN = {**dict.fromkeys(MICRO, "u"), **BRACKETS}
 TORN = re.compile("[ÂÃÎ][\x80-\xbf]")  # two bytes that begin as those of µ, ² or °, of ü, and of the Greek mu
 
 
@@ -44,7 +45,7 @@ def plain(unit: str) -> str:
     So it is where the sign was written in another encoding than it was read in, as Chinese and Japanese programs do.
     Brackets as wide as their letters are treated alike.
     """
-    for spelling, meant in {**dict.fromkeys(MICRO, "u"), **BRACKETS}.items():
+    for spelling, meant in PLAIN.items():
         unit = unit.replace(spelling, meant)
     return unicodedata.normalize("NFKC", unit).strip().translate(str.maketrans("μÅ【】〔〕", "uA[][]"))
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from palpate.errors import InputError
 from palpate.materials.flow.estimate import flow_stress, secant_compliance
 from palpate.materials.flow.row import BULK, SHEAR
-from palpate.solver.axisymmetric.mesh import Resolution
+from palpate.solver.axisymmetric.mesh import LEAST_LOAD, Resolution
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
@@ -20,7 +20,6 @@ from palpate.study.specimen import Specimen
 GPA_UM = 1e-6  # one mJ/m^2
 RADII = 81
 SOFTEST = 1e-12  # share of an elastic body's pressure, below which none is sought
-LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
 
 
 def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> float:

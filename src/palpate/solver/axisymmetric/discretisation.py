@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.solver.axisymmetric.contact_size import LEAST_LOAD, contact_range
-from palpate.solver.axisymmetric.mesh import Resolution, ring_radii
+from palpate.solver.axisymmetric.contact_size import contact_range
+from palpate.solver.axisymmetric.mesh import LEAST_LOAD, Resolution, ring_radii
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
 from palpate.study.specimen import Specimen

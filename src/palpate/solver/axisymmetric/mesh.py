@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SECTOR_GRADING = 1.2
-USUAL_RANGE = 200.0  # of loads, from the least that counts for a mesh to the largest
+LEAST_LOAD = 0.005  # of the largest; smaller ones count as that where they are on the way to it, else not at all
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ def _tip(r: np.ndarray, z: np.ndarray, height: float, area: np.ndarray) -> np.nd
 def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded: bool = False) -> np.ndarray:
     """Radii of the rings, for contact radii between `smallest` and `largest`, under a sharp or a `rounded` tip.
 
-    Rings that grow by the same ratio come in multiples of half of those for loads of the usual range under a sharp tip,
-    so that most indentations share their mesh but for its size, and run in lanes.
+    Rings that grow by the same ratio come in multiples of half of those that a sharp tip needs from `LEAST_LOAD` on, so
+    that most indentations share their mesh but for its size, and run in lanes.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def ring_radii(smallest: float, largest: float, resolution: Resolution, rounded:
     radii = [smallest * (k + 1) / even for k in range(even)] if rounded else [resolution.inner * smallest]
     needed, usual = (
         math.log(2.0 * contacts / inner) / math.log(growth)
-        for contacts, inner in ((largest, radii[-1]), (math.sqrt(USUAL_RANGE), radii[-1] / smallest))
+        for contacts, inner in ((largest, radii[-1]), (math.sqrt(1.0 / LEAST_LOAD), radii[-1] / smallest))
     )
     half = math.ceil(usual / 2)
     count = math.ceil(needed / half) * half
