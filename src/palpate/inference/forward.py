@@ -201,12 +201,12 @@ def under_each(model: Forward, names: Sequence[str], u: np.ndarray) -> dict[str,
 
 
 def kept(protocol: Protocol) -> np.ndarray:
-    """Return which samples (n_points,) suffice for slowly varying curves: a few, corners, and all of the last ones.
+    """Return which samples (n_points,) suffice for slowly varying curves: a few, corners, the first two, the last ones.
 
-    Effects change fastest late in unloading.
+    Effects change fastest late in unloading, and at the beginning, where the load comes late by as much as it lasts.
     """
     keep = np.isclose(protocol.sample_time[:, None], protocol.knot_time, rtol=1e-9, atol=0.0).any(axis=1)
     every = min(THINNING, max(1, len(keep) // FEWEST))
     keep[::-every] = True
-    keep[-every:] = True
+    keep[:2] = keep[-every:] = True
     return keep
