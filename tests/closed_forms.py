@@ -59,6 +59,10 @@ class ClosedForms:
             found[mechanism.key] = dict(mechanism.from_search(searched, self.scale))
         return found
 
+    @property
+    def refinements(self):
+        return {}
+
     def of_record(self, u):
         return self
 

@@ -125,6 +125,10 @@ class Forward:
     def under(self, names):
         return Forward(self.families, names, self.edge, self.fails)
 
+    @property
+    def refinements(self):
+        return {}
+
     def of_record(self, u):
         return self
 

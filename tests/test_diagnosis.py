@@ -104,7 +104,7 @@ def p_value(task, rng):
 def test_an_effect_errs_by_the_same_part_everywhere():
     task = problem(recordings(np.random.default_rng(1)))
     noise, film = noise_of(task, (), task.mean, 0.01), {"film_on_substrate": np.full(len(task.mean), 40.0)}
-    plain, wider = (errors(task, (), task.mean, noise, 0.003, effects) for effects in ({}, film))
+    plain, wider = (errors(task, task.forward, (), task.mean, noise, 0.003, effects) for effects in ({}, film))
     off = 40.0 * MECHANISMS["film_on_substrate"].solver_scatter
     assert wider.model - plain.model == pytest.approx(np.full(plain.model.shape, off**2))
 

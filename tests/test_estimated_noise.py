@@ -23,7 +23,9 @@ def points(sigma, strength_freedom, counts, site=0.0, site_freedom=1):
     size = len(sigma)
     spread = [*(0.5 / strength_freedom), *np.zeros(size), 2.0 * site**4 / site_freedom]
     noise = NoiseModel(sigma, np.full(size, 0.5), {"site": site**2}, 0.0, np.diag(spread), True)
-    errors = Errors(noise, [{"site": np.ones((1, 1))}] * size, np.zeros((size, size)), list(counts))
+    errors = Errors(
+        noise, [{"site": np.ones((1, 1))}] * size, np.zeros((size, size)), [np.zeros(1)] * size, list(counts)
+    )
     factor = cholesky(errors.covariance, lower=True)
     return SimpleNamespace(
         errors=errors, factor=factor, whiten=lambda values: solve_triangular(factor, values, lower=True)

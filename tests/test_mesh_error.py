@@ -11,8 +11,9 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings,
 
 from palpate.configuration.study_file import load_study
 from palpate.inference import space_mapping
+from palpate.inference.covariance import errors, noise_of
 from palpate.inference.forward import FiniteElements
-from palpate.inference.space_mapping import RECORD, Reference
+from palpate.inference.space_mapping import RECORD, Reference, SpaceMapped
 from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
@@ -108,6 +109,45 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
     (found,) = yielding.curves([u])
     true = on_fine_mesh(yielding, u, condition)
     assert off_where_loaded(found["T010"], true, condition) < study.calibration["solver_error"]
+
+
+def test_the_curves_at_one_lag_serve_another(tmp_path):
+    """From the first sample on, where the load comes late by half of what it lasts."""
+    study = loaded(tmp_path, points=100)
+    plain = FiniteElements.of(study, ["T010"]).joined([MECHANISMS["controller_lag"]], scale_of(study))
+    body = plain.coordinates.scaled(middle(study) | {"controller_lag.lag": 0.1})[:-1]
+    lags = [np.append(body, lag) for lag in (0.11, 0.09)]
+    (condition,) = plain.conditions
+    (found,) = SpaceMapped.of(plain, lags[0]).curves([lags[1]])
+    assert found["T010"] == pytest.approx(on_fine_mesh(plain, lags[1], condition), abs=1e-3 * found["T010"].max())
+
+
+def test_what_the_refinement_changed_is_known_at_all_samples(plain, record):
+    reference = record.references["T010"]
+    changed = record.refinements["T010"]
+    assert changed[reference.kept] == pytest.approx(reference.accurate[reference.kept] - reference.fast)
+    assert np.abs(changed).max() < 0.01 * reference.accurate.max()
+    assert plain.refinements == {}
+
+
+class Refined(ClosedForms):
+    """Its refinement changed the depth by 5 nm under one condition and by 2 nm under another."""
+
+    @property
+    def refinements(self):
+        changes = {"a": 5.0, "b": 2.0}
+        return {c.name: np.full(len(c.protocol.sample_time), changes.get(c.name, 0.0)) for c in self.conditions}
+
+
+def test_curves_may_err_by_what_the_refinement_changed():
+    """Half of it under all conditions alike, and half of that under each alone."""
+    task = replace(problem(recordings(np.random.default_rng(1))), forward=Refined(CONDITIONS))
+    found = errors(task, task.forward, (), task.mean, noise_of(task, (), task.mean, 0.01), 0.0)
+    parts = {name: np.zeros(len(item.mean)) for name, item in task.observed.items()}
+    for of_b, chi_square in ((2.0, 2.0 / 0.5625), (-2.0, 2.0 / 0.0625)):
+        off = task.stacked(parts | {"a": np.full(len(parts["a"]), 5.0), "b": np.full(len(parts["b"]), of_b)})
+        cost = off @ np.linalg.solve(found.shared + 1e-6 * np.eye(len(off)), off)
+        assert cost == pytest.approx(chi_square, rel=1e-3)
 
 
 def test_where_a_body_is_unloaded_no_mesh_errs():

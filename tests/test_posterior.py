@@ -59,7 +59,7 @@ def known_to(deviations, at, least=-np.inf):
     problem = Problem(CONDITIONS, observed, Quadratic(CONDITIONS, Coordinates(free, {})), SCALE)
     ((curves, slopes),) = problem.forward.tangents([at])
     curve, tangent = problem.stacked(curves), problem.stacked(slopes)
-    found = errors(problem, (), curve, noise_of(problem, (), problem.mean, 0.01), 0.003)
+    found = errors(problem, problem.forward, (), curve, noise_of(problem, (), problem.mean, 0.01), 0.003)
     fit = Fit(problem, (), problem.forward, at, found, curve, tangent)
     fit.__dict__["posterior"] = np.diag(np.square(deviations))
     return fit

@@ -53,7 +53,7 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     curve, tangent = (problem.stacked(parts) for parts in found)
     scatter, solver_error = (study.calibration[key] for key in ("site_scatter", "solver_error"))
     noise = noise_of(problem, (), problem.mean - curve, scatter)
-    fit = Fit(problem, (), base, z, errors(problem, (), curve, noise, solver_error), curve, tangent)
+    fit = Fit(problem, (), base, z, errors(problem, base, (), curve, noise, solver_error), curve, tangent)
     signatures = fit.whiten(_effects(study, problem, case))
     sizes = []
     for k, white in enumerate(signatures.T):

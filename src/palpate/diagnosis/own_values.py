@@ -10,7 +10,7 @@ import numpy as np
 from palpate.configuration.study_file import Condition, Study
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
-from palpate.inference.covariance import components_under
+from palpate.inference.covariance import components_under, refinement_covariance
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.solver_error import model_covariance
@@ -121,9 +121,9 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
         Number of recordings.
     """
     noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
-    return noise / count + model_covariance(
-        {condition.name: curve}, study.calibration["solver_error"], fit.problem.shares
-    )
+    refined = refinement_covariance([fit.problem.refinement(fit.model, condition)])
+    common = model_covariance({condition.name: curve}, study.calibration["solver_error"], fit.problem.shares)
+    return noise / count + common + refined
 
 
 def _with_laws(

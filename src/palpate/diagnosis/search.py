@@ -111,7 +111,7 @@ class Search:
             (curves,) = model.curves([rest])
             if not isinstance(curves, str):
                 curve, tangent = problem.stacked(curves), np.delete(fit.tangent, places, axis=1)
-                weighed = self._fitter.errors(smaller, rest, curve)
+                weighed = self._fitter.errors(smaller, model, rest, curve)
                 found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, fit.laws))
         return found
 
@@ -131,7 +131,8 @@ class Search:
         fitter, likeliest, best = self._fitter, base, self._residual_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis["largest_set"]):
             fitter.use_residual_as_noise(likeliest.residual)
-            likeliest = replace(likeliest, errors=fitter.errors((), likeliest.z, likeliest.curve))
+            weighed = fitter.errors((), likeliest.model, likeliest.z, likeliest.curve)
+            likeliest = replace(likeliest, errors=weighed)
             wider = [self.screen.with_effect(likeliest, key) for key in self.screen.keys]
             likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
             if max(likely, default=-np.inf) <= best:

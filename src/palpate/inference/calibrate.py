@@ -172,5 +172,5 @@ def base_fit(
     if not problem.replicated:
         fitter = replace(fitter, site_scatter=settings.site_scatter)
         fitter.use_residual_as_noise(fit.residual)
-        fit = replace(fit, errors=fitter.errors((), fit.z, fit.curve))
+        fit = replace(fit, errors=fitter.errors((), fit.model, fit.z, fit.curve))
     return brought, fit

@@ -103,13 +103,14 @@ class Fitter:
             When the forward model fails at all starts.
         """
         problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
-        misfit = self._misfit(explanation, self.errors(explanation, starts[0], depth))
+        misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
         begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
             end = self._searched(misfit, model, begun, depth, limit)
-        weighed = self.errors(explanation, end.u, problem.stacked(end.curves), self._effects(explanation, end))
+        effects = self._effects(explanation, end)
+        weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
@@ -117,9 +118,9 @@ class Fitter:
         if any(fit.errors.between.values()):
             end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=tolerance, exact=False)
             fit = self._fit(explanation, model, end, fit.errors)
-        near = self.near(fit)
         record = model.of_record(end.u)
-        goal = self._without_discrepancy(fit) if near else misfit
+        fit = replace(fit, errors=replace(fit.errors, refinements=problem.refinements(record)))
+        goal = self._without_discrepancy(fit) if self.near(fit) else misfit
         if record is model:
             end = descend(goal, model, [end], limit, tolerance=tolerance, exact=False)
         else:
@@ -133,7 +134,7 @@ class Fitter:
 
     def _begins_near(self, model: Forward, begun: Descent) -> bool:
         """Return whether a search of the base model begins near to what noise leaves already."""
-        errors = self.errors((), begun.u, self.problem.stacked(begun.curves))
+        errors = self.errors((), model, begun.u, self.problem.stacked(begun.curves))
         return self.near(self._fit((), model, begun, errors))
 
     def near(self, fit: Fit) -> bool:
@@ -143,6 +144,7 @@ class Fitter:
     def errors(
         self,
         explanation: Explanation,
+        model: Forward,
         z: np.ndarray,
         depth: np.ndarray,
         effects: Mapping[str, np.ndarray] | None = None,
@@ -151,8 +153,8 @@ class Fitter:
 
         Parameters
         ----------
-        explanation, z
-            Mechanisms, and coordinates (k,) of the explanation.
+        explanation, model, z
+            Mechanisms, forward model and coordinates (k,) of the explanation.
         depth : ndarray, shape (n_all,)
             Simulated curves [nm].
         effects
@@ -161,7 +163,7 @@ class Fitter:
         own = own_amplitudes(self.problem.amplitudes(explanation, z)) if explanation else ()
         if own not in self._noise:
             self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)
-        return errors(self.problem, own, depth, self._noise[own], self.solver_error, effects)
+        return errors(self.problem, model, own, depth, self._noise[own], self.solver_error, effects)
 
     def use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where most conditions are not repeated."""
@@ -178,7 +180,7 @@ class Fitter:
         """Return where searches with few samples lead from the best of some coordinates (k,)."""
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
-        misfit = self._misfit((), self.errors((), starts[0], problem.mean), keep)
+        misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
         places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
         return descend(misfit, cheaper, places, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
 

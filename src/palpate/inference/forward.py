@@ -58,6 +58,10 @@ class Forward(typing.Protocol):
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
 
+    @property
+    def refinements(self) -> Mapping[str, np.ndarray]:
+        """What the refinement to the model of record changed (n_points,), by condition, where that is known."""
+
     def together(self, u: np.ndarray) -> int:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
 
@@ -122,6 +126,11 @@ class FiniteElements:
             for c in self.conditions
         ]
         return replace(self, conditions=fewer), keep
+
+    @property
+    def refinements(self) -> dict[str, np.ndarray]:
+        """See `Forward`: it is not refined."""
+        return {}
 
     def together(self, u: np.ndarray) -> int:
         """See `Forward`: as many as fill the lanes of one run."""
@@ -201,12 +210,12 @@ def under_each(model: Forward, names: Sequence[str], u: np.ndarray) -> dict[str,
 
 
 def kept(protocol: Protocol) -> np.ndarray:
-    """Return which samples (n_points,) suffice for slowly varying curves: a few, corners, the first two, the last ones.
+    """Return which samples (n_points,) suffice for slowly varying curves: a few, corners, the first and last ones.
 
     Effects change fastest late in unloading, and at the beginning, where the load comes late by as much as it lasts.
     """
     keep = np.isclose(protocol.sample_time[:, None], protocol.knot_time, rtol=1e-9, atol=0.0).any(axis=1)
     every = min(THINNING, max(1, len(keep) // FEWEST))
     keep[::-every] = True
-    keep[:2] = keep[-every:] = True
+    keep[:3] = keep[-every:] = True
     return keep

@@ -109,6 +109,15 @@ class Problem:
         """Return simulated curves or slopes (n_points, ...) of all conditions, one after the other, in nm."""
         return np.concatenate([self.nm.get(name, 1.0) * parts[name] for name in self.names])
 
+    def refinement(self, model: Forward, condition: Condition) -> np.ndarray:
+        """Return what the last refinement of a model changed (n_points,) [nm], none where that is not known."""
+        none = np.zeros(len(condition.protocol.sample_time))
+        return self.nm.get(condition.name, 1.0) * model.refinements.get(condition.name, none)
+
+    def refinements(self, model: Forward) -> list[np.ndarray]:
+        """Return the same for each condition."""
+        return [self.refinement(model, condition) for condition in self.conditions]
+
     def model(self, explanation: Explanation) -> Forward:
         """Return the forward model with mechanisms, whose points are coordinates of the explanation."""
         if not explanation:

@@ -47,11 +47,19 @@ class Reference:
     fast : ndarray, shape (n_kept,)
         At those that are `kept` (bool, n_points).
     kept : ndarray
+    refinement : ndarray, shape (n_points,)
+        What the refinement to the model of record changed; none where its own accuracy is not known from that.
     """
 
     accurate: np.ndarray
     fast: np.ndarray
     kept: np.ndarray
+    refinement: np.ndarray | None = None
+
+    @classmethod
+    def refined(cls, accurate: np.ndarray, fast: np.ndarray, kept: np.ndarray, time: np.ndarray) -> Reference:
+        """Return the reference of a finer mesh in smaller steps, at all times (n_points,)."""
+        return cls(accurate, fast, kept, np.interp(time, time[kept], accurate[kept] - fast))
 
     def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
@@ -106,11 +114,14 @@ class SpaceMapped:
             if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
                 continue
             added, kept = added_by_instrument(full.amplitudes(u), condition.protocol), keep[condition.name]
-            reference = Reference(whole.response - added, thin.response - added[kept], kept)
+            time, body = condition.protocol.sample_time, (whole.response - added, thin.response - added[kept], kept)
             if pyramid:
-                accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
-                reference = replace(reference, accurate=accurate)
-            references[condition.name] = reference
+                reference = Reference(*body)
+                references[condition.name] = replace(
+                    reference, accurate=reference.carried(pyramid.response - added[kept], time)
+                )
+            else:
+                references[condition.name] = Reference.refined(*body, time)
         return cls(full, references, u, full.mechanisms)
 
     @property
@@ -185,6 +196,12 @@ class SpaceMapped:
     def thinned(self) -> tuple[SpaceMapped, Mapping[str, np.ndarray]]:
         """See `Forward`: there is none cheaper."""
         return self, {c.name: np.ones(len(c.protocol.sample_time), dtype=bool) for c in self._conditions}
+
+    @property
+    def refinements(self) -> dict[str, np.ndarray]:
+        """See `Forward`."""
+        found = {name: reference.refinement for name, reference in self.references.items()}
+        return {name: changed for name, changed in found.items() if changed is not None}
 
     @property
     def _conditions(self) -> Sequence[Condition]:

@@ -89,6 +89,11 @@ class Surrogates:
         """Raise `InputError`: surrogates simulate nothing."""
         raise InputError("surrogates simulate nothing", remedy="ask the finite elements")
 
+    @property
+    def refinements(self) -> dict[str, np.ndarray]:
+        """Return nothing: what surrogates err by is not known from the mesh."""
+        return {}
+
     def of_record(self, u: np.ndarray) -> Surrogates:
         """See `Forward`: these."""
         return self

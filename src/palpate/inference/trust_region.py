@@ -141,7 +141,7 @@ def resumed(
 ) -> Descent:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
-    Parameters and errors are those of `descend`.
+    At its end it goes on with the derivatives of the model before. Parameters and errors are those of `descend`.
 
     Parameters
     ----------
@@ -150,12 +150,15 @@ def resumed(
     misfit, model, iterations, tolerance, exact
         See `descend`.
     """
-    for start in [way.u, *reversed(way.path)]:
+    (curves,) = model.curves([way.u])
+    if not isinstance(curves, str):
+        return descend(misfit, model, [replace(way, curves=curves, exact=False)], iterations, tolerance, exact)
+    for start in reversed(way.path):
         try:
             return descend(misfit, model, [start], iterations, tolerance, exact)
         except PalpateError as error:
-            failed = error
-    raise failed
+            curves = str(error)
+    raise PalpateError(curves)
 
 
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
