@@ -17,15 +17,15 @@ STANDARD = RESOLUTIONS["standard"]
 
 
 @njit
-def internal_forces(large, body, points, laws, weights, displacement, forces):
+def internal_forces(setup, trial, forces):
     """Write the internal forces, see `palpate.solver.axisymmetric.assembly`."""
-    assembly.internal_forces(large, body, points, laws, weights, displacement, forces)
+    assembly.internal_forces(setup, trial, forces)
 
 
 @njit
-def stiffness(large, body, points, laws, displacement, geometric, band):
+def stiffness(setup, trial, geometric):
     """Write the tangent, likewise."""
-    assembly.stiffness(large, body, points, laws, displacement, geometric, band)
+    assembly.stiffness(setup, trial, geometric)
 
 
 def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):

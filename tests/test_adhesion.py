@@ -120,8 +120,7 @@ def test_law_holds_at_every_node(friction, large, monkeypatch):
     def observe(moment):
         march, states = kept
         body, contact, state = march.body, march.contact, states.contact
-        at_node = large, body, contact, state, states.displacement, states.depth
-        x = np.array([penetration(*at_node, k, 0)[0] for k in range(1, len(body.radial))])
+        x = np.array([penetration(march.setup, states.trial, k, 0)[0] for k in range(1, len(body.radial))])
         width = np.array([width_of(contact, state, k, 0) for k in range(1, len(body.radial))])
         assert np.all(x < DEEPEST)
         nodes, gap, normal, tangential = on_surface(moment, tip)

@@ -78,12 +78,6 @@ LARGE_FUNCTIONS = {
 }
 MANY_ARGUMENTS = {
     "materials/flow/radial.py flow": "vectors of lanes",
-    "solver/axisymmetric/contact.py contact_forces": "arrays of lanes",
-    "solver/axisymmetric/coulomb_friction.py turn_back": "arrays of lanes",
-    "solver/axisymmetric/neighbours.py correct": "arrays of lanes",
-    "solver/axisymmetric/neighbours.py refactor": "arrays of lanes",
-    "solver/axisymmetric/newton.py advance": "arrays of lanes",
-    "solver/axisymmetric/newton.py direct": "arrays of lanes",
     "solver/axisymmetric/regularisation.py contact_of": "arrays of lanes",
 }
 

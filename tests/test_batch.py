@@ -312,14 +312,15 @@ def test_contact_forces_have_a_potential(tip, work, large):
         for node, weight in zip(*np.polynomial.legendre.leggauss(80), strict=True):
             share = 0.5 * (1.0 + node)
             u, depth = ((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))
-            forces, load = np.zeros_like(u), np.zeros(LANES)
-            contact_forces(large, body, contact, state, u, depth, forces, load, no_coupling(count), none)
-            along = forces[:, 0] @ (end[0] - start[0])[:, 0] + load[0] * (end[1] - start[1])[0]
+            forces, trial = np.zeros_like(u), states.trial._replace(displacement=u, depth=depth)
+            contact_forces(march.setup, trial, forces, no_coupling(count), none)
+            along = forces[:, 0] @ (end[0] - start[0])[:, 0] + trial.reaction[0] * (end[1] - start[1])[0]
             total += 0.5 * weight * along
         return total
 
     def potential(u, depth):
-        x = np.array([penetration(large, body, contact, state, u, depth, k, 0)[0] for k in range(count)])
+        trial = states.trial._replace(displacement=u, depth=depth)
+        x = np.array([penetration(march.setup, trial, k, 0)[0] for k in range(count)])
         b, scale = state.blend[0], state.stiffness[0] * contact.area * width
         return (scale * 0.5 * ((x * x + 2.0 * b - 1.0) * norm.cdf(x) + x * norm.pdf(x))).sum()
 

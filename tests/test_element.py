@@ -154,8 +154,9 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     fit(contact, state, bears, none)
 
     def evaluate(displacement):
-        forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(count)
-        contact_forces(False, body, contact, state, displacement, depth, forces, load, coupling, none)
+        forces, coupling = np.zeros((body.size + 1, LANES)), no_coupling(count)
+        trial = states.trial._replace(displacement=displacement, depth=depth)
+        contact_forces(march.setup, trial, forces, coupling, none)
         return forces[:, 0], coupling
 
     coupling = evaluate(u)[1]

@@ -10,6 +10,7 @@ from bodies import CONE, STANDARD, depth, internal_forces, stiffness
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
 from palpate.solver.axisymmetric import march, newton
+from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
@@ -17,6 +18,7 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
+from palpate.solver.axisymmetric.trial_state import Setup, Trial
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen
@@ -40,17 +42,20 @@ class Lanes:
         self.points = Points.unloaded(4 * len(self.mesh.elements), voigt_elements(self.coefficients))
         self.laws = np.repeat(self.coefficients[None, :, None], LANES, axis=2)
         self.weights = step_weights(self.laws, np.full(LANES, 0.7))
+        self.setup = Setup(self.large, self.body, None, System.of(self.body, True))
+
+    def at(self, displacement):
+        return Trial(self.points, self.laws, self.weights, None, displacement, None, None)
 
     def forces(self, displacement):
         forces = np.zeros_like(displacement)
-        internal_forces(self.large, self.body, self.points, self.laws, self.weights, displacement, forces)
+        internal_forces(self.setup, self.at(displacement), forces)
         return forces
 
     def stiffness(self, displacement):
         """Return the matrix (size, size) of the first lane, after `forces`; its upper half is its lower half."""
-        size, width = self.body.size, self.body.width
-        band = np.zeros((size * width + 1, LANES))
-        stiffness(self.large, self.body, self.points, self.laws, displacement, np.ones(LANES), band)
+        size, width, band = self.body.size, self.body.width, self.setup.system.band
+        stiffness(self.setup, self.at(displacement), np.ones(LANES))
         matrix = np.zeros((size, size))
         for k in range(width):
             below = band[k : size * width : width, 0][: max(size - k, 0)]
@@ -127,31 +132,21 @@ def opened_step(monkeypatch, number, case):
 
 def newton_norms(opened, iterations):
     """Return the largest unbalanced force over the load, before each of some whole iterations of Newton's method."""
-    large, body, points, contact, state, laws, weights, equation, scale, *_, system, _, _ = opened
-    displacement, depth, reaction = opened[11:14]
-    force_weight, depth_weight, target = equation
-    forces, forward, direction = np.zeros((3, *displacement.shape))
-    coupling, toward, wider, work = newton.no_coupling(len(body.radial)), *np.zeros((3, LANES))
-    slips, changed = np.zeros((len(body.radial), LANES)), np.zeros(LANES, dtype=bool)
-    none, all_of_it, norms = np.zeros(LANES, dtype=bool), np.ones(LANES), []
+    setup, trial, prescribed, *_ = opened
+    size, count = setup.body.size, len(setup.body.radial)
+    residual, direction, forward = newton.no_residual(size), newton.no_direction(size), np.zeros((size + 1, LANES))
+    coupling, slips, changed = newton.no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=bool)
+    none, norms = np.zeros(LANES, dtype=bool), []
     for _ in range(iterations):
-        shares = newton.shares_of(large, body, contact, state, displacement, depth)
-        turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, none)
-        internal_forces(large, body, points, laws, weights, displacement, forces)
-        newton.fit(contact, state, newton.load_borne(body, contact, state, forces, equation), none)
-        newton.contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, none)
-        excess = reaction * force_weight + depth * depth_weight - target
-        norms.append(max(np.abs(forces[:-1, 0]).max(), abs(excess[0])) / scale[0])
-        stiffness(large, body, points, laws, displacement, all_of_it, system.band)
-        newton.factor(body, coupling, all_of_it, system, forces, forward)
-        late = (state.area - coupling.area) / (1.0 - coupling.feedback)
-        newton.direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, state.area, ~none, direction, toward,
-            wider, work,
-        )  # fmt: skip
-        displacement += direction
-        depth += toward
-        state.area[:] += wider
+        turn_back(setup, trial, newton.shares_of(setup, trial), slips, changed, none)
+        newton.unbalance(setup, trial, prescribed, residual, coupling, none)
+        norms.append(max(np.abs(residual.forces[:-1, 0]).max(), abs(residual.excess[0])) / prescribed.scale[0])
+        newton.factor(setup, trial, coupling, np.ones(LANES), residual.forces, forward)
+        residual.limit[:] = trial.contact.area
+        newton.direct(setup.system, prescribed, residual, forward, ~none, direction)
+        trial.displacement[:] += direction.displacement
+        trial.depth[:] += direction.depth
+        trial.contact.area[:] += direction.area
     return np.array(norms)
 
 

@@ -63,9 +63,7 @@ class Surface:
     def of(cls, march, states):
         body, contact, scale = march.body, march.contact, march.drives.scale[0]
         inner = np.zeros_like(states.displacement)
-        internal_forces(
-            march.large, body, deepcopy(states.points), states.laws, states.weights, states.displacement, inner
-        )
+        internal_forces(march.setup, states.trial._replace(points=deepcopy(states.points)), inner)
         moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]
         profile = [profile_at(march.large, contact.tip, 0, *at) for at in zip(distance, moved, strict=True)]
         slope = np.array(profile)[:, 1]
@@ -227,13 +225,10 @@ def loaded(case, steps, monkeypatch):
 
 def forces_of(march, states, displacement, depth):
     """Return the forces of the contact (size + 2, LANES) at other displacements; the load comes last."""
-    forces, load = np.zeros_like(displacement), np.zeros(LANES)
-    coupling = no_coupling(len(march.body.radial))
-    contact_forces(
-        march.large, march.body, march.contact, states.contact, displacement, depth, forces, load, coupling,
-        np.zeros(LANES, dtype=bool),
-    )  # fmt: skip
-    return np.vstack([forces, load]), coupling.tangent
+    trial = states.trial._replace(displacement=displacement, depth=depth, reaction=np.zeros(LANES))
+    forces, coupling = np.zeros_like(displacement), no_coupling(len(march.body.radial))
+    contact_forces(march.setup, trial, forces, coupling, np.zeros(LANES, dtype=bool))
+    return np.vstack([forces, trial.reaction]), coupling.tangent
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -274,9 +269,9 @@ def test_forces_of_the_contact_have_a_potential(large, monkeypatch):
     body, contact, state, lane = march.body, march.contact, states.contact, 0
 
     def potential(displacement):
-        total = 0.0
+        total, trial = 0.0, states.trial._replace(displacement=displacement)
         for k, area in enumerate(contact.area):
-            x, *_ = penetration(march.large, body, contact, state, displacement, states.depth, k, lane)
+            x, *_ = penetration(march.setup, trial, k, lane)
             share, phi = normal_distribution(x)
             scale = state.stiffness[lane] * area * width_of(contact, state, k, lane)
             total += scale * (0.5 * (x * x * share + x * phi - share) + state.blend[lane] * share)

@@ -1,7 +1,7 @@
 """Internal forces and stiffness of bodies at small or at large strains: compiled code holds one of them.
 
-`large` is None at small strains and True at large ones. These are two types to numba, so that the choice is made when
-the solver is compiled. Both together would take an eighth longer.
+`Setup.large` is None at small strains and True at large ones. These are two types to numba, so that the choice is made
+when the solver is compiled. Both together would take an eighth longer.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ _small_forces, _small_stiffness = element.internal_forces, element.stiffness
 _large_forces, _large_stiffness = hencky.internal_forces, hencky.stiffness
 
 
-def internal_forces(large, body, points, laws, weights, displacement, forces):
+def internal_forces(setup, trial, forces):
     """Write the internal `forces`, see `palpate.solver.axisymmetric.element`; compiled code alone calls it."""
     raise NotImplementedError
 
 
-def stiffness(large, body, points, laws, displacement, geometric, band):
-    """Write the tangent to the `band`, see `palpate.solver.axisymmetric.element`; compiled code alone calls it.
+def stiffness(setup, trial, geometric):
+    """Write the tangent to the band, see `palpate.solver.axisymmetric.element`; compiled code alone calls it.
 
     Parameters
     ----------
@@ -32,26 +32,31 @@ def stiffness(large, body, points, laws, displacement, geometric, band):
 
 
 @overload(internal_forces)
-def _internal_forces(large, body, points, laws, weights, displacement, forces):
+def _internal_forces(setup, trial, forces):
     """Return the function for the type of `large`."""
 
-    def at_small_strains(large, body, points, laws, weights, displacement, forces):
-        _small_forces(body, points, laws, weights, displacement, forces)
+    def at_small_strains(setup, trial, forces):
+        _small_forces(setup.body, trial.points, trial.laws, trial.weights, trial.displacement, forces)
 
-    def at_large_strains(large, body, points, laws, weights, displacement, forces):
-        _large_forces(body, points, laws, weights, displacement, forces)
+    def at_large_strains(setup, trial, forces):
+        _large_forces(setup.body, trial.points, trial.laws, trial.weights, trial.displacement, forces)
 
-    return at_small_strains if large is types.none else at_large_strains
+    return at_small_strains if _is_small(setup) else at_large_strains
 
 
 @overload(stiffness)
-def _stiffness(large, body, points, laws, displacement, geometric, band):
+def _stiffness(setup, trial, geometric):
     """Return the function for the type of `large`."""
 
-    def at_small_strains(large, body, points, laws, displacement, geometric, band):
-        _small_stiffness(body, points, laws, band)
+    def at_small_strains(setup, trial, geometric):
+        _small_stiffness(setup.body, trial.points, trial.laws, setup.system.band)
 
-    def at_large_strains(large, body, points, laws, displacement, geometric, band):
-        _large_stiffness(body, points, laws, displacement, geometric, band)
+    def at_large_strains(setup, trial, geometric):
+        _large_stiffness(setup.body, trial.points, trial.laws, trial.displacement, geometric, setup.system.band)
 
-    return at_small_strains if large is types.none else at_large_strains
+    return at_small_strains if _is_small(setup) else at_large_strains
+
+
+def _is_small(setup: types.NamedTuple) -> bool:
+    """Return whether a setup of this type is one at small strains."""
+    return setup.types[setup.fields.index("large")] is types.none

@@ -143,19 +143,19 @@ def width_of(contact, state, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def penetration(large, body, contact, state, displacement, depth, k, lane):
+def penetration(setup, trial, k, lane):
     """Return x = g / w of a node, its distance from the axis, and slope and curvature of the tip over it."""
-    r, z = body.radial[k], body.vertical[k]
-    moved = displacement[r, lane] if r >= 0 else 0.0
-    height, slope, curvature = profile_at(large, contact.tip, lane, body.distance[k], moved)
-    x = (depth[lane] + displacement[z, lane] - height) / width_of(contact, state, k, lane)
-    return x, body.distance[k] + moved, slope, curvature
+    r, z, distance = setup.body.radial[k], setup.body.vertical[k], setup.body.distance[k]
+    moved = trial.displacement[r, lane] if r >= 0 else 0.0
+    height, slope, curvature = profile_at(setup.large, setup.contact.tip, lane, distance, moved)
+    x = (trial.depth[lane] + trial.displacement[z, lane] - height) / width_of(setup.contact, trial.contact, k, lane)
+    return x, distance + moved, slope, curvature
 
 
 @njit(cache=True, error_model="numpy")
-def share_of(large, body, contact, state, displacement, depth, k, lane):
+def share_of(setup, trial, k, lane):
     """Return which share of a node touches, and where it is."""
-    x, place, _, _ = penetration(large, body, contact, state, displacement, depth, k, lane)
+    x, place, _, _ = penetration(setup, trial, k, lane)
     return touching(x)[0], place
 
 
@@ -213,34 +213,36 @@ def fitted(contact, state, borne, area, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def begin_step(large, body, contact, state, displacement, depth):
+def begin_step(setup, trial):
     """Note where the nodes are, and which share of them touches, at the start of a step with friction."""
-    if not np.any(contact.friction > 0.0):
+    if not np.any(setup.contact.friction > 0.0):
         return
-    for k in range(body.radial.shape[0]):
+    for k in range(setup.body.radial.shape[0]):
         for lane in range(LANES):
-            share, place = share_of(large, body, contact, state, displacement, depth, k, lane)
-            state.share[k, lane], state.place[k, lane] = share, place
+            share, place = share_of(setup, trial, k, lane)
+            trial.contact.share[k, lane], trial.contact.place[k, lane] = share, place
 
 
 @njit(cache=True, error_model="numpy")
-def end_step(large, body, contact, state, displacement, depth):
+def end_step(setup, trial):
     """Note how large force and area have been, and move the anchors of friction to where they are."""
+    contact, state = setup.contact, trial.contact
     for lane in range(LANES):
         state.strongest[lane] = max(state.strongest[lane], state.pressure[lane] * state.area[lane])
         state.widest[lane] = max(state.widest[lane], state.area[lane])
     if not np.any(contact.friction > 0.0):
         return
-    for k in range(body.radial.shape[0]):
+    for k in range(setup.body.radial.shape[0]):
         for lane in range(LANES):
-            share, place = share_of(large, body, contact, state, displacement, depth, k, lane)
+            share, place = share_of(setup, trial, k, lane)
             slip = 2.0 * contact.slip[k, lane]
             state.anchor[k, lane] = min(max(anchored(state, place, share, k, lane), place - slip), place + slip)
 
 
 @njit(cache=True, error_model="numpy")
-def contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, done):
-    """Add the contact to the residual `forces` (size + 1, LANES); write `load` (LANES,) and `coupling`."""
+def contact_forces(setup, trial, forces, coupling, done):
+    """Add the contact to the residual `forces` (size + 1, LANES); write the reaction and the `coupling`."""
+    body, contact, state, load = setup.body, setup.contact, trial.contact, trial.reaction
     for lane in range(LANES):
         if not done[lane]:
             load[lane], coupling.area[lane], coupling.feedback[lane] = 0.0, 0.0, 0.0
@@ -249,7 +251,7 @@ def contact_forces(large, body, contact, state, displacement, depth, forces, loa
         for lane in range(LANES):
             if done[lane]:
                 continue
-            x, place, slope, curvature = penetration(large, body, contact, state, displacement, depth, k, lane)
+            x, place, slope, curvature = penetration(setup, trial, k, lane)
             if x < FAR and contact.attraction[k, lane] == 0.0:
                 coupling.tangent[k, :, :, lane] = 0.0
                 coupling.by_area[k, :, lane] = 0.0

@@ -21,7 +21,6 @@ Arguments of the functions:
 - `k`, `lane`: number of a surface node, and of a lane
 - `place`: distance R of the node from the axis
 - `share`, `density`, `width`: share of the node that touches, its density and the width of `contact`
-- `displacement` (size + 1, LANES): of the body
 - `done` (LANES,): lanes that are left as they are
 """
 
@@ -67,20 +66,22 @@ def friction_ratio(contact, state, place, share, density, width, k, lane):
 
 
 @njit(cache=True, error_model="numpy")
-def turn_back(contact, state, shares, distance, radial, displacement, slips, changed, done):
+def turn_back(setup, trial, shares, slips, changed, done):
     """Put nodes whose slip reverses within one iteration back to where they stuck.
 
     Parameters
     ----------
+    setup, trial
+        See `palpate.solver.axisymmetric.trial_state`.
     shares : ndarray, shape (k, LANES)
         Of the nodes that touch.
-    distance, radial : ndarray, shape (k,)
-        Their undeformed distances from the axis, and the rows of their radial displacements.
     slips : ndarray, shape (k, LANES)
         In: slip in the iteration before; out: now.
     changed : ndarray of bool, shape (LANES,)
         Out: whether some node began or ceased to slip.
     """
+    contact, state, displacement = setup.contact, trial.contact, trial.displacement
+    distance, radial = setup.body.distance, setup.body.radial
     changed[:] = False
     for k in range(1, len(distance)):
         for lane in range(LANES):

@@ -19,6 +19,7 @@ from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.law_lanes import Points, turn
 from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
+from palpate.solver.axisymmetric.trial_state import Prescribed, Setup, Trial
 from palpate.study.specimen import halfway
 
 LITTLE = 0.2  # of the area of the first contact that counts, below which there has been none
@@ -49,6 +50,11 @@ class States:
     displacement: np.ndarray
     depth: np.ndarray
     reaction: np.ndarray
+
+    @property
+    def trial(self) -> Trial:
+        """What compiled functions take of it."""
+        return Trial(self.points, self.laws, self.weights, self.contact, self.displacement, self.depth, self.reaction)
 
     def take(self, other: States, lanes: np.ndarray | None = None) -> None:
         """Become what the `other` is, in all lanes or in some (LANES,)."""
@@ -109,6 +115,15 @@ class March:
     iterations: np.ndarray
     steps: np.ndarray
 
+    @property
+    def setup(self) -> Setup:
+        """What compiled functions take of it."""
+        return Setup(self.large, self.body, self.contact, self.system)
+
+    def prescribed(self, end: np.ndarray) -> Prescribed:
+        """Return what is prescribed at times (LANES,) [s]."""
+        return Prescribed(*self.drives.equation(end), self.drives.scale, self.tolerance)
+
     def step(
         self, states: States, begin: np.ndarray, end: np.ndarray, change: np.ndarray, lanes: np.ndarray
     ) -> np.ndarray:
@@ -131,12 +146,8 @@ class March:
         states.add(change)
         self._begin_contact(states)
         found = lanes.copy()
-        advance(
-            self.large, self.body, states.points, self.contact, states.contact, states.laws, states.weights,
-            self.drives.equation(end), self.drives.scale, self.tolerance, self._stride(states, change),
-            states.displacement, states.depth, states.reaction, self.system, found, self.iterations,
-        )  # fmt: skip
-        end_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
+        advance(self.setup, states.trial, self.prescribed(end), self._stride(states, change), found, self.iterations)
+        end_step(self.setup, states.trial)
         self.steps[found] += 1
         return found
 
@@ -153,7 +164,7 @@ class March:
 
     def open(self, states: States, begin: np.ndarray, end: np.ndarray) -> None:
         """Open a step from one time to another [s]: laws and weights at its middle, and what the history fixes."""
-        begin_step(self.large, self.body, self.contact, states.contact, states.displacement, states.depth)
+        begin_step(self.setup, states.trial)
         midway = np.array(list(map(halfway, states.depth, self.drives.loading(begin), self.drives.loading(end))))
         resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
         turn(states.points, states.laws, states.weights, following)

@@ -22,19 +22,19 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from palpate.solver.axisymmetric.assembly import internal_forces, stiffness
-from palpate.solver.axisymmetric.banded import solve_again
-from palpate.solver.axisymmetric.contact import contact_forces, end_step, fit
-from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, no_coupling
+from palpate.solver.axisymmetric.contact import contact_forces, end_step
+from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march import March, States
 from palpate.solver.axisymmetric.newton import (
     LARGEST_CHANGE,
     direct,
     factor,
-    load_borne,
+    no_direction,
+    no_residual,
+    solve_for,
+    unbalance,
 )
-from palpate.solver.axisymmetric.rows import copy_rows
 from palpate.study.protocol import Protocol
 
 CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
@@ -85,10 +85,7 @@ class Neighbours:
         lanes : ndarray of bool, shape (LANES,)
             Which take part.
         """
-        refactor(
-            self.host.large, self.host.body, arrived.points, self.host.contact, arrived.contact, arrived.laws,
-            arrived.displacement, arrived.depth, self.host.system,
-        )  # fmt: skip
+        refactor(self.host.setup, arrived.trial._replace(reaction=np.zeros(LANES)))
         for k, march in enumerate(self.marches):
             rubs = march.contact.friction.any()
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
@@ -98,12 +95,9 @@ class Neighbours:
             march.open(states, own_begin, own_end)
             states.displacement, states.depth = arrived.displacement + away, arrived.depth + deeper
             states.contact.area[:] = arrived.contact.area + wider
-            correct(
-                march.large, march.body, states.points, march.contact, states.contact, states.laws, states.weights,
-                march.drives.equation(own_end), states.displacement, states.depth, states.reaction, march.system, lanes,
-                CORRECTIONS_WITH_FRICTION if rubs else CORRECTIONS,
-            )  # fmt: skip
-            end_step(march.large, march.body, march.contact, states.contact, states.displacement, states.depth)
+            times = CORRECTIONS_WITH_FRICTION if rubs else CORRECTIONS
+            correct(march.setup, states.trial, march.prescribed(own_end), lanes, times)
+            end_step(march.setup, states.trial)
             if states is not self.states[k]:
                 self.states[k].take(states, lanes)
 
@@ -116,54 +110,39 @@ def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def refactor(large, body, points, contact, state, laws, displacement, depth, system):
-    """Factor the matrix at a solution; the parameters are those of `palpate.solver.axisymmetric.newton.advance`."""
-    forces, load, coupling = np.zeros((body.size + 1, LANES)), np.zeros(LANES), no_coupling(body.radial.shape[0])
-    none, geometric = np.zeros(LANES, dtype=np.bool_), np.ones(LANES)
-    contact_forces(large, body, contact, state, displacement, depth, forces, load, coupling, none)
-    stiffness(large, body, points, laws, displacement, geometric, system.band)
-    factor(body, coupling, geometric, system, forces, np.zeros_like(forces))
+def refactor(setup, trial):
+    """Factor the matrix at a solution, see `palpate.solver.axisymmetric.trial_state`; its reaction is written."""
+    forces, coupling = np.zeros((setup.body.size + 1, LANES)), no_coupling(setup.body.radial.shape[0])
+    contact_forces(setup, trial, forces, coupling, np.zeros(LANES, dtype=np.bool_))
+    factor(setup, trial, coupling, np.ones(LANES), forces, np.zeros_like(forces))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def correct(
-    large, body, points, contact, state, laws, weights, equation, displacement, depth, reaction, system, lanes, times
-):  # fmt: skip
+def correct(setup, trial, prescribed, lanes, times):
     """Bring lanes that lie close to a solution to equilibrium, by some iterations with the factor that it left.
 
     Parameters
     ----------
+    setup, trial, prescribed
+        See `palpate.solver.axisymmetric.trial_state`.
     lanes : ndarray of bool, shape (LANES,)
         Which take part.
     times
         Number of iterations.
-
-    The other parameters are those of `palpate.solver.axisymmetric.newton.advance`.
     """
-    force_weight, depth_weight, target = equation
-    forces, forward = np.zeros((body.size + 1, LANES)), np.zeros((body.size + 1, LANES))
-    direction, toward, wider = np.zeros((body.size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    coupling, start, excess = no_coupling(body.radial.shape[0]), np.zeros(LANES), np.zeros(LANES)
-    late, limit = np.zeros(LANES), np.zeros(LANES)
+    size, coupling, done = setup.body.size, no_coupling(setup.body.radial.shape[0]), ~lanes
+    residual, direction, forward = no_residual(size), no_direction(size), np.zeros((size + 1, LANES))
     for iteration in range(times + 1):
-        internal_forces(large, body, points, laws, weights, displacement, forces)
-        fit(contact, state, load_borne(body, contact, state, forces, equation), ~lanes)
-        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, ~lanes)
+        unbalance(setup, trial, prescribed, residual, coupling, done)
         if iteration == times:
             break
-        copy_rows(forces, forward)
-        solve_again(system.band, system.upper, body.size, body.width, forward)
+        solve_for(setup, residual.forces, forward)
         for lane in range(LANES):
-            excess[lane] = reaction[lane] * force_weight[lane] + depth[lane] * depth_weight[lane] - target[lane]
-            late[lane] = (state.area[lane] - coupling.area[lane]) / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
-            limit[lane] = LARGEST_CHANGE * state.area[lane]
-        direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, limit, lanes, direction, toward, wider,
-            start,
-        )  # fmt: skip
-        for i in range(displacement.shape[0]):
+            residual.limit[lane] = LARGEST_CHANGE * trial.contact.area[lane]
+        direct(setup.system, prescribed, residual, forward, lanes, direction)
+        for i in range(trial.displacement.shape[0]):
             for lane in range(LANES):
-                displacement[i, lane] += direction[i, lane]
+                trial.displacement[i, lane] += direction.displacement[i, lane]
         for lane in range(LANES):
-            depth[lane] += toward[lane]
-            state.area[lane] += wider[lane]
+            trial.depth[lane] += direction.depth[lane]
+            trial.contact.area[lane] += direction.area[lane]

@@ -14,14 +14,11 @@ together, at iterations that depend on their number alone; a lane that has conve
 solution unused: lanes never depend on each other. A lane whose matrix is not positive definite takes its step without
 what takes that away.
 
-Arguments of several functions, beside those of `advance`:
+Arguments of several functions:
 
+- `setup`, `trial`, `prescribed`, `residual`, `direction`: see `palpate.solver.axisymmetric.trial_state`
 - `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact_coupling.Coupling`
-- `forces`, `forward` (size + 1, LANES): residual R, and K^-1 R
-- `direction` (size + 1, LANES), `toward`, `wider` (LANES,): Newton's direction of displacements, depth and area
-- `force_weight`, `depth_weight`, `excess` (LANES,): of the last equation
-- `late`, `limit` (LANES,): the e of the area, and the largest change of the area
-- `start`, `work` (LANES,): work of the forces along the direction, at its start and now; `norm` the largest force
+- `forward` (size + 1, LANES): K^-1 R
 - `geometric` (LANES,): zero where the matrix leaves out what keeps it from being positive definite
 """
 
@@ -41,6 +38,7 @@ from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
 from palpate.solver.axisymmetric.law_lanes import give_back, keep
 from palpate.solver.axisymmetric.rows import as_vector, copy_rows
+from palpate.solver.axisymmetric.trial_state import Direction, Residual
 
 ITERATIONS = 60
 TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls below
@@ -60,133 +58,130 @@ MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def advance(
-    large, body, points, contact, state, laws, weights, equation, scale, tolerance, farthest, displacement, depth,
-    reaction, system, alive, spent,
-):  # fmt: skip
+def advance(setup, trial, prescribed, farthest, alive, spent):
     """Bring all lanes into equilibrium under what is prescribed at the end of a step.
 
     Parameters
     ----------
-    large : bool or None
-        See `palpate.solver.axisymmetric.assembly`.
-    body, points, contact, state, laws, weights
-        See `palpate.solver.axisymmetric.element`, `palpate.solver.axisymmetric.law_lanes` and
-        `palpate.solver.axisymmetric.contact`; `points` is advanced.
-    equation : tuple of ndarray, shape (LANES,)
-        Force weight, depth weight and target, see `palpate.solver.axisymmetric.drive`.
-    scale : ndarray, shape (LANES,)
-        Largest load of the history.
-    tolerance
-        What every unbalanced force falls below, as a share of that.
+    setup : Setup
+    trial : Trial
+        In: a guess, and points at the start of the step; out: the solution, and points at its end.
+    prescribed : Prescribed
     farthest : ndarray, shape (LANES,)
         How far one iteration may move a node.
-    displacement : ndarray, shape (size + 1, LANES)
-        In: a guess; out: the solution.
-    depth : ndarray, shape (LANES,)
-        Likewise.
-    reaction : ndarray, shape (LANES,)
-        Out: the load.
-    system : System
-        Out: the last factor of the matrix.
     alive : ndarray of bool, shape (LANES,)
         Lanes that take part; one that finds no equilibrium leaves.
     spent : ndarray of int, shape (LANES,)
         Iterations of each lane are added.
     """
-    size, count = body.size, body.radial.shape[0]
-    force_weight, depth_weight, target = equation
-    forces, forward = np.zeros((size + 1, LANES)), np.zeros((size + 1, LANES))
-    direction, toward, wider = np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES)
-    excess, norm, work, late = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
-    coupling, slips, changed = no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
-    start, fraction, tries = np.zeros(LANES), np.ones(LANES), np.zeros(LANES, dtype=np.int64)
+    contact, system, points, state = setup.contact, setup.system, trial.points, trial.contact
+    size, count = setup.body.size, setup.body.radial.shape[0]
+    residual, direction, forward = no_residual(size), no_direction(size), np.zeros((size + 1, LANES))
+    norm, work, coupling = np.zeros(LANES), np.zeros(LANES), no_coupling(count)
+    slips, changed = np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
+    fraction, tries, geometric = np.ones(LANES), np.zeros(LANES, dtype=np.int64), np.ones(LANES)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     indefinite, done, rough = np.zeros(LANES, dtype=np.bool_), ~alive, np.any(contact.friction > 0.0)
-    limit, geometric = np.zeros(LANES), np.ones(LANES)
     solved = np.empty((4, *points.log_q.shape))
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
         fresh = not patient or iteration % REUSES == 0
         if rough:
-            shares = shares_of(large, body, contact, state, displacement, depth)
-            turn_back(contact, state, shares, body.distance, body.radial, displacement, slips, changed, done)
-        internal_forces(large, body, points, laws, weights, displacement, forces)
-        fit(contact, state, load_borne(body, contact, state, forces, equation), done)
-        contact_forces(large, body, contact, state, displacement, depth, forces, reaction, coupling, done)
-        measure(forces, direction, size, norm, work)
+            turn_back(setup, trial, shares_of(setup, trial), slips, changed, done)
+        unbalance(setup, trial, prescribed, residual, coupling, done)
+        measure(residual.forces, direction.displacement, size, norm, work)
         for lane in range(LANES):
             solving[lane] = False
             if done[lane]:
                 continue
             spent[lane] += 1
-            excess[lane] = reaction[lane] * force_weight[lane] + depth[lane] * depth_weight[lane] - target[lane]
-            work[lane] += toward[lane] * excess[lane] / max(force_weight[lane], STIFFEST)
-            late[lane] = (state.area[lane] - coupling.area[lane]) / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
-            exact = EXACT if depth_weight[lane] > 0.0 else 1.0
-            imbalance = max(norm[lane], exact * abs(excess[lane])) / scale[lane]
+            excess, scale = residual.excess[lane], prescribed.scale[lane]
+            work[lane] += direction.depth[lane] * excess / max(prescribed.force_weight[lane], STIFFEST)
+            exact = EXACT if prescribed.depth_weight[lane] > 0.0 else 1.0
+            imbalance = max(norm[lane], exact * abs(excess)) / scale
             push = state.pressure[lane] * state.area[lane]
-            calm = max(norm[lane], abs(excess[lane])) < CALM * push
-            limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
+            calm = max(norm[lane], abs(excess)) < CALM * push
+            residual.limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
             unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
-            broken = not np.isfinite(norm[lane] + excess[lane] + work[lane])
+            broken = not np.isfinite(norm[lane] + excess + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
-                move(displacement, depth, state, direction, toward, wider, lane, -fraction[lane])
-            elif max(imbalance, unlike * push / scale[lane] / LESS) < tolerance:
+                move(trial, direction, lane, -fraction[lane])
+            elif max(imbalance, unlike * push / scale / LESS) < prescribed.tolerance:
                 done[lane] = True
                 keep(points, solved, lane)
             elif (
                 searching[lane]
                 and not (calm and unlike > APART)
-                and unbalanced(work[lane], start[lane], tries[lane], MORE if changed[lane] and patient else LESS_WORK)
+                and unbalanced(
+                    work[lane], direction.work[lane], tries[lane], MORE if changed[lane] and patient else LESS_WORK
+                )
             ):
                 tries[lane] += 1
-                shorter = fraction[lane] * max(0.1, start[lane] / (start[lane] - work[lane]))
-                move(displacement, depth, state, direction, toward, wider, lane, shorter - fraction[lane])
+                shorter = fraction[lane] * max(0.1, direction.work[lane] / (direction.work[lane] - work[lane]))
+                move(trial, direction, lane, shorter - fraction[lane])
                 fraction[lane] = shorter
             else:
                 solving[lane] = True
         if np.all(done):
             break
         if fresh:
-            stiffness(large, body, points, laws, displacement, geometric, system.band)
-            factor(body, coupling, geometric, system, forces, forward)
+            factor(setup, trial, coupling, geometric, residual.forces, forward)
         elif np.any(solving):
-            copy_rows(forces, forward)
-            solve_again(system.band, system.upper, size, body.width, forward)
-        direct(
-            system, forces, forward, force_weight, depth_weight, excess, late, limit, solving, direction, toward, wider,
-            start,
-        )  # fmt: skip
+            solve_for(setup, residual.forces, forward)
+        direct(system, prescribed, residual, forward, solving, direction)
         for lane in range(LANES):
-            indefinite[lane] = solving[lane] and not math.isfinite(start[lane])
+            indefinite[lane] = solving[lane] and not math.isfinite(direction.work[lane])
             geometric[lane] = 0.0 if indefinite[lane] else 1.0
         if np.any(indefinite):
             before = copy_of(system)
-            stiffness(large, body, points, laws, displacement, geometric, system.band)
-            factor(body, coupling, geometric, system, forces, forward)
-            direct(
-                system, forces, forward, force_weight, depth_weight, excess, late, limit, indefinite, direction, toward,
-                wider, start,
-            )  # fmt: skip
+            factor(setup, trial, coupling, geometric, residual.forces, forward)
+            direct(system, prescribed, residual, forward, indefinite, direction)
             geometric[:] = 1.0
             put_back(system, before, indefinite)
         for lane in range(LANES):
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
-                wider[lane] /= state.area[lane]
-                shorten(direction, toward, wider, start, lane, farthest[lane])
-                move(displacement, depth, state, direction, toward, wider, lane, 1.0)
+                direction.area[lane] /= state.area[lane]
+                shorten(direction, lane, farthest[lane])
+                move(trial, direction, lane, 1.0)
     alive &= done
     give_back(points, solved, alive)
 
 
 @njit(cache=True)
-def factor(body, coupling, geometric, system, forces, forward):
-    """Complete the matrix by the contact, factor it and solve for the `forces`."""
+def no_residual(size):
+    """Return a residual of so many unknowns, which is zero."""
+    return Residual(np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES))
+
+
+@njit(cache=True)
+def no_direction(size):
+    """Return a direction of so many unknowns, which is zero."""
+    return Direction(np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES))
+
+
+@njit(cache=True, error_model="numpy")
+def unbalance(setup, trial, prescribed, residual, coupling, done):
+    """Write the residual, but for its limit, and the coupling in the lanes that are not `done`."""
+    internal_forces(setup, trial, residual.forces)
+    fit(setup.contact, trial.contact, load_borne(setup, trial.contact, residual.forces, prescribed), done)
+    contact_forces(setup, trial, residual.forces, coupling, done)
+    for lane in range(LANES):
+        if not done[lane]:
+            borne = trial.reaction[lane] * prescribed.force_weight[lane]
+            residual.excess[lane] = borne + trial.depth[lane] * prescribed.depth_weight[lane] - prescribed.target[lane]
+            missing = trial.contact.area[lane] - coupling.area[lane]
+            residual.late[lane] = missing / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+
+
+@njit(cache=True)
+def factor(setup, trial, coupling, geometric, forces, forward):
+    """Assemble the matrix of body and contact, factor it and solve for the `forces`."""
+    body, system = setup.body, setup.system
+    stiffness(setup, trial, geometric)
     spread(body, coupling, system.widening, system.swelling, system.growth)
     add_tangent(body, coupling.tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
     copy_rows(forces, forward)
@@ -196,32 +191,38 @@ def factor(body, coupling, geometric, system, forces, forward):
 
 
 @njit(cache=True)
-def load_borne(body, contact, state, forces, equation):
+def solve_for(setup, forces, forward):
+    """Solve for the `forces` with the last factor."""
+    copy_rows(forces, forward)
+    solve_again(setup.system.band, setup.system.upper, setup.body.size, setup.body.width, forward)
+
+
+@njit(cache=True)
+def load_borne(setup, state, forces, prescribed):
     """Return the load (LANES,) of the contact: what is prescribed, or what the internal `forces` hold.
 
     Where it is not prescribed, what presses changes by no more than a factor of two from one iteration to the next.
     """
-    force_weight, depth_weight, target = equation
-    borne = np.zeros(LANES)
+    vertical, borne = setup.body.vertical, np.zeros(LANES)
     for lane in range(LANES):
-        if depth_weight[lane] == 0.0:
-            borne[lane] = target[lane] / force_weight[lane]
+        if prescribed.depth_weight[lane] == 0.0:
+            borne[lane] = prescribed.target[lane] / prescribed.force_weight[lane]
         else:
-            for k in range(body.vertical.shape[0]):
-                borne[lane] -= forces[body.vertical[k], lane]
+            for k in range(vertical.shape[0]):
+                borne[lane] -= forces[vertical[k], lane]
             push = state.pressure[lane] * state.area[lane]
-            pull = pull_on(contact, state.area[lane], lane)
+            pull = pull_on(setup.contact, state.area[lane], lane)
             borne[lane] = min(max(borne[lane], 0.5 * push - pull), 2.0 * push - pull)
     return borne
 
 
 @njit(cache=True)
-def shares_of(large, body, contact, state, displacement, depth):
+def shares_of(setup, trial):
     """Return the share (k, LANES) of each surface node that touches."""
-    shares = np.zeros((body.radial.shape[0], LANES))
-    for k in range(body.radial.shape[0]):
+    shares = np.zeros((setup.body.radial.shape[0], LANES))
+    for k in range(setup.body.radial.shape[0]):
         for lane in range(LANES):
-            shares[k, lane] = share_of(large, body, contact, state, displacement, depth, k, lane)[0]
+            shares[k, lane] = share_of(setup, trial, k, lane)[0]
     return shares
 
 
@@ -240,22 +241,22 @@ def unbalanced(work, start, tries, share):
 
 
 @njit(cache=True)
-def move(displacement, depth, state, direction, toward, wider, lane, distance):
-    """Move one lane along its direction.
+def move(trial, direction, lane, distance):
+    """Move one lane along its direction, in which the area is relative.
 
     Parameters
     ----------
     distance
         In units of the direction.
     """
-    for i in range(displacement.shape[0] - 1):
-        displacement[i, lane] += distance * direction[i, lane]
-    depth[lane] += distance * toward[lane]
-    state.area[lane] *= math.exp(distance * wider[lane])
+    for i in range(trial.displacement.shape[0] - 1):
+        trial.displacement[i, lane] += distance * direction.displacement[i, lane]
+    trial.depth[lane] += distance * direction.depth[lane]
+    trial.contact.area[lane] *= math.exp(distance * direction.area[lane])
 
 
 @njit(cache=True)
-def shorten(direction, toward, wider, start, lane, farthest):
+def shorten(direction, lane, farthest):
     """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that.
 
     Parameters
@@ -265,15 +266,15 @@ def shorten(direction, toward, wider, start, lane, farthest):
     """
     if farthest == np.inf:
         return
-    largest = abs(toward[lane])
-    for i in range(direction.shape[0]):
-        largest = max(largest, abs(direction[i, lane]))
+    largest = abs(direction.depth[lane])
+    for i in range(direction.displacement.shape[0]):
+        largest = max(largest, abs(direction.displacement[i, lane]))
     if largest > farthest:
-        for i in range(direction.shape[0]):
-            direction[i, lane] *= farthest / largest
-        toward[lane] *= farthest / largest
-        wider[lane] *= farthest / largest
-        start[lane] *= farthest / largest
+        for i in range(direction.displacement.shape[0]):
+            direction.displacement[i, lane] *= farthest / largest
+        direction.depth[lane] *= farthest / largest
+        direction.area[lane] *= farthest / largest
+        direction.work[lane] *= farthest / largest
 
 
 @njit(cache=True)
@@ -295,16 +296,14 @@ def measure(forces, direction, size, norm, work):
 
 
 @njit(cache=True)
-def direct(
-    system, forces, forward, force_weight, depth_weight, excess, late, limit, solving, direction, toward, wider, start
-):  # fmt: skip
+def direct(system, prescribed, residual, forward, solving, direction):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
-    Depth and area are eliminated from the bordered system; the matrix times `forward` is the `forces`. The area changes
-    by no more than the `limit` (LANES,), and the rest with it. Where the matrix is not positive definite, the work is
+    Depth and area are eliminated from the bordered system. The area changes by no more than its limit, and the rest
+    with it. Where the matrix is not positive definite, the work is
     NaN.
     """
-    size = forces.shape[0] - 1
+    size = forward.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling
     zero = splat(0.0)
     load_ahead, load_aside, load_spread, area_ahead, area_aside, area_spread = zero, zero, zero, zero, zero, zero
@@ -312,12 +311,12 @@ def direct(
         r, v, f, s, w = load(row, i), load(widening, i), load(forward, i), load(sideways, i), load(swelling, i)
         load_ahead, load_aside, load_spread = load_ahead + r * f, load_aside + r * s, load_spread + r * w
         area_ahead, area_aside, area_spread = area_ahead + v * f, area_aside + v * s, area_spread + v * w
-    area_ahead = area_ahead + load(late, 0)
-    weight, rest, most = load(force_weight, 0), load(excess, 0), load(limit, 0)
+    area_ahead = area_ahead + load(residual.late, 0)
+    weight, rest, most = load(prescribed.force_weight, 0), load(residual.excess, 0), load(residual.limit, 0)
     yielding = splat(1.0) + area_spread
     yielding = where_less(yielding, splat(LEAST_RESPONSE), splat(LEAST_RESPONSE), yielding)
     by_area, by_depth = load(system.growth, 0) - load_spread, load(widening, size) - area_aside
-    alone = weight * (load(system.corner, 0) - load_aside) + load(depth_weight, 0)
+    alone = weight * (load(system.corner, 0) - load_aside) + load(prescribed.depth_weight, 0)
     together = alone + weight * by_area * by_depth / yielding
     together = where_less(zero, together, together, alone)
     change = (weight * (load_ahead + by_area * area_ahead / yielding) - rest) / together
@@ -329,8 +328,8 @@ def direct(
     total = change * rest / where_less(weight, splat(STIFFEST), splat(STIFFEST), weight)
     for i in range(size):
         value = zero - load(forward, i) - change * load(sideways, i) - spreading * load(swelling, i)
-        total = total + value * load(forces, i)
-        store(direction, i, where_less(mask, splat(0.5), load(direction, i), value))
-    store(toward, 0, where_less(mask, splat(0.5), load(toward, 0), change))
-    store(wider, 0, where_less(mask, splat(0.5), load(wider, 0), spreading))
-    store(start, 0, where_less(mask, splat(0.5), load(start, 0), total))
+        total = total + value * load(residual.forces, i)
+        store(direction.displacement, i, where_less(mask, splat(0.5), load(direction.displacement, i), value))
+    store(direction.depth, 0, where_less(mask, splat(0.5), load(direction.depth, 0), change))
+    store(direction.area, 0, where_less(mask, splat(0.5), load(direction.area, 0), spreading))
+    store(direction.work, 0, where_less(mask, splat(0.5), load(direction.work, 0), total))
