@@ -17,15 +17,15 @@ STANDARD = RESOLUTIONS["standard"]
 
 
 @njit
-def internal_forces(setup, trial, forces):
+def internal_forces(setup, material, displacement, forces):
     """Write the internal forces, see `palpate.solver.axisymmetric.assembly`."""
-    assembly.internal_forces(setup, trial, forces)
+    assembly.internal_forces(setup, material, displacement, forces)
 
 
 @njit
-def stiffness(setup, trial, geometric):
+def stiffness(setup, material, displacement, geometric, band):
     """Write the tangent, likewise."""
-    assembly.stiffness(setup, trial, geometric)
+    assembly.stiffness(setup, material, displacement, geometric, band)
 
 
 def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=False):

@@ -10,7 +10,6 @@ from bodies import CONE, STANDARD, depth, internal_forces, stiffness
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
 from palpate.solver.axisymmetric import march, newton
-from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
@@ -18,7 +17,7 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
-from palpate.solver.axisymmetric.trial_state import Setup, Trial
+from palpate.solver.axisymmetric.trial_state import Material, Setup
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen
@@ -42,20 +41,18 @@ class Lanes:
         self.points = Points.unloaded(4 * len(self.mesh.elements), voigt_elements(self.coefficients))
         self.laws = np.repeat(self.coefficients[None, :, None], LANES, axis=2)
         self.weights = step_weights(self.laws, np.full(LANES, 0.7))
-        self.setup = Setup(self.large, self.body, None, System.of(self.body, True))
-
-    def at(self, displacement):
-        return Trial(self.points, self.laws, self.weights, None, displacement, None, None)
+        self.setup, self.material = Setup(self.large, self.body, None), Material(self.points, self.laws, self.weights)
 
     def forces(self, displacement):
         forces = np.zeros_like(displacement)
-        internal_forces(self.setup, self.at(displacement), forces)
+        internal_forces(self.setup, self.material, displacement, forces)
         return forces
 
     def stiffness(self, displacement):
         """Return the matrix (size, size) of the first lane, after `forces`; its upper half is its lower half."""
-        size, width, band = self.body.size, self.body.width, self.setup.system.band
-        stiffness(self.setup, self.at(displacement), np.ones(LANES))
+        size, width = self.body.size, self.body.width
+        band = np.zeros((size * width + 1, LANES))
+        stiffness(self.setup, self.material, displacement, np.ones(LANES), band)
         matrix = np.zeros((size, size))
         for k in range(width):
             below = band[k : size * width : width, 0][: max(size - k, 0)]
@@ -132,18 +129,18 @@ def opened_step(monkeypatch, number, case):
 
 def newton_norms(opened, iterations):
     """Return the largest unbalanced force over the load, before each of some whole iterations of Newton's method."""
-    setup, trial, prescribed, *_ = opened
+    setup, material, trial, prescribed, system, *_ = opened
     size, count = setup.body.size, len(setup.body.radial)
     residual, direction, forward = newton.no_residual(size), newton.no_direction(size), np.zeros((size + 1, LANES))
     coupling, slips, changed = newton.no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=bool)
     none, norms = np.zeros(LANES, dtype=bool), []
     for _ in range(iterations):
         turn_back(setup, trial, newton.shares_of(setup, trial), slips, changed, none)
-        newton.unbalance(setup, trial, prescribed, residual, coupling, none)
+        newton.unbalance(setup, material, trial, prescribed, residual, coupling, none)
         norms.append(max(np.abs(residual.forces[:-1, 0]).max(), abs(residual.excess[0])) / prescribed.scale[0])
-        newton.factor(setup, trial, coupling, np.ones(LANES), residual.forces, forward)
+        newton.factor(setup, material, trial, system, coupling, np.ones(LANES), residual.forces, forward)
         residual.limit[:] = trial.contact.area
-        newton.direct(setup.system, prescribed, residual, forward, ~none, direction)
+        newton.direct(system, prescribed, residual, forward, ~none, direction)
         trial.displacement[:] += direction.displacement
         trial.depth[:] += direction.depth
         trial.contact.area[:] += direction.area

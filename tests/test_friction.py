@@ -63,7 +63,8 @@ class Surface:
     def of(cls, march, states):
         body, contact, scale = march.body, march.contact, march.drives.scale[0]
         inner = np.zeros_like(states.displacement)
-        internal_forces(march.setup, states.trial._replace(points=deepcopy(states.points)), inner)
+        material = states.material._replace(points=deepcopy(states.points))
+        internal_forces(march.setup, material, states.displacement, inner)
         moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]
         profile = [profile_at(march.large, contact.tip, 0, *at) for at in zip(distance, moved, strict=True)]
         slope = np.array(profile)[:, 1]

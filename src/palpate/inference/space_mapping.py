@@ -58,7 +58,15 @@ class Reference:
 
     @classmethod
     def refined(cls, accurate: np.ndarray, fast: np.ndarray, kept: np.ndarray, time: np.ndarray) -> Reference:
-        """Return the reference of a finer mesh in smaller steps, at all times (n_points,)."""
+        """Return the reference of a finer mesh in smaller steps.
+
+        Parameters
+        ----------
+        accurate, fast, kept
+            See the class.
+        time : ndarray, shape (n_points,)
+            Of all samples [s].
+        """
         return cls(accurate, fast, kept, np.interp(time, time[kept], accurate[kept] - fast))
 
     def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:

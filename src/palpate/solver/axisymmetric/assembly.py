@@ -1,7 +1,8 @@
 """Internal forces and stiffness of bodies at small or at large strains: compiled code holds one of them.
 
 `Setup.large` is None at small strains and True at large ones. These are two types to numba, so that the choice is made
-when the solver is compiled. Both together would take an eighth longer.
+when the solver is compiled. Both together would take an eighth longer. For `setup` and `material` see
+`palpate.solver.axisymmetric.trial_state`.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ _small_forces, _small_stiffness = element.internal_forces, element.stiffness
 _large_forces, _large_stiffness = hencky.internal_forces, hencky.stiffness
 
 
-def internal_forces(setup, trial, forces):
+def internal_forces(setup, material, displacement, forces):
     """Write the internal `forces`, see `palpate.solver.axisymmetric.element`; compiled code alone calls it."""
     raise NotImplementedError
 
 
-def stiffness(setup, trial, geometric):
+def stiffness(setup, material, displacement, geometric, band):
     """Write the tangent to the band, see `palpate.solver.axisymmetric.element`; compiled code alone calls it.
 
     Parameters
@@ -32,27 +33,27 @@ def stiffness(setup, trial, geometric):
 
 
 @overload(internal_forces)
-def _internal_forces(setup, trial, forces):
+def _internal_forces(setup, material, displacement, forces):
     """Return the function for the type of `large`."""
 
-    def at_small_strains(setup, trial, forces):
-        _small_forces(setup.body, trial.points, trial.laws, trial.weights, trial.displacement, forces)
+    def at_small_strains(setup, material, displacement, forces):
+        _small_forces(setup.body, material.points, material.laws, material.weights, displacement, forces)
 
-    def at_large_strains(setup, trial, forces):
-        _large_forces(setup.body, trial.points, trial.laws, trial.weights, trial.displacement, forces)
+    def at_large_strains(setup, material, displacement, forces):
+        _large_forces(setup.body, material.points, material.laws, material.weights, displacement, forces)
 
     return at_small_strains if _is_small(setup) else at_large_strains
 
 
 @overload(stiffness)
-def _stiffness(setup, trial, geometric):
+def _stiffness(setup, material, displacement, geometric, band):
     """Return the function for the type of `large`."""
 
-    def at_small_strains(setup, trial, geometric):
-        _small_stiffness(setup.body, trial.points, trial.laws, setup.system.band)
+    def at_small_strains(setup, material, displacement, geometric, band):
+        _small_stiffness(setup.body, material.points, material.laws, band)
 
-    def at_large_strains(setup, trial, geometric):
-        _large_stiffness(setup.body, trial.points, trial.laws, trial.displacement, geometric, setup.system.band)
+    def at_large_strains(setup, material, displacement, geometric, band):
+        _large_stiffness(setup.body, material.points, material.laws, displacement, geometric, band)
 
     return at_small_strains if _is_small(setup) else at_large_strains
 

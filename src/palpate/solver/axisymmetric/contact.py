@@ -27,10 +27,9 @@ of higher order M. P. Wand & M. C. Jones, Kernel Smoothing (1995), section 2.8.
 
 Arguments of several functions:
 
-- `large`: whether strains are large, so that the profile of the tip is taken where a node has moved to
-- `body`: surface nodes and their unknowns, see `palpate.solver.axisymmetric.element.Body`
+- `setup`, `trial`: see `palpate.solver.axisymmetric.trial_state`; at large strains the profile of the tip counts where
+  a node has moved to
 - `contact`, `state`: `Contact` and `ContactState`
-- `displacement` (size + 1, LANES), `depth` (LANES,): of the body and of the tip, in the lanes' units of length
 - `k`, `lane`: number of a surface node, and of a lane
 - `done` (LANES,): lanes that are left as they are
 """

@@ -19,7 +19,7 @@ from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.law_lanes import Points, turn
 from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
-from palpate.solver.axisymmetric.trial_state import Prescribed, Setup, Trial
+from palpate.solver.axisymmetric.trial_state import Material, Prescribed, Setup, Trial
 from palpate.study.specimen import halfway
 
 LITTLE = 0.2  # of the area of the first contact that counts, below which there has been none
@@ -52,9 +52,14 @@ class States:
     reaction: np.ndarray
 
     @property
+    def material(self) -> Material:
+        """What compiled functions take of the material."""
+        return Material(self.points, self.laws, self.weights)
+
+    @property
     def trial(self) -> Trial:
-        """What compiled functions take of it."""
-        return Trial(self.points, self.laws, self.weights, self.contact, self.displacement, self.depth, self.reaction)
+        """What compiled functions take of contact and unknowns."""
+        return Trial(self.contact, self.displacement, self.depth, self.reaction)
 
     def take(self, other: States, lanes: np.ndarray | None = None) -> None:
         """Become what the `other` is, in all lanes or in some (LANES,)."""
@@ -118,7 +123,7 @@ class March:
     @property
     def setup(self) -> Setup:
         """What compiled functions take of it."""
-        return Setup(self.large, self.body, self.contact, self.system)
+        return Setup(self.large, self.body, self.contact)
 
     def prescribed(self, end: np.ndarray) -> Prescribed:
         """Return what is prescribed at times (LANES,) [s]."""
@@ -146,7 +151,10 @@ class March:
         states.add(change)
         self._begin_contact(states)
         found = lanes.copy()
-        advance(self.setup, states.trial, self.prescribed(end), self._stride(states, change), found, self.iterations)
+        advance(
+            self.setup, states.material, states.trial, self.prescribed(end), self.system,
+            self._stride(states, change), found, self.iterations,
+        )  # fmt: skip
         end_step(self.setup, states.trial)
         self.steps[found] += 1
         return found

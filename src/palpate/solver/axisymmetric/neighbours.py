@@ -85,7 +85,7 @@ class Neighbours:
         lanes : ndarray of bool, shape (LANES,)
             Which take part.
         """
-        refactor(self.host.setup, arrived.trial._replace(reaction=np.zeros(LANES)))
+        refactor(self.host.setup, arrived.material, arrived.trial._replace(reaction=np.zeros(LANES)), self.host.system)
         for k, march in enumerate(self.marches):
             rubs = march.contact.friction.any()
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
@@ -96,7 +96,8 @@ class Neighbours:
             states.displacement, states.depth = arrived.displacement + away, arrived.depth + deeper
             states.contact.area[:] = arrived.contact.area + wider
             times = CORRECTIONS_WITH_FRICTION if rubs else CORRECTIONS
-            correct(march.setup, states.trial, march.prescribed(own_end), lanes, times)
+            prescribed = march.prescribed(own_end)
+            correct(march.setup, states.material, states.trial, prescribed, march.system, lanes, times)
             end_step(march.setup, states.trial)
             if states is not self.states[k]:
                 self.states[k].take(states, lanes)
@@ -110,21 +111,26 @@ def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def refactor(setup, trial):
-    """Factor the matrix at a solution, see `palpate.solver.axisymmetric.trial_state`; its reaction is written."""
+def refactor(setup, material, trial, system):
+    """Factor the matrix at a solution; the parameters are those of `palpate.solver.axisymmetric.newton.advance`.
+
+    The reaction of the `trial` is written.
+    """
     forces, coupling = np.zeros((setup.body.size + 1, LANES)), no_coupling(setup.body.radial.shape[0])
     contact_forces(setup, trial, forces, coupling, np.zeros(LANES, dtype=np.bool_))
-    factor(setup, trial, coupling, np.ones(LANES), forces, np.zeros_like(forces))
+    factor(setup, material, trial, system, coupling, np.ones(LANES), forces, np.zeros_like(forces))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def correct(setup, trial, prescribed, lanes, times):
+def correct(setup, material, trial, prescribed, system, lanes, times):
     """Bring lanes that lie close to a solution to equilibrium, by some iterations with the factor that it left.
 
     Parameters
     ----------
-    setup, trial, prescribed
+    setup, material, trial, prescribed
         See `palpate.solver.axisymmetric.trial_state`.
+    system
+        Holds the factor.
     lanes : ndarray of bool, shape (LANES,)
         Which take part.
     times
@@ -133,13 +139,13 @@ def correct(setup, trial, prescribed, lanes, times):
     size, coupling, done = setup.body.size, no_coupling(setup.body.radial.shape[0]), ~lanes
     residual, direction, forward = no_residual(size), no_direction(size), np.zeros((size + 1, LANES))
     for iteration in range(times + 1):
-        unbalance(setup, trial, prescribed, residual, coupling, done)
+        unbalance(setup, material, trial, prescribed, residual, coupling, done)
         if iteration == times:
             break
-        solve_for(setup, residual.forces, forward)
+        solve_for(setup.body, system, residual.forces, forward)
         for lane in range(LANES):
             residual.limit[lane] = LARGEST_CHANGE * trial.contact.area[lane]
-        direct(setup.system, prescribed, residual, forward, lanes, direction)
+        direct(system, prescribed, residual, forward, lanes, direction)
         for i in range(trial.displacement.shape[0]):
             for lane in range(LANES):
                 trial.displacement[i, lane] += direction.displacement[i, lane]

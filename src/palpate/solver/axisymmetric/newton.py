@@ -16,7 +16,9 @@ what takes that away.
 
 Arguments of several functions:
 
-- `setup`, `trial`, `prescribed`, `residual`, `direction`: see `palpate.solver.axisymmetric.trial_state`
+- `setup`, `material`, `trial`, `prescribed`, `residual`, `direction`: see `palpate.solver.axisymmetric.trial_state`
+- `system`: the linearised system, see `palpate.solver.axisymmetric.bordered.System`
+- `forces` (size + 1, LANES): those of the residual
 - `coupling`: derivatives of the contact, see `palpate.solver.axisymmetric.contact_coupling.Coupling`
 - `forward` (size + 1, LANES): K^-1 R
 - `geometric` (LANES,): zero where the matrix leaves out what keeps it from being positive definite
@@ -58,15 +60,19 @@ MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def advance(setup, trial, prescribed, farthest, alive, spent):
+def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
     """Bring all lanes into equilibrium under what is prescribed at the end of a step.
 
     Parameters
     ----------
     setup : Setup
+    material : Material
+        In: points at the start of the step; out: at its end.
     trial : Trial
-        In: a guess, and points at the start of the step; out: the solution, and points at its end.
+        In: a guess; out: the solution.
     prescribed : Prescribed
+    system : System
+        Storage of the linear system; holds the last factor of the matrix in the end.
     farthest : ndarray, shape (LANES,)
         How far one iteration may move a node.
     alive : ndarray of bool, shape (LANES,)
@@ -74,21 +80,21 @@ def advance(setup, trial, prescribed, farthest, alive, spent):
     spent : ndarray of int, shape (LANES,)
         Iterations of each lane are added.
     """
-    contact, system, points, state = setup.contact, setup.system, trial.points, trial.contact
+    points, state = material.points, trial.contact
     size, count = setup.body.size, setup.body.radial.shape[0]
     residual, direction, forward = no_residual(size), no_direction(size), np.zeros((size + 1, LANES))
     norm, work, coupling = np.zeros(LANES), np.zeros(LANES), no_coupling(count)
     slips, changed = np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     fraction, tries, geometric = np.ones(LANES), np.zeros(LANES, dtype=np.int64), np.ones(LANES)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
-    indefinite, done, rough = np.zeros(LANES, dtype=np.bool_), ~alive, np.any(contact.friction > 0.0)
+    indefinite, done, rough = np.zeros(LANES, dtype=np.bool_), ~alive, np.any(setup.contact.friction > 0.0)
     solved = np.empty((4, *points.log_q.shape))
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
         fresh = not patient or iteration % REUSES == 0
         if rough:
             turn_back(setup, trial, shares_of(setup, trial), slips, changed, done)
-        unbalance(setup, trial, prescribed, residual, coupling, done)
+        unbalance(setup, material, trial, prescribed, residual, coupling, done)
         measure(residual.forces, direction.displacement, size, norm, work)
         for lane in range(LANES):
             solving[lane] = False
@@ -128,16 +134,16 @@ def advance(setup, trial, prescribed, farthest, alive, spent):
         if np.all(done):
             break
         if fresh:
-            factor(setup, trial, coupling, geometric, residual.forces, forward)
+            factor(setup, material, trial, system, coupling, geometric, residual.forces, forward)
         elif np.any(solving):
-            solve_for(setup, residual.forces, forward)
+            solve_for(setup.body, system, residual.forces, forward)
         direct(system, prescribed, residual, forward, solving, direction)
         for lane in range(LANES):
             indefinite[lane] = solving[lane] and not math.isfinite(direction.work[lane])
             geometric[lane] = 0.0 if indefinite[lane] else 1.0
         if np.any(indefinite):
             before = copy_of(system)
-            factor(setup, trial, coupling, geometric, residual.forces, forward)
+            factor(setup, material, trial, system, coupling, geometric, residual.forces, forward)
             direct(system, prescribed, residual, forward, indefinite, direction)
             geometric[:] = 1.0
             put_back(system, before, indefinite)
@@ -164,9 +170,9 @@ def no_direction(size):
 
 
 @njit(cache=True, error_model="numpy")
-def unbalance(setup, trial, prescribed, residual, coupling, done):
+def unbalance(setup, material, trial, prescribed, residual, coupling, done):
     """Write the residual, but for its limit, and the coupling in the lanes that are not `done`."""
-    internal_forces(setup, trial, residual.forces)
+    internal_forces(setup, material, trial.displacement, residual.forces)
     fit(setup.contact, trial.contact, load_borne(setup, trial.contact, residual.forces, prescribed), done)
     contact_forces(setup, trial, residual.forces, coupling, done)
     for lane in range(LANES):
@@ -178,10 +184,10 @@ def unbalance(setup, trial, prescribed, residual, coupling, done):
 
 
 @njit(cache=True)
-def factor(setup, trial, coupling, geometric, forces, forward):
+def factor(setup, material, trial, system, coupling, geometric, forces, forward):
     """Assemble the matrix of body and contact, factor it and solve for the `forces`."""
-    body, system = setup.body, setup.system
-    stiffness(setup, trial, geometric)
+    body = setup.body
+    stiffness(setup, material, trial.displacement, geometric, system.band)
     spread(body, coupling, system.widening, system.swelling, system.growth)
     add_tangent(body, coupling.tangent, geometric, system.band, system.upper, system.border, system.row, system.corner)
     copy_rows(forces, forward)
@@ -191,15 +197,15 @@ def factor(setup, trial, coupling, geometric, forces, forward):
 
 
 @njit(cache=True)
-def solve_for(setup, forces, forward):
+def solve_for(body, system, forces, forward):
     """Solve for the `forces` with the last factor."""
     copy_rows(forces, forward)
-    solve_again(setup.system.band, setup.system.upper, setup.body.size, setup.body.width, forward)
+    solve_again(system.band, system.upper, body.size, body.width, forward)
 
 
 @njit(cache=True)
 def load_borne(setup, state, forces, prescribed):
-    """Return the load (LANES,) of the contact: what is prescribed, or what the internal `forces` hold.
+    """Return the load (LANES,) of a contact in such a `state`: what is prescribed, or what internal `forces` hold.
 
     Where it is not prescribed, what presses changes by no more than a factor of two from one iteration to the next.
     """
@@ -279,7 +285,7 @@ def shorten(direction, lane, farthest):
 
 @njit(cache=True)
 def measure(forces, direction, size, norm, work):
-    """Write the largest of the `forces` that are numbers, and the work of all along the `direction`.
+    """Write the largest of the `forces` that are numbers, as `norm`, and the `work` of all along the `direction`.
 
     Parameters
     ----------

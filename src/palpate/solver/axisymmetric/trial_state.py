@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import Contact, ContactState
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.law_lanes import Points
@@ -21,14 +20,26 @@ class Setup(NamedTuple):
         See `palpate.solver.axisymmetric.assembly`.
     body : Body
     contact : Contact
-    system : System
-        Storage of the linear system; holds the last factor of the matrix.
     """
 
     large: bool | None
     body: Body
     contact: Contact
-    system: System
+
+
+class Material(NamedTuple):
+    """The material in a step.
+
+    Attributes
+    ----------
+    points, laws, weights
+        See `palpate.solver.axisymmetric.law_lanes`; the points are those at the start of the step until it has
+        converged.
+    """
+
+    points: Points
+    laws: np.ndarray
+    weights: np.ndarray
 
 
 class Trial(NamedTuple):
@@ -36,17 +47,12 @@ class Trial(NamedTuple):
 
     Attributes
     ----------
-    points, laws, weights
-        See `palpate.solver.axisymmetric.law_lanes`; the points are those at the start of the step.
     contact : ContactState
     displacement : ndarray, shape (size + 1, LANES)
     depth, reaction : ndarray, shape (LANES,)
         Of the indenter; the reaction is its load.
     """
 
-    points: Points
-    laws: np.ndarray
-    weights: np.ndarray
     contact: ContactState
     displacement: np.ndarray
     depth: np.ndarray
