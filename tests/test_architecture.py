@@ -68,7 +68,6 @@ LARGE_MODULES = {
     "workflow_support/steps.py": "the steps of the workflow",
 }
 LARGE_FUNCTIONS = {
-    "inference/noise_fit.py fit_noise": "likelihood, prior and starts share the layout of the unknowns",
     "solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
     "solver/axisymmetric/newton.py advance": "one loop, whose lanes share twenty arrays",
     "solver/pyramid/element_3d.py assemble": "one pass over the elements",
