@@ -10,6 +10,7 @@ from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
 from palpate.workflow_support import job, steps
+from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
 
 
@@ -20,7 +21,7 @@ def main(snakemake):
         with open(snakemake.log[0], "w", encoding="utf-8") as log:
             report = functools.partial(print, file=log, flush=True)
             content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
-        steps.write_json(output.result, content)
+        write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         synthetic, title = recordings in study.laboratory, f"{study.title}: {recordings}"
         explained_curves.draw(content, curves, output.figure, study.title, synthetic=synthetic)

@@ -65,7 +65,6 @@ LARGE_MODULES = {
     "solver/axisymmetric/march_cases.py": "from cases to lanes and back",
     "solver/axisymmetric/newton.py": "one algorithm",
     "solver/simulation.py": "the one entry to the solvers",
-    "workflow_support/steps.py": "the steps of the workflow",
 }
 LARGE_FUNCTIONS = {
     "solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
