@@ -58,7 +58,6 @@ def test_files_hold_one_idea():
 
 MODULE, CODE, ARGUMENTS = 300, 60, 8  # lines of a module, lines of a function's code, arguments
 LARGE_MODULES = {
-    "configuration/study_file.py": "a study as one object, and what is checked where it is read",
     "inference/trust_region.py": "one algorithm",
     "solver/axisymmetric/hencky.py": "one strain measure: its derivatives, forces and stiffness",
     "solver/axisymmetric/lanes.py": "the instructions of one vector type",
