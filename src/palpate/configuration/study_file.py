@@ -56,7 +56,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study; see the contracts of the project for the meaning of each key.
+    """A checked study; docs/study.md describes each key.
 
     Attributes
     ----------
