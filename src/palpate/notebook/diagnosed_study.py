@@ -1,4 +1,4 @@
-"""A study diagnosed in one process: does the law explain the recordings, and if not, which effects are missing?"""
+"""A study diagnosed in one process: whether the law explains the recordings, and which effects are missing."""
 
 from __future__ import annotations
 

@@ -37,3 +37,8 @@ def read_json(path: str | Path) -> dict[str, Any]:
 def checksum(file: Path) -> str:
     """Return the SHA-256 of a file."""
     return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def estimate_of(file: str | Path) -> dict[str, float]:
+    """Return the estimate that the file of a calibration holds, by parameter."""
+    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}

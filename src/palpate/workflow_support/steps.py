@@ -23,7 +23,6 @@ from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
 from palpate.surrogate.missing import check_missing, summary_text
 from palpate.surrogate.saved import load
-from palpate.workflow_support.result_files import read_json
 
 
 def fit_surrogate(
@@ -87,11 +86,6 @@ def settings_of(study: Study) -> CalibrationSettings:
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
     own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
-
-
-def estimate_of(file: str | Path) -> dict[str, float]:
-    """Return the estimate that the file of a calibration holds, by parameter."""
-    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
 
 
 def calibrate_study(
