@@ -52,7 +52,7 @@ class SimulatedCurve(Shown):
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
             f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
-            f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.2g} s in the solver",
+            f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.3g} s in the solver",
         ]
         return [*lines, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
 
