@@ -23,7 +23,6 @@ MARK = re.compile(r"<!-- generated: (\w+)(?: ([\w./]+))? -->")
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )  # as pymdownx.arithmatex leaves it
-NOTEBOOK = "notebook.md"
 MEANING = {
     "FILE": "a recording, or an instrument's file",
     "STUDY.yaml": "the study",
@@ -304,11 +303,9 @@ def mathml(page: str) -> str:
 
 
 def on_config(config: Any) -> Any:
-    """List what exists only in some trees in the navigation: the API's pages, and the notebook's."""
+    """List the pages of the Python API in the navigation."""
     for section in config.nav:
         for title, entries in section.items():
-            if title == "How-to" and (Path(config.docs_dir) / NOTEBOOK).is_file():
-                entries.insert(1, {"In a notebook": NOTEBOOK})
             for entry in entries if title == "Reference" else ():
                 if "Python API" in entry:
                     entry["Python API"] = ["api/index.md", *(f"api/{name}.md" for name, _ in packages())]

@@ -6,6 +6,7 @@ for MLflow). settings: `calibration`, `seed`.
 
 from palpate.output.figures import fitted_curves
 from palpate.workflow_support import job, steps
+from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import of_calibration, tracked_runs
 
 
@@ -16,7 +17,7 @@ def main(snakemake):
         models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
         result, curves = steps.run_calibration(study, recordings, condition_set, models)
         content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
-        steps.write_json(output.result, content)
+        write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         title = f"{study.title}: calibrated on the condition set “{condition_set}”"
         fitted_curves.draw(curves, output.figure, title, synthetic=recordings in study.laboratory)

@@ -9,22 +9,22 @@ import functools
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import estimate_of, write_json
 from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
 
 
 def main(snakemake):
     study, output, answer = job.study(snakemake), snakemake.output, {}
-    recordings, calibrated = snakemake.wildcards.recordings, steps.estimate_of(snakemake.input.calibration)
+    recordings, calibrated = snakemake.wildcards.recordings, estimate_of(snakemake.input.calibration)
     with tracked_runs(study.name, output.record, answer) as runs:
         with open(snakemake.log[0], "w", encoding="utf-8") as log:
             report = functools.partial(print, file=log, flush=True)
             content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
-        steps.write_json(output.result, content)
+        write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
-        synthetic, title = recordings in study.laboratory, f"{study.title}: {recordings}"
-        explained_curves.draw(content, curves, output.figure, study.title, synthetic=synthetic)
-        diagnosis_page.write(content, study.declared, output.figure, output.page, title)
+        explained_curves.draw(content, curves, output.figure, study.title, synthetic=recordings in study.laboratory)
+        diagnosis_page.write(content, study.declared, output.figure, output.page, f"{study.title}: {recordings}")
         settings = {**study.diagnosis, "seed": study.seed}
         runs += of_diagnosis(content, settings, [output.result, output.curves, output.page, output.figure])
         answer.update(answer_of(content))

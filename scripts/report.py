@@ -5,14 +5,15 @@ input: every result of the study that it shows. output: report (HTML), manifest 
 
 from pathlib import Path
 
-from palpate.workflow_support import job, manifest, steps
+from palpate.workflow_support import job, manifest, study_report
+from palpate.workflow_support.result_files import write_json
 
 
 def main(snakemake):
     study, report = job.study(snakemake), Path(snakemake.output.report)
     made_from = manifest.of(study, job.plain(snakemake.config), report.parent)
-    steps.write_json(snakemake.output.manifest, made_from)
-    steps.write_report(study, report.parent, report, made_from)
+    write_json(snakemake.output.manifest, made_from)
+    study_report.write(study, report.parent, report, made_from)
 
 
 if "snakemake" in globals():

@@ -7,6 +7,7 @@ run for MLflow). settings: `surrogate`.
 from palpate.solver import store
 from palpate.surrogate.saved import save
 from palpate.workflow_support import job, steps
+from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import of_surrogate, tracked_runs
 
 
@@ -16,7 +17,7 @@ def main(snakemake):
         contents = store.curves_under(study, condition)
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)
-        steps.write_json(snakemake.output.summary, summary)
+        write_json(snakemake.output.summary, summary)
         print(summary["missing"], end="\n" if summary["missing"] else "")
         run = of_surrogate(condition, model.get_params(), study.levels, summary)
         run.files, run.surrogate = [snakemake.output.summary], snakemake.output.model

@@ -6,11 +6,12 @@ input: summaries of the surrogates (JSON). output: figure (PNG).
 from pathlib import Path
 
 from palpate.output.figures import surrogate_errors
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import read_json
 
 
 def main(snakemake):
-    summaries = {Path(file).stem: steps.read_json(file) for file in snakemake.input}
+    summaries = {Path(file).stem: read_json(file) for file in snakemake.input}
     surrogate_errors.draw(summaries, snakemake.output[0], snakemake.params.title)
 
 

@@ -5,11 +5,12 @@ input: calibrations of all condition sets (JSON). output: errors, parameters (CS
 
 from palpate.output.figures import estimates_figure, search_history
 from palpate.workflow_support import job, steps
+from palpate.workflow_support.result_files import read_json
 
 
 def main(snakemake):
     study, output, recordings = job.study(snakemake), snakemake.output, snakemake.wildcards.recordings
-    found = dict(zip(study.condition_sets, map(steps.read_json, snakemake.input.calibrations), strict=True))
+    found = dict(zip(study.condition_sets, map(read_json, snakemake.input.calibrations), strict=True))
     steps.error_table(found["all"]).to_csv(output.errors, index=False)
     truth = study.laboratory.get(recordings, {}).get("parameters")
     table = steps.parameter_table(found, truth)

@@ -5,14 +5,15 @@ input: records (JSON). output: the receipt (JSON), in the folder of the records.
 
 from pathlib import Path
 
-from palpate.workflow_support import job, steps, tracking
+from palpate.workflow_support import job, tracking
+from palpate.workflow_support.result_files import write_json
 
 
 def main(snakemake):
     receipt = Path(snakemake.output[0])
     pending = tracking.send(receipt.parent)
     status, attempt = "pending" if pending else "sent", snakemake.params.attempt
-    steps.write_json(receipt, {"status": status, "pending": pending, "attempt": attempt})
+    write_json(receipt, {"status": status, "pending": pending, "attempt": attempt})
 
 
 if "snakemake" in globals():

@@ -58,17 +58,14 @@ def test_files_hold_one_idea():
 
 MODULE, CODE, ARGUMENTS = 300, 60, 8  # lines of a module, lines of a function's code, arguments
 LARGE_MODULES = {
-    "configuration/study_file.py": "a study as one object, and what is checked where it is read",
     "inference/trust_region.py": "one algorithm",
     "solver/axisymmetric/hencky.py": "one strain measure: its derivatives, forces and stiffness",
     "solver/axisymmetric/lanes.py": "the instructions of one vector type",
     "solver/axisymmetric/march_cases.py": "from cases to lanes and back",
     "solver/axisymmetric/newton.py": "one algorithm",
     "solver/simulation.py": "the one entry to the solvers",
-    "workflow_support/steps.py": "the steps of the workflow",
 }
 LARGE_FUNCTIONS = {
-    "inference/noise_fit.py fit_noise": "likelihood, prior and starts share the layout of the unknowns",
     "solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
     "solver/axisymmetric/newton.py advance": "one loop, whose lanes share twenty arrays",
     "solver/pyramid/element_3d.py assemble": "one pass over the elements",

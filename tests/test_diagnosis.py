@@ -17,8 +17,9 @@ from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.outside import outside
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
+from palpate.inference.contrasts import Replicates, contrasts
 from palpate.inference.covariance import errors, noise_of
-from palpate.inference.noise_fit import Replicates, contrasts, fit_noise
+from palpate.inference.noise_fit import fit_noise
 from palpate.inference.observation import Observation
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem

@@ -83,7 +83,7 @@ def test_every_page_has_its_place_in_the_navigation():
 
     listed = pages(yaml.safe_load((ROOT / "mkdocs.yml").read_text())["nav"])
     assert len(listed) == len(set(listed))
-    assert set(listed) - GENERATED == {page.name for page in PAGES} - {HOOKS.NOTEBOOK}
+    assert set(listed) - GENERATED == {page.name for page in PAGES}
 
 
 def test_the_readme_is_short():

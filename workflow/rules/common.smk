@@ -44,7 +44,7 @@ from palpate.configuration.study_file import load_study, study_from
 from palpate.inference.study_recordings import files_of
 from palpate.workflow_support import job
 from palpate.workflow_support.check_study import checked
-from palpate.workflow_support.steps import read_json
+from palpate.workflow_support.result_files import read_json
 
 
 @functools.cache

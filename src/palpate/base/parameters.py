@@ -12,7 +12,7 @@ from palpate.errors import InputError
 
 def in_words(name: str) -> str:
     """Return a parameter's name as people write it: ``youngs_modulus`` is Young's modulus."""
-    return name.replace("_", " ").replace("youngs", "Young's")
+    return name.replace("_", " ").replace("youngs", "Young's").replace("poisson ratio", "Poisson's ratio")
 
 
 @dataclass(frozen=True)

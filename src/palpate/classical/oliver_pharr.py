@@ -94,6 +94,11 @@ class OliverPharr:
     exponent: float
 
 
+def last_at_peak(load: np.ndarray) -> int:
+    """Return the last point of a load (n,) that is within a thousandth of the largest: where unloading begins."""
+    return len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
+
+
 def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: float) -> tuple[np.ndarray, np.ndarray]:
     """Return load and depth of the unloading between two fractions of the largest load.
 
@@ -104,7 +109,7 @@ def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: flo
     upper, lower
         Fractions of the largest load between which the unloading is taken.
     """
-    last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
+    last = last_at_peak(load)
     load, depth = load[last:], depth[last:]
     keep = (load <= upper * load.max()) & (load >= lower * load.max())
     if keep.sum() < 4:
@@ -187,8 +192,7 @@ def oliver_pharr(
     """
     unloading, tip = fit_unloading(load, depth, *window), tip or TipConstants()
     stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
-    last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
-    contact_depth = float(depth[last] - tip.epsilon * load.max() / stiffness)
+    contact_depth = float(depth[last_at_peak(load)] - tip.epsilon * load.max() / stiffness)
     if not contact_depth > 0.0:
         raise InputError(
             f"the contact depth is {contact_depth:.4g} nm",

@@ -18,7 +18,7 @@ import numpy as np
 from scipy import stats
 
 from palpate.classical.frame import FrameCompliance
-from palpate.classical.oliver_pharr import BETA, EPSILON, fit_unloading
+from palpate.classical.oliver_pharr import BETA, EPSILON, fit_unloading, last_at_peak
 from palpate.study.area_function import AreaFunction
 
 ROUNDS = 12
@@ -72,7 +72,7 @@ def _of_one(load: np.ndarray, depth: np.ndarray, reference: ReferenceSample) -> 
 
     What was found of the frame is taken off, so that unloading is a power law, and found anew.
     """
-    last = len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
+    last = last_at_peak(load)
     frame, contact = 0.0, 0.0
     for _ in range(ROUNDS):
         left = depth - frame * load

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
-from palpate.configuration.schema import suggestion
+from palpate.configuration.schema import part_of, suggestion
 from palpate.errors import InputError
 from palpate.materials import law_of
 
@@ -62,8 +62,6 @@ def checked_levels(
         )
     ends = {name: sorted({min(levels), max(levels)}) for name, levels in given.items()}
     for corner in product(*ends.values()):
-        try:
+        with part_of("parameters"):
             law_of(model).coefficients({**material, **dict(zip(ends, corner, strict=True))})
-        except InputError as error:
-            raise InputError(error.problem, remedy=error.remedy, place=f"parameters.{error.place}") from None
     return {name: tuple(float(level) for level in levels) for name, levels in given.items()}

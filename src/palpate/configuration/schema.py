@@ -1,4 +1,7 @@
-"""What a YAML file holds against a JSON schema: one clear line for the first mistake, and the defaults filled in."""
+"""What a YAML file holds against a JSON schema: one clear line for the first mistake, and the defaults filled in.
+
+Keys that exclude each other are refused, too.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import difflib
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import jsonschema
@@ -127,3 +131,32 @@ def with_defaults(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[
             elif rule.get("additionalProperties") is False:
                 filled[key] = with_defaults(values.get(key, {}), rule)
     return filled
+
+
+def check_contradictions(values: Mapping[str, Any]) -> None:
+    """Refuse keys that another key makes ineffective; raises `InputError`."""
+    design, surrogate = values.get("design", {}), values.get("surrogate", {})
+    if "points" in design and design.get("kind") != "sobol":
+        raise InputError(
+            "points applies to kind: sobol alone", remedy="add kind: sobol, or leave points out",
+            place="design.points",
+        )  # fmt: skip
+    if "energy" in surrogate and surrogate.get("n_modes") is not None:
+        raise InputError("energy has no effect beside n_modes", remedy="keep one of them", place="surrogate.energy")
+    if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
+        raise InputError(
+            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
+            place="indenter.poisson_ratio",
+        )  # fmt: skip
+
+
+@contextmanager
+def part_of(place: str) -> Iterator[None]:
+    """Put `place` before the place of an `InputError` raised inside; an error of another file keeps its own place."""
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        inner = ".".join(filter(None, [place, error.place]))
+        raise InputError(error.problem, remedy=error.remedy, place=inner) from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -13,18 +13,16 @@ from typing import Any
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
-from palpate.configuration.schema import check_schema, suggestion, with_defaults
+from palpate.configuration.prescribed_history import Histories
+from palpate.configuration.schema import check_contradictions, check_schema, part_of, suggestion, with_defaults
+from palpate.configuration.source_section import source_from
 from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
-from palpate.recordings.readers import VendorTest, locate, read_source
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
+from palpate.recordings.readers import read_source
 from palpate.study.indenter import Indenter
-from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
-from palpate.study.protocol import LOAD, Protocol
-from palpate.study.recorded_history import recorded
+from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
@@ -58,7 +56,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study; see the contracts of the project for the meaning of each key.
+    """A checked study; docs/study.md describes each key.
 
     Attributes
     ----------
@@ -196,7 +194,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(
             f"{values['study']!r} is reserved for other results", remedy="choose another name", place="study"
         )
-    _check_contradictions(values)
+    check_contradictions(values)
     settings = with_defaults(values, schema)
     material = dict(values["material"])
     model = material.pop("model")
@@ -204,18 +202,14 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         model = law_of(model).key
     except InputError as error:
         raise InputError(error.problem, remedy=error.remedy, place="material.model") from None
-    source = _source(settings, data if data is not None else values.get("data"))
+    source = source_from(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
     levels = checked_levels(model, material, values["parameters"])
-    try:
+    with part_of("indenter"):
         indenter = Indenter.from_mapping(values["indenter"])
-    except InputError as error:
-        raise InputError(error.problem, remedy=error.remedy, place=f"indenter.{error.place}") from None
     recordings = _recordings(values.get("recordings", {}))
-    conditions = tuple(
-        _condition(k, entry, settings["points"], recordings, source, tests)
-        for k, entry in enumerate(values["conditions"])
-    )
+    histories = Histories(settings["points"], recordings, source, tests)
+    conditions = tuple(_condition(k, entry, histories) for k, entry in enumerate(values["conditions"]))
     names = [condition.name for condition in conditions]
     for name in names:
         if names.count(name) > 1:
@@ -259,59 +253,6 @@ def _recordings(given: Mapping[str, str]) -> dict[str, Path]:
     return {name: Path(folder) for name, folder in given.items()}
 
 
-def _source(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
-    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
-    if "source" not in settings:
-        if data is not None:
-            raise InputError(
-                "data is given, but the study has no section source", remedy="leave data off", place="data"
-            )
-        return {}
-    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
-    conditions = [entry["name"] for entry in settings["conditions"]]
-    for key, name, known in (
-        ("recordings", source["recordings"], list(settings.get("recordings", {}))),
-        *(("condition", name, conditions) for name in source.get("conditions", [source.get("condition")])),
-    ):
-        if name not in known:
-            raise InputError(
-                f"{name!r} is not among {', '.join(known) or 'none'}{suggestion(name, known)}",
-                remedy=f"name one of the study's {key.rstrip('s')}s",
-                place=f"source.{key}",
-            )
-    for name in conditions:
-        if name not in source.get("conditions", [source.get("condition")]):
-            raise InputError(
-                f"no test of condition {name!r} is named",
-                remedy="name its tests under source.conditions, or remove the condition",
-                place="source",
-            )
-    if not Path(source["file"]).is_file():
-        raise InputError(
-            f"the vendor's file {source['file']} is missing",
-            remedy="fetch it and give its place: palpate check --data PATH, snakemake --config data=PATH",
-            place="source.file",
-        )
-    return source
-
-
-def _check_contradictions(values: Mapping[str, Any]) -> None:
-    """Refuse keys that another key makes ineffective; raises `InputError`."""
-    design, surrogate = values.get("design", {}), values.get("surrogate", {})
-    if "points" in design and design.get("kind") != "sobol":
-        raise InputError(
-            "points applies to kind: sobol alone", remedy="add kind: sobol, or leave points out",
-            place="design.points",
-        )  # fmt: skip
-    if "energy" in surrogate and surrogate.get("n_modes") is not None:
-        raise InputError("energy has no effect beside n_modes", remedy="keep one of them", place="surrogate.energy")
-    if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
-        raise InputError(
-            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
-            place="indenter.poisson_ratio",
-        )  # fmt: skip
-
-
 def _check_laboratories(study: Study) -> None:
     for key, settings in study.laboratory.items():
         place = f"laboratory.{key}"
@@ -323,63 +264,15 @@ def _check_laboratories(study: Study) -> None:
             study.specification(settings["parameters"], study.conditions[0])
         except InputError as error:
             raise InputError(error.problem, remedy=error.remedy, place=f"{place}.parameters") from None
-        try:
+        with part_of(place):
             checked_mechanisms(settings.get("mechanisms"))
-        except InputError as error:
-            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.{error.place}") from None
 
 
-def _condition(
-    index: int,
-    entry: Mapping[str, Any],
-    points: int,
-    recordings: Mapping[str, Path],
-    source: Mapping[str, Any],
-    tests: Callable[[], Mapping[str, list[VendorTest]]],
-) -> Condition:
-    place = f"conditions[{index}] ({entry['name']})"
-    given = {key: entry[key] for key in KEYS if key in entry}
-    if shapes := [key for key in SHAPES if key in given and "load_history" in entry]:
-        raise InputError(f"load_history and {shapes[0]} exclude each other", remedy="keep one", place=place)
-    history = _load_history(entry, recordings, source, tests, place) if "load_history" in entry else None
-    try:
-        if history is None:
-            protocol = protocol_from({**given, "points": points})
-        else:
-            control, compliance, _ = control_from(given)
-            drive = history.load if control == LOAD else history.depth + compliance * history.load
-            begun = history.from_contact(drive)
-            drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
-            protocol = recorded(begun.time, drive, points, control=control, compliance=compliance)
-    except InputError as error:
-        raise InputError(
-            error.problem, remedy=error.remedy, place=f"{place}.{error.place}" if error.place else place
-        ) from None
-    role, own_loads = entry.get("role", "calibrate"), entry.get("own_loads", False)
-    return Condition(entry["name"], role, protocol, history is not None, own_loads)
-
-
-def _load_history(
-    entry: Mapping[str, Any],
-    recordings: Mapping[str, Path],
-    source: Mapping[str, Any],
-    tests: Callable[[], Mapping[str, list[VendorTest]]],
-    place: str,
-) -> Recording:
-    """Return the recording whose load or displacement a condition follows."""
-    if entry["load_history"] != "recorded":
-        return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
-    if entry["name"] in source.get("conditions", [source.get("condition")]):
-        return tests()[entry["name"]][0].recording
-    for folder in recordings.values():
-        for file in recording_files(folder):
-            if condition_of(file) == entry["name"]:
-                return read_recording(file)
-    raise InputError(
-        "load_history is `recorded`, but there is no recording of this condition",
-        remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
-        place=place,
-    )
+def _condition(index: int, entry: Mapping[str, Any], histories: Histories) -> Condition:
+    with part_of(f"conditions[{index}] ({entry['name']})"):
+        protocol = histories.protocol(entry)
+    follows, own_loads = "load_history" in entry, entry.get("own_loads", False)
+    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, follows, own_loads)
 
 
 def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:

@@ -28,6 +28,7 @@ from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
+OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
 COARSE = 0.01
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
@@ -162,6 +163,16 @@ def limits(study: Study, problem: Problem) -> list[str]:
     return messages
 
 
+def without_mean(diagnosis: Diagnosis) -> list[str]:
+    """Return which effects of the most likely accepted explanation may be zero in the mean of the recordings."""
+    return [
+        f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
+        "differ, and is only suspected."
+        for candidate in diagnosis.accepted[:1]
+        for key in zero_on_average(candidate.fit)
+    ]
+
+
 def far_out(diagnosis: Diagnosis) -> list[str]:
     """Return which quantities of the most likely explanation lie outside their ranges."""
     fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
@@ -186,6 +197,25 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     ]
 
 
+def _accepted(
+    study: Study,
+    observed: Mapping[str, Observation],
+    candidate: Candidate,
+    probability: float,
+    drawn: np.ndarray,
+    own_laws: OwnLaws | None,
+) -> dict[str, Any]:
+    """Return the row of an accepted explanation, of whose posterior points are `drawn`."""
+    return {
+        "mechanisms": sorted(candidate.fit.explanation),
+        "probability": probability,
+        "log_evidence": candidate.fit.log_evidence,
+        "parameters": mechanism_parameters(candidate.fit, drawn),
+        "p_value": candidate.p_value,
+        "recordings": recording_values(study, observed, candidate.fit, own_laws),
+    }
+
+
 def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
     """Return the row of an explanation that was fitted; its evidence is with a discrepancy where none is `accepted`."""
     weighed = candidate.fit if accepted else candidate.fit.with_discrepancy
@@ -204,7 +234,7 @@ def to_mapping(
     observed: Mapping[str, Observation],
     diagnosis: Diagnosis,
     rng: np.random.Generator,
-    own_laws: Mapping[str, Sequence[Sequence[AmplitudeConstraint]]] | None = None,
+    own_laws: OwnLaws | None = None,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Return the content of `diagnosis.json` and the table of curves before and after.
 
@@ -222,23 +252,12 @@ def to_mapping(
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
     table, failed = curves(study, observed, base.fit, best)
-    verdict = diagnosis.verdict
+    verdict, noise = diagnosis.verdict, base.fit.errors.noise
     draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.accepted]
     before = material_parameters(
         base.fit, draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
     )
     after = material_parameters(best, draws[0]) if draws else before
-    candidates = [
-        {
-            "mechanisms": sorted(candidate.fit.explanation),
-            "probability": probability,
-            "log_evidence": candidate.fit.log_evidence,
-            "parameters": mechanism_parameters(candidate.fit, drawn),
-            "p_value": candidate.p_value,
-            "recordings": recording_values(study, observed, candidate.fit, own_laws),
-        }
-        for candidate, probability, drawn in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
-    ]
     content = {
         "verdict": verdict,
         "p_value": base.p_value,
@@ -246,27 +265,22 @@ def to_mapping(
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
-        "candidates": candidates,
+        "candidates": [
+            _accepted(study, observed, *found, own_laws)
+            for found in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
+        ],
         "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.accepted], draws)
         if len(draws) > 1 and all(c.protocol.control == LOAD for c in study.conditions)
         else None,
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
         "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],
-        "noise": {name: float(np.sqrt(v)) for name, v in base.fit.errors.noise.variances.items()}
-        | {
-            "sigma_nm": base.fit.errors.noise.sigma.tolist(),
-            "autocorrelation": base.fit.errors.noise.autocorrelation.tolist(),
-        },
+        "noise": {name: float(np.sqrt(v)) for name, v in noise.variances.items()}
+        | {"sigma_nm": noise.sigma.tolist(), "autocorrelation": noise.autocorrelation.tolist()},
         "limits": limits(study, base.fit.problem)
         + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
         + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
-        + [
-            f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
-            "differ, and is only suspected."
-            for candidate in diagnosis.accepted[:1]
-            for key in zero_on_average(candidate.fit)
-        ]
+        + without_mean(diagnosis)
         + far_out(diagnosis)
         + follows_tests(diagnosis, study.diagnosis["significance"], rng),
     }

@@ -38,7 +38,22 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
         When the law has parameters of which recordings show nothing.
     """
     declared = law_of(law).declared({})
-    names = [parameter.name for parameter in declared]
+    known = _known(law, [parameter.name for parameter in declared], solid, shortest)
+    unknown = [p.name for p in declared if p.default is None and p.name not in {*known, "poisson_ratio"}]
+    if unknown:
+        raise InputError(
+            f"no range of {unknown[0]} can be guessed, a parameter of {law}",
+            remedy="draft with another --law, or write the study by hand",
+        )
+    return {
+        parameter.name: tuple(min(max(value, parameter.lower), parameter.upper) for value in known[parameter.name])
+        for parameter in declared
+        if parameter.name in known
+    }
+
+
+def _known(law: str, names: list[str], solid: Solid, shortest: float) -> dict[str, tuple[float, ...]]:
+    """Return the range of every parameter of which recordings show something, for a law with parameters `names`."""
     middle, low, high = _moduli(names, solid)
     hardness = 0.1 * solid.secant if math.isnan(solid.hardness) else solid.hardness
     stress = middle / EPOXY_MODULUS
@@ -67,17 +82,7 @@ def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ..
     elif solid.secant < LINEAR:
         known |= {"steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"steady_coefficient": (0.0, 0.5 / (middle * shortest)), "transient_coefficient": (0.0, 1.0 / middle)}
-    unknown = [p.name for p in declared if p.default is None and p.name not in {*known, "poisson_ratio"}]
-    if unknown:
-        raise InputError(
-            f"no range of {unknown[0]} can be guessed, a parameter of {law}",
-            remedy="draft with another --law, or write the study by hand",
-        )
-    return {
-        parameter.name: tuple(min(max(value, parameter.lower), parameter.upper) for value in known[parameter.name])
-        for parameter in declared
-        if parameter.name in known
-    }
+    return known
 
 
 def _moduli(names: list[str], solid: Solid) -> tuple[float, float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from string import Template
 
@@ -60,12 +60,8 @@ def study_text(
     ----------
     name
         Name of the study.
-    law
-        Key of the constitutive law.
-    solid
-        Modulus and hardness from which the ranges of the parameters follow.
     groups
-        Of `palpate.draft.grouping.grouped`. Of three or more that in the middle judges, the others calibrate.
+        Of `palpate.draft.grouping.grouped`. Of three or more that in the middle validates, the others calibrate.
     folder
         Where the recordings lie.
     tip
@@ -78,31 +74,17 @@ def study_text(
         What people should know of the draft, a comment each.
     """
     rows = {row.what: row for row in table}
-    law = rows["law"].value
-    units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
-    parameters = []
-    for key, values in guessed.items():
-        shown = ", ".join(f"{value:.4g}" for value in values)
-        unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
-        parameters.append(_row(f"  {key}: [{shown}]", f"{unit}; {rows[key].why}"))
-    judge = groups[len(groups) // 2] if len(groups) > 2 else None
-    conditions = []
-    for group in groups:
-        role, count = "validate" if group is judge else "calibrate", len(group.recordings)
-        entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
-        own = ", each under a load of its own" if "own_loads" in group.history else ""
-        conditions.append(_row(entry, f"{count} test{'s' if count > 1 else ''}{own}"))
-    ratio = rows["Poisson's ratio"]
+    law, ratio = rows["law"].value, rows["Poisson's ratio"]
     return STUDY.substitute(
         remarks="".join(_comment(remark) for remark in remarks),
         name=scalar(name),
         why=rows["law"].why,
         material=_row(f"material: {{model: {law}, poisson_ratio: {ratio.value}}}", ratio.why),
-        parameters="\n".join(parameters),
+        parameters="\n".join(_parameters(law, guessed, rows)),
         points=points_for(guessed),
         drive=rows["drive"].why,
         indenter=_row(f"indenter: {{{_keys(tip.keys)}}}", tip.why),
-        conditions="\n".join(conditions),
+        conditions="\n".join(_conditions(groups)),
         recordings=scalar(folder.as_posix()),
         diagnosis=_row(
             "diagnosis: {enabled: true}", "searches for missing effects; mechanisms: [...] restricts it, false skips it"
@@ -130,6 +112,25 @@ def scalar(text: str) -> str:
 def printable(text: str) -> str:
     """Return a text with all that is no letter or sign, such as bytes of a file's name, written as a number."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def _parameters(law: str, guessed: Mapping[str, Sequence[float]], rows: Mapping[str, Guess]) -> Iterator[str]:
+    """Yield one line a parameter: its range, its unit, and the reason."""
+    units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
+    for key, values in guessed.items():
+        shown = ", ".join(f"{value:.4g}" for value in values)
+        unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
+        yield _row(f"  {key}: [{shown}]", f"{unit}; {rows[key].why}")
+
+
+def _conditions(groups: Sequence[Group]) -> Iterator[str]:
+    """Yield one line a condition; of three or more that in the middle validates."""
+    held_out = groups[len(groups) // 2] if len(groups) > 2 else None
+    for group in groups:
+        role, count = "validate" if group is held_out else "calibrate", len(group.recordings)
+        entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
+        own = ", each under a load of its own" if "own_loads" in group.history else ""
+        yield _row(entry, f"{count} test{'s' if count > 1 else ''}{own}")
 
 
 def _comment(text: str) -> str:

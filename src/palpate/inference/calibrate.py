@@ -105,12 +105,7 @@ def calibrate(
     report(f"genetic search: {first.evaluations} evaluations")
     problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
-    found, solved = intervals(fit, rng), {}
-    for name, curve in fit.everywhere.items():
-        if isinstance(curve, str):
-            report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
-        else:
-            solved[name] = curve / problem.nm.get(name, 1.0)
+    found, solved = intervals(fit, rng), _simulated(problem, fit, report)
     table = condition_errors(problem.recorded, solved)
     weighable = not problem.replicated or found.misfit_ratio < MOST_MISFIT
     explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
@@ -130,6 +125,17 @@ def calibrate(
         settings=asdict(settings),
         seed=getattr(rng.bit_generator.seed_seq, "entropy", None),
     )
+
+
+def _simulated(problem: Problem, fit: Fit, report: Callable[[str], None]) -> dict[str, np.ndarray]:
+    """Return the forward model's curve of each condition in its own unit; reports where there is none, and why."""
+    found = {}
+    for name, curve in fit.everywhere.items():
+        if isinstance(curve, str):
+            report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
+        else:
+            found[name] = curve / problem.nm.get(name, 1.0)
+    return found
 
 
 def base_fit(

@@ -21,9 +21,10 @@ from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition
 from palpate.inference.amplitude import Amplitude
+from palpate.inference.contrasts import Replicates, contrasts, without_trend
 from palpate.inference.forward import Forward
 from palpate.inference.noise import NoiseModel
-from palpate.inference.noise_fit import Replicates, contrasts, fit_noise, without_trend
+from palpate.inference.noise_fit import fit_noise
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.inference.solver_error import model_covariance

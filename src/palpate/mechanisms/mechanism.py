@@ -98,7 +98,7 @@ class Mechanism:
     Parameters
     ----------
     key, title
-        Key of the contracts, and name for people.
+        Key in studies and results, and name for people.
     effect
         What it does to a recording, in a few words.
     parameters

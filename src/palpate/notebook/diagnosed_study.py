@@ -1,4 +1,4 @@
-"""A study diagnosed in one process: does the law explain the recordings, and if not, what is missing."""
+"""A study diagnosed in one process: whether the law explains the recordings, and which effects are missing."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class DiagnosedStudy(Shown):
 
     @property
     def mechanisms(self) -> list[str]:
-        """Keys of what is missing from the model; empty unless the verdict is ``identified``."""
+        """Keys of the identified effects; empty unless the verdict is ``identified``."""
         return list(self.content["mechanisms"])
 
     @property
@@ -115,9 +115,9 @@ def diagnose(
     results: str | Path | None = None,
     report: Callable[[str], None] | None = None,
 ) -> DiagnosedStudy:
-    """Say whether the law of a study explains recordings to their noise, and if not, which physics is missing.
+    """Test whether the law of a study explains recordings to their noise, and search for the effects that are missing.
 
-    docs/inference.md explains how it is decided. The study's key ``diagnosis.enabled`` is for the workflow only.
+    docs/evidence.md explains how. The study's key ``diagnosis.enabled`` is for the workflow only.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def diagnose(
     InputError
         When the study or a recording is invalid, or the calibration is of other parameters.
     PalpateError
-        When a simulation fails without which nothing can be lines.
+        When the forward model fails wherever a search may begin.
     """
     chosen = study_of(study)
     if calibration is None:

@@ -42,7 +42,7 @@ class MeasuredTest(Shown):
     source
         What the reader found: name, recording, metadata and warnings.
     corrections
-        Which of the vendor's corrections the depth has; None for those of the vendor.
+        Which of the vendor's corrections are in the depth; None for those that the vendor's program applied.
     remarks
         Problems of other tests of the file.
     """
@@ -152,12 +152,12 @@ def read_recording(
         Where the test begins: ``file``, at the file's own contact; ``auto``, at the first touch found in the curve;
         ``none``, with its approach; or a depth [nm].
     corrections
-        Of the vendor's corrections those to be in the depth, among ``drift`` and ``frame``; an empty list for none of
-        them, None for those of the vendor.
+        Which of the vendor's corrections, ``drift`` and ``frame``, are applied to the depth: an empty list for none,
+        None for those that the vendor's program applied.
     columns
         Name or number, counted from 1, of the columns ``time``, ``load`` and ``depth`` of a table of no known format.
     units
-        Of these columns, where the table does not state them, such as ``{"load": "uN"}``; ``-uN`` turns the sign.
+        Of these columns, where the table does not state them, such as ``{"load": "uN"}``; ``-uN`` changes the sign.
 
     Returns
     -------

@@ -34,7 +34,7 @@ class NotebookStudy(Shown, Study):
     Parameters
     ----------
     remarks
-        Remarks of a draft that a person should look at.
+        What a draft reports: tests that were left out, and anomalies.
     """
 
     remarks: tuple[str, ...] = ()
@@ -83,7 +83,7 @@ class NotebookStudy(Shown, Study):
     ) -> NotebookStudy:
         """Make a first study of recordings, as ``palpate draft`` does.
 
-        Tests of one load history are replicates of one condition; of three conditions or more that in the middle
+        Tests of one load history are replicates of one condition. Of three or more conditions the middle one
         validates, the others calibrate. Ranges of the parameters are guessed from the curves.
 
         Parameters
@@ -93,7 +93,7 @@ class NotebookStudy(Shown, Study):
         law
             Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
         sphere
-            Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
+            Radius of a spherical tip [nm]; when not given, the tip is that which the files state, or a Berkovich.
         folder
             Where ``study.yaml`` and ``recordings`` are written, to be inspected, changed and read again; when not
             given, they are removed when Python ends.

@@ -52,7 +52,7 @@ class SimulatedCurve(Shown):
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
             f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
             f"depth is {self.depth[peak]:.4g} nm",
-            f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.2g} s in the solver",
+            f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.3g} s in the solver",
         ]
         return [*lines, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
 
@@ -87,8 +87,8 @@ def simulate(
     Parameters
     ----------
     specification
-        A mapping with the keys below, the path of a YAML file of it, or what ``Study.specification`` returns. Keywords
-        are put in place of its entries.
+        A mapping with the keys below, the path of such a YAML file, or what ``Study.specification`` returns. Keywords
+        replace entries of a mapping or a file.
     material
         ``model`` and all parameters of that law by name, such as
         ``{"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}`` [GPa], [-].
@@ -98,7 +98,7 @@ def simulate(
         Such as ``{"max_load": 1.0, "loading_time": 30, "unloading_time": 30}`` [mN], [s]; ``points`` is the number of
         samples, 100 where none is given.
     mechanisms
-        Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
+        Effects beside the base model: for each key of `palpate.mechanisms` its parameters by name.
     kinematics
         ``small`` (the default) or ``large`` strains.
     accuracy

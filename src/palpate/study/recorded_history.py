@@ -24,6 +24,7 @@ WILDEST = 0.1  # of the largest drive, the standard deviation of what is average
 MARGIN = 4  # times as many points are averaged as just suffice
 STEPS = 6.0  # standard deviations of an average's noise that the corners leave out
 ONSET = {LOAD: 0.01, DISPLACEMENT: 0.1}  # of the largest drive: a sharp tip carries a hundredth of the load there
+PLACES = {LOAD: "load_mN", DISPLACEMENT: "displacement_nm"}  # in messages
 
 
 def recorded(
@@ -63,25 +64,7 @@ def recorded(
         When the drive is never above zero, the history begins above zero (by more than `tolerance`), or needs more than
         500 corners however far it is thinned.
     """
-    time, drive = np.asarray(time, dtype=float) - time[0], np.array(drive, dtype=float)
-    unit, place = ("mN", "load_mN") if control == LOAD else ("nm", "displacement_nm")
-    if control == LOAD:
-        drive = np.maximum(drive, 0.0)
-    drive[np.logical_and.accumulate(drive < 0.0)] = 0.0
-    if drive.max() <= 0.0:
-        raise InputError(
-            f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
-            remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
-            place=place,
-        )
-    allowed = _allowed(drive, tolerance)
-    if abs(drive[0]) > allowed:
-        raise InputError(
-            f"the {control} history begins at {drive[0]:.4g} {unit}",
-            remedy=f"begin it at contact, at zero {control} (--contact auto finds it)",
-            place=place,
-        )
-    drive[0] = 0.0
+    time, (drive, allowed) = np.asarray(time, dtype=float) - time[0], _begun(drive, tolerance, control)
     over = averaged_over(time, drive, tolerance)
     if over > 1:
         keep = _corners_of_average(time, drive, over, tolerance)
@@ -93,17 +76,47 @@ def recorded(
         raise InputError(
             f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
             remedy=f"smooth the recorded {control} before it is read",
-            place=place,
+            place=PLACES[control],
         )
     if control == LOAD:
         drive = np.maximum(drive, 0.0)
+    return Protocol(time, drive, _sampled(time, drive, ONSET[control], points), control, compliance)
+
+
+def _begun(drive: np.ndarray, tolerance: float, control: str) -> tuple[np.ndarray, float]:
+    """Return a drive (n,) that begins at zero, without noise below zero, and how far its history may lie from it."""
+    drive = np.array(drive, dtype=float)
+    if control == LOAD:
+        drive = np.maximum(drive, 0.0)
+    drive[np.logical_and.accumulate(drive < 0.0)] = 0.0
+    if drive.max() <= 0.0:
+        raise InputError(
+            f"the {control} of the recording to follow is never above zero, as if its sign were wrong",
+            remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
+            place=PLACES[control],
+        )
+    allowed = _allowed(drive, tolerance)
+    if abs(drive[0]) > allowed:
+        raise InputError(
+            f"the {control} history begins at {drive[0]:.4g} {PLACES[control].rpartition('_')[2]}",
+            remedy=f"begin it at contact, at zero {control} (--contact auto finds it)",
+            place=PLACES[control],
+        )
+    drive[0] = 0.0
+    return drive, allowed
+
+
+def _sampled(time: np.ndarray, drive: np.ndarray, onset: float, points: int) -> np.ndarray:
+    """Return the times (points,) of the samples, from where a share `onset` of the largest drive is reached.
+
+    They are even in the elapsed share of the time plus that of the way, see `recorded`.
+    """
     way = np.append(0.0, np.cumsum(np.abs(np.diff(drive))))
     progress = 0.5 * (time / time[-1] + way / way[-1])
-    first = ONSET[control] * drive.max()
+    first = onset * drive.max()
     rising = int(np.argmax(drive >= first))
-    onset = np.interp(first, drive[: rising + 1], progress[: rising + 1])
-    sample = np.interp(np.linspace(onset, 1.0, points), progress, time)
-    return Protocol(time, drive, sample, control, compliance)
+    begin = np.interp(first, drive[: rising + 1], progress[: rising + 1])
+    return np.interp(np.linspace(begin, 1.0, points), progress, time)
 
 
 def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERANCE) -> int:

@@ -11,8 +11,8 @@ from typing import Any
 
 from palpate.configuration.study_file import Study
 from palpate.inference.study_recordings import find
+from palpate.workflow_support.result_files import checksum, read_json
 from palpate.workflow_support.run_records import git_commit
-from palpate.workflow_support.steps import checksum, read_json
 
 NAME = "report.manifest.json"
 LIBRARIES = ("palpate", "numpy", "scipy", "pandas", "numba", "scikit-learn", "deap", "snakemake", "mlflow")

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.workflow_support.steps import write_json
+from palpate.workflow_support.result_files import write_json
 
 EXECUTION = "PALPATE_EXECUTION"
 ERRORS = ("rmse_nm", "r2", "mean_abs_error_nm", "percent_error")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import html
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
-from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
 from palpate.inference.genetic import GeneticSettings
@@ -22,7 +18,6 @@ from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
-from palpate.output import html_report
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
@@ -91,11 +86,6 @@ def settings_of(study: Study) -> CalibrationSettings:
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
     own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
-
-
-def estimate_of(file: str | Path) -> dict[str, float]:
-    """Return the estimate that the file of a calibration holds, by parameter."""
-    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
 
 
 def calibrate_study(
@@ -225,95 +215,3 @@ def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mappin
                 row["truth"] = truth.get(name)
             rows.append(row)
     return pd.DataFrame(rows).sort_values("parameter", kind="stable")
-
-
-def with_units(table: pd.DataFrame, study: Study) -> pd.DataFrame:
-    """Return a table of parameters with the unit of each."""
-    table = table.copy()
-    table.insert(1, "unit", [study.declared[name].unit for name in table["parameter"]])
-    return table
-
-
-def write_report(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
-    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`.
-
-    Parameters
-    ----------
-    study
-        The study.
-    folder
-        Its results.
-    path
-        File that is written.
-    made_from
-        See `palpate.workflow_support.manifest.of`.
-    """
-    index = pd.read_csv(folder / "snapshots.csv")
-    failed = int((index["status"] != "ok").sum())
-    summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"
-    sections: list[tuple[str, list[str]]] = [
-        ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
-    ]
-    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.conditions if c.role == "calibrate"]
-    notes = [summary["missing"] for summary in summaries if summary["missing"]]
-    for recordings in study.recordings:
-        found = folder / recordings
-        if recordings in study.laboratory:
-            notes.append(f"Recordings “{recordings}” are synthetic: written by a virtual laboratory, not measured.")
-        calibration = read_json(found / "calibration.json")
-        pieces = [
-            f"<p>{html_report.misfit_sentence(calibration)}</p>",
-            html_report.paragraph(html_report.search_sentences(calibration)),
-            html_report.paragraph(html_report.bound_sentence(calibration)),
-            html_report.table(pd.read_csv(found / "errors.csv")),
-            html_report.table(
-                with_units(pd.read_csv(found / "parameters.csv"), study).rename(columns={"held": "held constant"})
-            ),
-            html_report.image(found / "figures/parameters.png", "calibrated parameters"),
-            *(html_report.image(found / f"figures/fit_{name}.png", f"fit of {name}") for name in study.condition_sets),
-            html_report.image(found / "figures/convergence.png", "convergence of the genetic algorithm"),
-        ]
-        if study.diagnosis["enabled"]:
-            diagnosis = read_json(found / "diagnosis.json")
-            link = f'<p>More in <a href="{recordings}/diagnosis.html">the diagnosis</a>.</p>'
-            picture = html_report.image(found / "figures/diagnosis.png", "diagnosis")
-            without = "Below is the base model's fit, without the mechanisms that the diagnosis found."
-            warning = [html_report.paragraph(without)] if diagnosis["candidates"] else []
-            pieces = [html_report.paragraph(diagnosis["sentence"]), picture, link, *warning, *pieces]
-        sections.append((f"Recordings: {recordings}", pieces))
-    if study.source:
-        facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
-        sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
-    libraries = ", ".join(f"{name} {number}" for name, number in made_from["libraries"].items())
-    versions = f"Python {made_from['python']}, {libraries}; commit {made_from['git_commit']}; seed {made_from['seed']}."
-    table = pd.DataFrame({"file": made_from["files"].keys(), "SHA-256": made_from["files"].values()})
-    sections.append(("Inputs and versions", [html_report.paragraph(versions), html_report.table(table)]))
-    html_report.build(study.title, sections, notes, path)
-
-
-def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
-    """Write JSON; the file appears whole or not at all."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-    partial.replace(path)
-
-
-def read_json(path: str | Path) -> dict[str, Any]:
-    """Read JSON that the workflow wrote.
-
-    Raises
-    ------
-    PalpateError
-        When it was cut or altered so that it is JSON no more.
-    """
-    try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise PalpateError(f"{path} is damaged ({error}); delete it and run the study again") from error
-
-
-def checksum(file: Path) -> str:
-    """Return the SHA-256 of a file."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()

@@ -20,7 +20,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from palpate.surrogate.saved import load
-from palpate.workflow_support.steps import checksum, read_json, write_json
+from palpate.workflow_support.result_files import checksum, read_json, write_json
 
 STORE = "sqlite:///results/mlflow.db"
 SECONDS = 5  # that one request may take

@@ -4,7 +4,7 @@ import time
 from pathlib import Path
 
 from palpate.workflow_support import job
-from palpate.workflow_support.steps import write_json
+from palpate.workflow_support.result_files import write_json
 from studies.blind_trial.trial import diagnose_case
 
 

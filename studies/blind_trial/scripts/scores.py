@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from palpate.workflow_support import job
-from palpate.workflow_support.steps import write_json
+from palpate.workflow_support.result_files import write_json
 from studies.blind_trial.cases import Case
 from studies.blind_trial.trial import score_case
 

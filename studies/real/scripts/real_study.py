@@ -5,7 +5,8 @@ from pathlib import Path
 from palpate.configuration.study_file import load_study
 from palpate.output import diagnosis_page as page
 from palpate.output.figures import explained_curves as figure
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import write_json
 from studies.real.diagnose_source import diagnose_source
 
 
@@ -13,7 +14,7 @@ def main(snakemake):
     study = load_study(snakemake.input.study, data=snakemake.params.data)
     with open(snakemake.log[0], "w", encoding="utf-8") as log:
         content, curves = diagnose_source(study, report=lambda line: print(line, file=log, flush=True))
-    steps.write_json(snakemake.output.result, content)
+    write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
     Path(snakemake.output.figure).parent.mkdir(exist_ok=True)
     figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=False)

@@ -2,12 +2,13 @@
 
 import importlib
 
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import read_json
 
 
 def main(snakemake):
     figure = importlib.import_module(f"studies.thesis.figures.{snakemake.wildcards.key}")
-    figure.draw(steps.read_json(snakemake.input[0]), snakemake.output[0])
+    figure.draw(read_json(snakemake.input[0]), snakemake.output[0])
 
 
 if "snakemake" in globals():

@@ -4,13 +4,14 @@ import datetime
 import os
 from pathlib import Path
 
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import read_json
 from studies import thesis
 from studies.thesis import index
 
 
 def main(snakemake):
-    outcomes = {Path(file).stem: steps.read_json(file) for file in snakemake.input.outcomes}
+    outcomes = {Path(file).stem: read_json(file) for file in snakemake.input.outcomes}
     figures = {Path(file).stem: file for file in snakemake.input.figures}
     curves = [thesis.Curves.load_from(file) for file in snakemake.input.designs]
     began = datetime.datetime.fromisoformat(os.environ["PALPATE_EXECUTION"])

@@ -4,7 +4,8 @@ import time
 from pathlib import Path
 
 from palpate.configuration.study_file import load_study
-from palpate.workflow_support import job, steps
+from palpate.workflow_support import job
+from palpate.workflow_support.result_files import read_json, write_json
 from palpate.workflow_support.run_records import tracked_runs
 from studies import thesis
 
@@ -14,7 +15,7 @@ def main(snakemake):
     context = thesis.Context(
         studies={Path(file).stem: load_study(file) for file in snakemake.input.studies},
         curves={Path(file).stem: thesis.Curves.load_from(file) for file in snakemake.input.designs},
-        outcomes={Path(file).stem: steps.read_json(file) for file in snakemake.input.outcomes},
+        outcomes={Path(file).stem: read_json(file) for file in snakemake.input.outcomes},
     )
     fitted = Path(snakemake.output.fitted)
     fitted.mkdir(parents=True, exist_ok=True)
@@ -22,7 +23,7 @@ def main(snakemake):
         outcome = thesis.STUDIES[key].run(context)
         runs += [each.run(fitted, key) for each in outcome.fitted]
     seconds = {"seconds": time.perf_counter() - began}
-    steps.write_json(snakemake.output.outcome, outcome.to_mapping() | seconds)
+    write_json(snakemake.output.outcome, outcome.to_mapping() | seconds)
 
 
 if "snakemake" in globals():

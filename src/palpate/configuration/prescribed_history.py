@@ -1,0 +1,67 @@
+"""What the instrument prescribes under a condition of a study: from the numbers of its entry, or from a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from palpate.errors import InputError
+from palpate.recordings.readers import VendorTest
+from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
+from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
+from palpate.study.protocol import LOAD, Protocol
+from palpate.study.recorded_history import recorded
+
+
+@dataclass(frozen=True)
+class Histories:
+    """Where the histories of a study's conditions come from.
+
+    Parameters
+    ----------
+    points
+        Samples of a simulated curve.
+    recordings
+        Folder of each set of recordings.
+    source
+        The section ``source`` of the study.
+    tests
+        Reads the tests of each condition from the vendor's file.
+    """
+
+    points: int
+    recordings: Mapping[str, Path]
+    source: Mapping[str, Any]
+    tests: Callable[[], Mapping[str, list[VendorTest]]]
+
+    def protocol(self, entry: Mapping[str, Any]) -> Protocol:
+        """Return what the `entry` of a condition prescribes; raises `InputError` with the place within the entry."""
+        given = {key: entry[key] for key in KEYS if key in entry}
+        if "load_history" not in entry:
+            return protocol_from({**given, "points": self.points})
+        if shapes := [key for key in SHAPES if key in given]:
+            raise InputError(f"load_history and {shapes[0]} exclude each other", remedy="keep one")
+        history = self._recording(entry)
+        control, compliance, _ = control_from(given)
+        drive = history.load if control == LOAD else history.depth + compliance * history.load
+        begun = history.from_contact(drive)
+        drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
+        return recorded(begun.time, drive, self.points, control=control, compliance=compliance)
+
+    def _recording(self, entry: Mapping[str, Any]) -> Recording:
+        """Return the recording whose load or displacement a condition follows."""
+        if entry["load_history"] != "recorded":
+            return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
+        if entry["name"] in self.source.get("conditions", [self.source.get("condition")]):
+            return self.tests()[entry["name"]][0].recording
+        for folder in self.recordings.values():
+            for file in recording_files(folder):
+                if condition_of(file) == entry["name"]:
+                    return read_recording(file)
+        raise InputError(
+            "load_history is `recorded`, but there is no recording of this condition",
+            remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
+        )

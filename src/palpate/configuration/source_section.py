@@ -1,0 +1,47 @@
+"""The section ``source`` of a study: the vendor's file that a set of recordings is converted from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from palpate.configuration.schema import suggestion
+from palpate.errors import InputError
+from palpate.recordings.readers import locate
+
+
+def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
+    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
+    if "source" not in settings:
+        if data is not None:
+            raise InputError(
+                "data is given, but the study has no section source", remedy="leave data off", place="data"
+            )
+        return {}
+    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
+    conditions = [entry["name"] for entry in settings["conditions"]]
+    for key, name, known in (
+        ("recordings", source["recordings"], list(settings.get("recordings", {}))),
+        *(("condition", name, conditions) for name in source.get("conditions", [source.get("condition")])),
+    ):
+        if name not in known:
+            raise InputError(
+                f"{name!r} is not among {', '.join(known) or 'none'}{suggestion(name, known)}",
+                remedy=f"name one of the study's {key.rstrip('s')}s",
+                place=f"source.{key}",
+            )
+    for name in conditions:
+        if name not in source.get("conditions", [source.get("condition")]):
+            raise InputError(
+                f"no test of condition {name!r} is named",
+                remedy="name its tests under source.conditions, or remove the condition",
+                place="source",
+            )
+    if not Path(source["file"]).is_file():
+        raise InputError(
+            f"the vendor's file {source['file']} is missing",
+            remedy="fetch it and give its place: palpate check --data PATH, snakemake --config data=PATH",
+            place="source.file",
+        )
+    return source
