@@ -67,7 +67,8 @@ def curves(
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the forward model's curves before and after beside the recorded means, for every condition.
 
-    A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter.
+    A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter,
+    and so has the factor of its site, where no replicates give that scatter.
     Held-out conditions under which the forward model fails are left out; the second result gives the reasons by their
     names.
 
@@ -92,15 +93,18 @@ def curves(
         protocol = condition.protocol
         columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
-            columns[name] = curve + in_mean(study, fit, condition, curve, item)
+            of_site = fit.problem.split(fit.by_sites @ fit.residual).get(condition.name, 0.0)
+            columns[name] = curve + in_mean(study, fit, condition, curve, item) + of_site
         columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True), failed
 
 
 def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:
-    """Return the variance (n_points,) [nm^2] of a condition's mean curve."""
+    """Return the variance (n_points,) [nm^2] of a condition's mean curve, without that of sites if it is assumed."""
     parts = components_under(fit.problem, (), condition, item.mean)
+    if not fit.problem.replicated:
+        parts["site"] = np.zeros_like(parts["site"])
     return np.diag(fit.errors.noise.typical(parts)) / len(item.response)
 
 
@@ -223,7 +227,7 @@ def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
         "mechanisms": sorted(candidate.fit.explanation),
         "log_evidence": weighed.log_evidence,
         "p_value": candidate.p_value,
-        "rmse_nm": float(np.sqrt(np.mean(candidate.fit.residual**2))),
+        "rmse_nm": float(np.sqrt(np.mean(candidate.fit.left**2))),
         "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
         "material": material_at(candidate.fit),
     }

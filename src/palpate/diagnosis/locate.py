@@ -46,12 +46,14 @@ class Residuals:
     def weighted(self, weights: np.ndarray) -> tuple[float, float]:
         """Return the weighted sum of recorded less simulated depths, and the probability that it is noise.
 
+        The most likely effect of the sites is left out where their scatter is assumed, see `Fit.by_sites`.
         Student's distribution allows for a noise that is estimated, see `palpate.inference.estimated_noise`.
 
         Parameters
         ----------
         weights : ndarray, shape (n_all,)
         """
+        weights = weights - self.fit.by_sites.T @ weights
         value, variance = float(weights @ self.fit.residual), float(weights @ self.covariance @ weights)
         variance = max(variance, 1e-12 * float(weights @ weights))
         free = freedom(self.fit, self.left @ weights, variance)

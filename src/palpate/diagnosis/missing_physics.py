@@ -52,7 +52,7 @@ def _trends(residuals: Residuals) -> list[dict[str, Any]]:
         first, last = (_weights(fit, conditions, np.isclose(values, end, rtol=0.05)) for end in (low, high))
         found.append(
             {"by": by, "unit": unit, "from": float(low), "to": float(high)}
-            | {"residual_from": float(first @ fit.residual), "residual_to": float(last @ fit.residual)}
+            | {"residual_from": float(first @ fit.left), "residual_to": float(last @ fit.left)}
             | {"p_value": residuals.weighted(last - first)[1]}
         )
     return found

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import block_diag, cholesky, solve_triangular
 
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
@@ -86,6 +86,26 @@ class Fit:
     def residual(self) -> np.ndarray:
         """Mean recorded less simulated depth (n_all,) [nm]."""
         return self.problem.mean - self.curve
+
+    @cached_property
+    def by_sites(self) -> np.ndarray:
+        """What takes the most likely effect of the sites out of a residual (n_all, n_all).
+
+        A site is a factor of the depth. Where no replicates give its scatter, a fit of one test leaves the level of the
+        curve to it; elsewhere this is zero.
+        """
+        errors = self.with_discrepancy.errors
+        if self.problem.replicated:
+            return np.zeros((len(self.residual), len(self.residual)))
+        variance = errors.noise.variances["site"]
+        parts = zip(errors.components, errors.counts, strict=True)
+        sites = block_diag(*(variance / count * part["site"] for part, count in parts))
+        return np.linalg.solve(errors.covariance, sites).T
+
+    @property
+    def left(self) -> np.ndarray:
+        """What is left of the residual beside the most likely effect of the sites (n_all,) [nm]."""
+        return self.residual - self.by_sites @ self.residual
 
     @cached_property
     def tangent_space(self) -> np.ndarray:
