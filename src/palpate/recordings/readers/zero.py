@@ -23,7 +23,7 @@ from palpate.recordings.readers.in_air import (
     sloping,
     until_retreat,
 )
-from palpate.recordings.readers.source import number_of
+from palpate.recordings.readers.source import numbers_of
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 from palpate.recordings.recording import BARELY_LOADED, Recording
@@ -154,7 +154,7 @@ def chosen_contacts(names: Sequence[str], contact: Contact) -> list[str | float]
     """Return the contact of each test; raises `InputError` when one is named that is none of them."""
     if not isinstance(contact, Mapping):
         return [contact] * len(names)
-    numbers = [str(number_of(name) or count) for count, name in enumerate(names, 1)]
+    numbers = list(map(str, numbers_of(names)))
     for named in map(str, contact):
         if named not in names and named not in numbers:
             problem, remedy = f"has no test {named!r}", f"use a number or one of: {', '.join(names)}"
