@@ -18,7 +18,7 @@ TAGGED = re.compile(
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test, or why it is left out: its sheet's name says that it is tagged, or its reader that it may be none."""
+    """Return a test, or why it is left out: its sheet's name tags it, or its reader says that it may be none."""
     if isinstance(test, Unreadable):
         return test
     mark = TAGGED.search(test.name) if source.workbook else None

@@ -124,7 +124,7 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 
 
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
-    """Return the tests of a file, less those that do not count; raises what is wrong with the first that cannot be read."""
+    """Return the tests of a file, less uncounted ones; raises what is wrong with the first that cannot be read."""
     return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.uncounted is None)]
 
 

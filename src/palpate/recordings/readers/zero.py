@@ -23,6 +23,7 @@ from palpate.recordings.readers.in_air import (
     sloping,
     until_retreat,
 )
+from palpate.recordings.readers.rest import without_rest
 from palpate.recordings.readers.source import numbers_of
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
@@ -80,10 +81,11 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     """Return a test that begins at the file's contact; where it marks none and begins in air, at the one found."""
     r = test.recording
     begin = int(np.argmax(r.time >= 0))
-    marked = r.at(slice(begin, None))
     air = None if test.marked else air_before(r)
     if air is None:
+        marked, rested = without_rest(r.at(slice(begin, None)))
         messages = (
+            *rested,
             *_off_zero(marked),
             *_loaded_before(r.load, begin),
             *air_at_start(marked, test.marked),
