@@ -163,10 +163,21 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
     end = int(min(ends))
     rest = recording.depth[end:]
     if rest.min(initial=0.0) >= -SHARE * depth.max():
-        return recording.at(slice(end)), ()
+        return recording.at(slice(end)), _after_zero_load(recording, end)
     return recording.at(slice(end)), (
         f"ends at {recording.time[end]:.4g} s, where the tip has left: {len(rest)} points of its retreat to "
         f"{rest.min():.4g} nm, at {load[end:].min():.3g} to {load[end:].max():.3g} mN, are left out",
+    )
+
+
+def _after_zero_load(r: Recording, end: int) -> tuple[str, ...]:
+    """Return a message where much of a recording follows the point `end`, from which the load is zero or below."""
+    if end == len(r) or r.time[-1] - r.time[end] <= SHARE * np.ptp(r.time):
+        return ()
+    rest = r.depth[end:]
+    return (
+        f"ends at {r.time[end]:.4g} s, where the load is zero: {len(rest)} points over {r.time[-1] - r.time[end]:.4g} s, "
+        f"at {rest.min():.4g} to {rest.max():.4g} nm, are left out, as the tip may have left (--contact none keeps all)",
     )
 
 
