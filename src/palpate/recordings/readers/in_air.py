@@ -172,12 +172,13 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
 
 def _after_zero_load(r: Recording, end: int) -> tuple[str, ...]:
     """Return a message where much of a recording follows the point `end`, from which the load is zero or below."""
-    if end == len(r) or r.time[-1] - r.time[end] <= SHARE * np.ptp(r.time):
+    lasts = float(r.time[-1] - r.time[min(end, len(r) - 1)])
+    if lasts <= SHARE * float(np.ptp(r.time)):
         return ()
     rest = r.depth[end:]
     return (
-        f"ends at {r.time[end]:.4g} s, where the load is zero: {len(rest)} points over {r.time[-1] - r.time[end]:.4g} s, "
-        f"at {rest.min():.4g} to {rest.max():.4g} nm, are left out, as the tip may have left (--contact none keeps all)",
+        f"ends at {r.time[end]:.4g} s, where the load is zero: {len(rest)} points over {lasts:.4g} s, "
+        f"at {rest.min():.4g} to {rest.max():.4g} nm, are left out: the tip may have left (--contact none keeps all)",
     )
 
 
