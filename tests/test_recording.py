@@ -133,7 +133,7 @@ def test_a_load_that_wanders_wildly_is_refused():
 
 @pytest.mark.parametrize("amplitude", [0.45, 0.6])
 def test_an_oscillation_too_strong_for_its_average_is_refused_with_its_size(amplitude):
-    """A sine of amplitude a P has the standard deviation a rms(P) / sqrt(2); that of a ramp is rms(P) = max(P) / sqrt(3)."""
+    """A sine of amplitude a P has a standard deviation of a rms(P) / sqrt(2); a ramp has rms(P) = max(P) / sqrt(3)."""
     t = np.linspace(0, 60, 6000)
     mean = np.interp(t, [0, 30, 60], [0, 5, 0])
     with pytest.raises(InputError, match="followed up to 10%; export the mean load without its oscillation") as refused:
