@@ -37,7 +37,7 @@ def check_borne(recording: Recording) -> None:
     if len(load) < FEWEST or _borne(load, depth):
         return
     smooth, _, noise = _averaged(load)
-    rise = float(smooth.max() - np.median(load[:NEAR_START]))
+    rise = float(smooth.max() - np.median(load[: max(min(NEAR_START, len(load) // AVERAGES), 1)]))
     if rise < LEAST_RISE * float(np.ptp(smooth)) and (_borne(-load, depth) or _borne(-load, -depth)):
         return
     raise InputError(

@@ -142,7 +142,7 @@ def sloping(r: Recording, touch: int) -> tuple[str, ...]:
         return ()
     return (
         f"the load in air changes by {1e3 * slope:.3g} mN/um of depth; what that makes up to the largest depth, "
-        f"{share:.0%} of the largest load, is left in the load",
+        f"{share:.0%} of the largest load, is left in the load, as air alone does not show whether it acts in contact",
     )
 
 

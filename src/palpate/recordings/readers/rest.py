@@ -39,7 +39,7 @@ def _last_at_rest(load: np.ndarray, depth: np.ndarray, largest: float) -> int:
     """
     moved = np.zeros(len(load), dtype=bool)
     for channel in (load, depth):
-        clear = max(CLEAR * noise_of(channel), ROUNDING * float(np.ptp(channel)))
+        clear = max(CLEAR * noise_of(channel), BARELY_LOADED * float(np.ptp(channel)))
         moved |= np.abs(median_filter(channel, 5, mode="nearest") - np.median(channel[:FIRST])) > clear
     still = int(np.argmax(moved))
     if not still or abs(np.median(load[:still])) > max(CLEAR * noise_of(load), BARELY_LOADED * largest):
