@@ -100,7 +100,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     if retreat > SHARE * (float(moving.depth.max()) - air.depth):
         message += f", and the tip retreats by {retreat:.3g} nm before contact"
     message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    messages = (*rested, message, *_vague(moving, air), *sloping(moving, air.index))
+    messages = (message, *_vague(moving, air), *sloping(moving, air.index))
     return _ended(test, begun(moving, air, FOUND), messages)
 
 
