@@ -104,6 +104,25 @@ def test_a_mistaken_unit_is_asked_for_and_leaves_nothing_behind(capsys, law, mis
     assert [file.name for file in Path("out/recordings").iterdir()] == ["P1_T20_1.csv"]
 
 
+def test_a_body_softer_than_any_is_a_mistaken_unit(capsys):
+    test = elastic(1.0, 20)
+    replace(test, depth=1e6 * test.depth).write("wrong.csv")
+    assert drafted("wrong.csv", "-o", "out") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "wrong.csv, wrong, depth_nm" in line and "Pa, softer than any gel; is the unit of the depth" in line
+
+
+def test_one_load_that_stands_out_is_the_reason_of_its_refusal(capsys):
+    test = elastic(1.0, 20)
+    odd = len(test) // 5
+    load = test.load.copy()
+    load[odd] = 100 * test.load.max()
+    replace(test, load=load).write("spike.csv")
+    assert drafted("spike.csv", "-o", "out") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"its load jumps to {load[odd]:.4g} mN at {test.time[odd]:.4g} s, where the points beside it read" in line
+
+
 def test_loads_in_n_are_asked_for(capsys):
     """They may be a rubber's, so that the draft goes on."""
     test = elastic(1.0, 20)
@@ -197,8 +216,17 @@ def test_files_that_disagree_are_told(capsys):
         ([{"Tip C0": "2.598 nm^2/nm^2"}] * 2, "stated as 2.598 and not taken, as a single coefficient"),
         ([{"Tip C0": "24.5", "Tip C1": "800"}, {"Tip C0": "24.5"}], "24.5, 800 by 0; 24.5 by 1"),
         ([{"Tip C0": "24.5", "Tip C1": "800"}] * 2, None),
+        (
+            [{"Tip radius (um)": "0"}] * 2,
+            "radius is stated as Tip radius (um) 0 and not taken, as it is no length above",
+        ),
+        (
+            [{"Tip radius (um)": "10"}, {"Tip radius (um)": "50"}],
+            "(um) 10 by 0; Tip radius (um) 50 by 1; a Berkovich tip",
+        ),
+        ([{"Tip radius (um)": "10"}] * 2, None),
     ],
-    ids=["none", "ideal", "cube corner", "unlike", "taken"],
+    ids=["none", "ideal", "cube corner", "unlike", "taken", "no radius", "unlike radii", "radius"],
 )
 def test_a_tip_is_told_where_it_is_stated_and_not_taken(tips, words):
     told = not_taken(

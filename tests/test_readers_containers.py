@@ -77,12 +77,28 @@ def test_scaling_and_rate_of_an_igor_wave_that_differ_are_told():
 
 
 @pytest.mark.parametrize("begin", [b"\x05\x00", b"\x00\x05", b"\x02\x00"])
-def test_an_igor_wave_without_a_spring_constant_is_told(tmp_path, begin):
+def test_an_igor_wave_without_spring_constant_or_sensitivity_is_told(tmp_path, begin):
     file = tmp_path / "x.ibw"
-    file.write_bytes(begin + bytes(400) + b"InvOLS: 5e-8\rNumPtsPerSec: 2000\r")
-    with pytest.raises(InputError, match="states no spring constant, so that its deflection is no load; calibrate"):
-        read_vendor_file(file)
+    for note, lacks in (
+        (b"InvOLS: 5e-8\r", "spring constant"),
+        (b"ThermalSpringConstant: 3\rSpringConstant: NaN\rInvOLS: 5e-8\r", "spring constant"),
+        (b"SpringConstant: 0.3\rInvOLS: 0\r", r"sensitivity \(InvOLS\)"),
+        (b"", r"spring constant and no sensitivity \(InvOLS\)"),
+    ):
+        file.write_bytes(begin + bytes(400) + note + b"NumPtsPerSec: 2000\r")
+        with pytest.raises(InputError, match=f"states no {lacks}, so that its deflection is no load; calibrate"):
+            read_vendor_file(file)
     assert not is_wave(begin + bytes(400) + b"an image")
+
+
+@needs_recordings
+@pytest.mark.parametrize("name", ["SiN_FD_plot", "U3_3_p10004"])
+def test_an_igor_wave_that_is_cut_off_is_called_one(tmp_path, name):
+    """Its note comes last."""
+    content = (RECORDINGS / f"afmformats/fmt-igor-fd_{name}.ibw").read_bytes()
+    (tmp_path / "x.ibw").write_bytes(content[: len(content) // 2])
+    with pytest.raises(InputError, match="palpate knows: an Igor wave that is cut off, or has no note on a cantilever"):
+        read_vendor_file(tmp_path / "x.ibw")
 
 
 def test_a_jpk_curve_without_a_spring_constant_is_told(tmp_path, monkeypatch, capfd):

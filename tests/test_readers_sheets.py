@@ -1,5 +1,7 @@
 """Workbooks with a sheet for each test: names in any letters, units in brackets, other words; tagged tests."""
 
+import zipfile
+
 import numpy as np
 import pytest
 from test_readers_workbooks import DEPTH, LOAD, TIME, kla, run, xp
@@ -7,7 +9,7 @@ from workbooks import write_workbook
 
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import read_each, read_source, read_vendor_file
+from palpate.recordings.readers import Unreadable, read_each, read_source, read_vendor_file, select
 
 SUMMARY = [["Time Mean", "Load Mean", "x"], ["s", "mN", ""], [1.0, 1.0, ""], [2.0, 2.0, ""]]
 
@@ -98,7 +100,7 @@ def test_megas_in_capitals_are_no_millis(tmp_path):
         read_vendor_file(file)
 
 
-TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected", "Test 2 - Bad"]
+TAGS = ["Test 2 Tagged", "TEST 2 TAGGED", "Test 2 (excluded)", "Test 2_rejected", "Test 2 - Bad", "T002 Tagged"]
 
 
 @pytest.mark.parametrize("name", TAGS)
@@ -123,3 +125,50 @@ def test_a_tagged_test_is_told_and_left_out_unless_it_is_named(tmp_path, name, o
 def test_where_all_tests_are_tagged_the_line_says_how_to_take_one(tmp_path):
     with pytest.raises(InputError, match="the vendor's file calls it tagged; `--test 'Test 1 Tagged'`"):
         read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1 Tagged": kla()}))
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("Indent two", "the sheet holds the columns of a test, and is not called 'Test' with a number"),
+        ("Indent two Tagged", "the vendor's file calls it tagged"),
+    ],
+)
+@pytest.mark.parametrize("of", [kla, xp])
+def test_a_sheet_with_the_columns_of_a_test_and_another_name_is_told(tmp_path, name, reason, of, capsys):
+    sheets = {"Test 1": of(), name: of(peak=2), "Summary": SUMMARY}
+    assert run(tmp_path, sheets) == (0, {"Test_1": 5})
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{name}: {reason}; `--test {name!r}`" in line
+    assert line.endswith("the test is left out")
+    file = tmp_path / "x.xlsx"
+    assert main(["draft", str(file), "-o", str(tmp_path / "study")]) == 0
+    assert line in capsys.readouterr().err.splitlines()
+    assert main(["read", str(file), "--test", name, "--survey", "-o", str(tmp_path / "one")]) == 0
+    assert reason in capsys.readouterr().err
+    (chosen,) = read_source({"file": str(file), "conditions": {"P": [name]}})["P"]
+    assert (chosen.recording.time[0], chosen.recording.load.max()) == (0, pytest.approx(10, rel=0.01))
+
+
+def test_a_damaged_sheet_beside_the_tests_is_told_and_costs_nothing_else(tmp_path, capsys):
+    sheets = {"Test 1": xp(), "Notes": SUMMARY}
+    whole, spoilt = write_workbook(tmp_path / "whole.xlsx", sheets), tmp_path / "spoilt.xlsx"
+    with zipfile.ZipFile(whole) as old, zipfile.ZipFile(spoilt, "w") as new:
+        for part in old.namelist():
+            content = old.read(part)
+            new.writestr(part, content[: len(content) // 2] if part.endswith("sheet2.xml") else content)
+    assert main(["read", str(spoilt), "-o", str(tmp_path / "out")]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "sheet Notes: is damaged" in line
+
+
+def test_sheets_called_t_with_a_number_are_tests(tmp_path):
+    assert run(tmp_path, {"T010": kla(peak=2), "T002": kla()}) == (0, {"T002": 5, "T010": 10})
+
+
+def test_numbers_that_several_names_share_are_those_of_their_order():
+    """As where a file called Test 3 holds two tests below one another."""
+    tests = [Unreadable(name, InputError(name, remedy="")) for name in ("Test 3_1", "Test 3_2", "Test 7")]
+    for wanted, name in (("1", "Test 3_1"), ("2", "Test 3_2"), ("7", "Test 7")):
+        with pytest.raises(InputError, match=name):
+            select(tests, wanted, "x.txt")

@@ -1,5 +1,7 @@
 """Recordings begin at contact; recorded load histories are followed in few straight pieces."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -127,6 +129,17 @@ def test_a_load_that_wanders_wildly_is_refused():
     t = np.linspace(0, 100, 5 * MOST_KNOTS)
     with pytest.raises(InputError, match="corners"):
         recorded(t, 1 - np.cos(2 * np.pi * t * 4))
+
+
+@pytest.mark.parametrize("amplitude", [0.45, 0.6])
+def test_an_oscillation_too_strong_for_its_average_is_refused_with_its_size(amplitude):
+    """A sine of amplitude a P has a standard deviation of a rms(P) / sqrt(2); a ramp has rms(P) = max(P) / sqrt(3)."""
+    t = np.linspace(0, 60, 6000)
+    mean = np.interp(t, [0, 30, 60], [0, 5, 0])
+    with pytest.raises(InputError, match="followed up to 10%; export the mean load without its oscillation") as refused:
+        recorded(t, mean * (1 + amplitude * np.sin(2 * np.pi * 45 * t)))
+    share = float(re.search(r"swings by (\d+)% of its largest", str(refused.value))[1])
+    assert share == pytest.approx(100 * amplitude / np.sqrt(6) / (1 + amplitude), rel=0.15)
 
 
 def test_a_history_under_load_from_the_start_is_refused():

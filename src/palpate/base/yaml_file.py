@@ -14,6 +14,7 @@ import yaml
 from palpate.errors import InputError
 
 LARGEST = 100_000
+FROM_RECORDINGS = "give a YAML file; `palpate draft FILE -o FOLDER` writes one from recordings or a vendor's file"
 
 
 class _Loader(yaml.SafeLoader):
@@ -79,6 +80,7 @@ def read_yaml(path: str | Path) -> Any:
         When the file is missing, is no text, is not valid YAML or gives a key twice; with the line where there is one.
     """
     refuse_special(path)
+    named = Path(path).suffix.lower() in (".yaml", ".yml")
     try:
         loader = _Loader(Path(path).read_text(encoding="utf-8"))
         node = loader.get_single_node()
@@ -91,14 +93,18 @@ def read_yaml(path: str | Path) -> Any:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
-        raise InputError("is not text in UTF-8", remedy="save it as UTF-8, or give a YAML file", file=path) from error
+        raise InputError(
+            "is not text in UTF-8, as a YAML file is",
+            remedy="save it as UTF-8" if named else FROM_RECORDINGS,
+            file=path,
+        ) from error
     except RecursionError as error:
         raise InputError("is nested too deeply", remedy="correct the brackets or indentation", file=path) from error
     except yaml.YAMLError as error:
         mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
         raise InputError(
             f"is not valid YAML ({problem})" if problem else "is not valid YAML",
-            remedy="correct the keys, indentation or quotes",
+            remedy="correct the keys, indentation or quotes" if named else FROM_RECORDINGS,
             file=path,
             place=f"line {mark.line + 1}" if mark else None,
         ) from error

@@ -8,7 +8,7 @@ from typing import Any
 
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.solid import POISSON_RATIO
-from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio
+from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio, radius_entry
 
 BERKOVICH, NEAR = 24.5, 0.05
 NamedMetadata = Sequence[tuple[str, Mapping[str, Any]]]
@@ -43,6 +43,8 @@ def not_taken(
             shown = {name: ", ".join(f"{value:g}" for value in area) for name, area in tips.items()}
             reason = _no_tip(next(iter(tips.values())), deepest)
             remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
+        radii = {name: radius_entry(each) for name, each in tests}
+        remarks += _remark("the tip's radius", radii, "it is no length above zero", "a Berkovich tip is guessed")
         if stated.shape and stated.shape not in ("berkovich", "vickers"):
             remarks.append(
                 f"the files state a tip of the shape {stated.shape}, without what it takes to simulate it; a Berkovich "

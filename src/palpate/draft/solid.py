@@ -17,6 +17,7 @@ from palpate.recordings.recording import Recording
 
 POISSON_RATIO, OF_GELS = 0.35, 0.49  # guesses: of plastics; of gels and rubbers, which hardly change their volume
 STIFFEST = 1200.0  # GPa, a little above diamond
+SOFTEST = 1e-9  # GPa, chosen: no solid that bears a tip is softer than 1 Pa
 STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
 UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
 HELD = 0.98  # of the largest load, at which a test counts as held
@@ -119,10 +120,10 @@ def secant_modulus(recording: Recording, tip: KnownTip = BERKOVICH, poisson_rati
 
 
 def check_unit(recording: Recording, tip: KnownTip) -> None:
-    """Refuse a recording of a solid stiffer than any: its unit is mistaken, or its columns are swapped.
+    """Refuse a recording of a solid stiffer or softer than any: its unit is mistaken, or its columns are swapped.
 
-    A depth mistaken by 1000 changes the modulus by a million under a cone, a load by 1000. The other way round nothing
-    can be refused, as gels are a million times softer than plastics.
+    A depth mistaken by 1000 changes the modulus by a million under a cone, a load by 1000. Towards soft solids only
+    larger mistakes show, as gels are a million times softer than plastics.
 
     Raises
     ------
@@ -137,6 +138,15 @@ def check_unit(recording: Recording, tip: KnownTip) -> None:
             "diamond; are depths in micrometres, or loads in uN, or the two swapped?",
             remedy="write depths in nm and loads in mN, or name the columns and their units "
             "(--columns time=...,load=...,depth=... --units depth=um)",
+            file=recording.name,
+            place="depth_nm",
+        )
+    if modulus < SOFTEST:
+        load, depth = peak_of(recording)
+        raise InputError(
+            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {1e9 * modulus:.3g} Pa, softer than any "
+            "gel; is the unit of the depth or of the load another one?",
+            remedy="write depths in nm and loads in mN, or name their units (--units depth=...,load=...)",
             file=recording.name,
             place="depth_nm",
         )

@@ -149,6 +149,11 @@ def _entry(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
     return next((str(entry).strip() for name, entry in metadata.items() if named.match(name.strip())), "")
 
 
+def radius_entry(metadata: Mapping[str, Any]) -> str:
+    """Return what a file says of the tip's radius or diameter, as it says it; empty where it says nothing."""
+    return _said(metadata, RADIUS) or _said(metadata, DIAMETER)
+
+
 def _radius(metadata: Mapping[str, Any]) -> float | None:
     diameter = quantity(metadata, DIAMETER, LENGTH)
     return quantity(metadata, RADIUS, LENGTH) or (diameter / 2.0 if diameter else None)

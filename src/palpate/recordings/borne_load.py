@@ -17,6 +17,7 @@ FALLS = 0.3  # of its rise, by which a load that is borne falls at least while t
 DRIFTS = 2.0  # times what the load reaches on the first way in, that one which drifts within its noise may rise
 FIRST_WAY = 0.3  # of the largest depth
 NEAR_START = 10  # points that give the load without contact
+OUTLIER = 5  # points, chosen: the median of so many passes over one or two that stand out
 FEWEST = 20  # points that determine the noise of a load
 
 
@@ -31,15 +32,23 @@ def check_borne(recording: Recording) -> None:
     Raises
     ------
     InputError
-        With the rise and the noise.
+        With the rise and the noise, or with a point that stands out and hides what the others bear.
     """
     load, depth = recording.load, recording.depth
     if len(load) < FEWEST or _borne(load, depth):
         return
     smooth, _, noise = _averaged(load)
-    rise = float(smooth.max() - np.median(load[:NEAR_START]))
+    rise = float(smooth.max() - np.median(load[: max(min(NEAR_START, len(load) // AVERAGES), 1)]))
     if rise < LEAST_RISE * float(np.ptp(smooth)) and (_borne(-load, depth) or _borne(-load, -depth)):
         return
+    without = median_filter(load, OUTLIER, mode="nearest")
+    if _borne(without, depth):
+        odd = int(np.argmax(np.abs(load - without)))
+        raise InputError(
+            f"its load jumps to {load[odd]:.4g} mN at {recording.time[odd]:.4g} s, where the points beside it read "
+            f"{without[odd]:.4g} mN",
+            remedy="remove the points that stand out, or leave the test out",
+        )
     raise InputError(
         f"never bears load: over {np.ptp(depth):.4g} nm its load rises by {rise:.3g} mN, its noise is {noise:.3g} mN",
         remedy="leave it out: the tip made no contact, or the load is in another column",

@@ -65,7 +65,7 @@ def recorded(
         500 corners however far it is thinned.
     """
     time, (drive, allowed) = np.asarray(time, dtype=float) - time[0], _begun(drive, tolerance, control)
-    over = averaged_over(time, drive, tolerance)
+    whole, over = drive, averaged_over(time, drive, tolerance)
     if over > 1:
         keep = _corners_of_average(time, drive, over, tolerance)
         time, drive = time[keep], _through(time, drive, keep)
@@ -74,8 +74,9 @@ def recorded(
         time, drive = time[keep], drive[keep]
     if keep.sum() > MOST_KNOTS:
         raise InputError(
-            f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated",
-            remedy=f"smooth the recorded {control} before it is read",
+            f"the {control} history has {keep.sum()} corners, {MOST_KNOTS} at most can be simulated"
+            + _why(whole, control),
+            remedy=f"export the mean {control} without its oscillation or noise, or leave the test out",
             place=PLACES[control],
         )
     if control == LOAD:
@@ -143,6 +144,16 @@ def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:
     """Return the standard deviation of what is averaged away of a recorded drive (n,); zero where nothing is."""
     over = averaged_over(time, drive)
     return swing(drive, over) if over > 1 else 0.0
+
+
+def _why(drive: np.ndarray, control: str) -> str:
+    """Return, for a message, by how much a drive (n,) swings where that is too much for its average to be followed."""
+    share = swing(drive, max(len(drive) // SHORTEST, 2)) / float(drive.max())
+    if share < WILDEST:
+        return ""
+    return (
+        f": the {control} swings by {share:.0%} of its largest about its average, which is followed up to {WILDEST:.0%}"
+    )
 
 
 def swing(drive: np.ndarray, over: int) -> float:

@@ -14,7 +14,7 @@ from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import missing_channel, read_columns
-from palpate.recordings.readers.source import Source, number_of
+from palpate.recordings.readers.source import Source, numbers_of
 from palpate.recordings.readers.tagged import set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import of_nanoscope, unknown
@@ -229,7 +229,7 @@ def select(
         When there is none, or it cannot be read.
     """
     named = {test.name: test for test in tests}
-    numbered = {number_of(test.name) or count: test for count, test in enumerate(tests, 1)}
+    numbered = dict(zip(numbers_of([test.name for test in tests]), tests, strict=True))
     if wanted in named:
         return sound(taken(named[wanted]))
     if wanted.isdecimal() and int(wanted) in numbered:

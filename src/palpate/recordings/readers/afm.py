@@ -20,7 +20,7 @@ import numpy as np
 from palpate.base.bounded_process import BEYOND, MEMORY
 from palpate.base.sound_hdf5 import problem_of
 from palpate.errors import InputError
-from palpate.recordings.readers.igor import is_wave, sampling
+from palpate.recordings.readers.igor import is_wave, sampling, stated
 from palpate.recordings.readers.source import HDF5, ZIP, Source
 from palpate.recordings.readers.vendor import (
     Corrections,
@@ -36,6 +36,7 @@ from palpate.recordings.recording import Recording
 
 JPK_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series")
 HEIGHTS = ("height (measured)", "height (piezo)")
+CALIBRATION = {"spring constant": b"SpringConstant", "sensitivity (InvOLS)": b"InvOLS"}
 BY_PIEZO = "the height is the piezo's voltage, not a sensor's: creep and hysteresis of the piezo are in the depth"
 UNCALIBRATED = "calibrate the cantilever in the vendor's program and save the curve again, or export its force as text"
 
@@ -67,8 +68,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     """
     refuse_corrections(source, corrections)
     ending = _ending(source)
-    if ending == ".ibw" and b"SpringConstant:" not in source.content:
-        raise _not_stated("spring constant")
+    if ending == ".ibw" and (lacking := [name for name, key in CALIBRATION.items() if not stated(source.content, key)]):
+        raise _not_stated(*lacking)
     try:
         from afmformats import errors, load_data
     except ImportError as error:

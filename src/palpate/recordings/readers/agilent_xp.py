@@ -15,15 +15,21 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import number
-from palpate.recordings.readers.sheets_of_tests import channel, facts_of, first_of, headings_of, surface, tests_of
+from palpate.recordings.readers.sheets_of_tests import (
+    channel,
+    facts_of,
+    first_of,
+    headings_of,
+    read_sheets,
+    surface,
+    tests_of,
+)
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import (
     Corrections,
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
-    unless_all_fail,
     usable,
 )
 from palpate.recordings.recording import Recording
@@ -52,12 +58,7 @@ def _names(source: Source, sheet: str) -> dict[str, str]:
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
     facts = facts_of(source, ("Required Inputs", "Results"))
-    return unless_all_fail(
-        [
-            attempt(source.path, sheet, _test, source, sheet, facts.get(number, {}), corrections)
-            for sheet, number in tests_of(source).items()
-        ]
-    )
+    return read_sheets(source, facts, _names, _test, corrections)
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:

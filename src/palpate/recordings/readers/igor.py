@@ -9,17 +9,33 @@ from __future__ import annotations
 import io
 import re
 
+import numpy as np
+
 from palpate.errors import InputError
 
-VERSIONS = (b"\x05\x00", b"\x00\x05", b"\x02\x00", b"\x00\x02")  # little and big end first
 OF_CANTILEVER = (b"SpringConstant", b"InvOLS", b"NumPtsPerSec")
-RATE = re.compile(rb"[\r\n]NumPtsPerSec:\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)")
+NUMBER = rb":\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
+HEADERS = {b"\x05\x00": ("<", 384), b"\x00\x05": (">", 384), b"\x02\x00": ("<", 126), b"\x00\x02": (">", 126)}  # bytes
 ALIKE = 0.01  # of the step: scaling and rate that differ less are one
 
 
 def is_wave(content: bytes) -> bool:
     """Return whether bytes are an Igor binary wave with a note on a cantilever."""
-    return content.startswith(VERSIONS) and any(word in content for word in OF_CANTILEVER)
+    return content.startswith(tuple(HEADERS)) and any(word in content for word in OF_CANTILEVER)
+
+
+def may_be_wave(content: bytes) -> bool:
+    """Return whether bytes begin as any Igor binary wave: the 16-bit words of its headers add up to zero."""
+    order, size = HEADERS.get(content[:2], ("<", 0))
+    if not size or len(content) < size:
+        return False
+    return int(np.frombuffer(content[:size], dtype=f"{order}i2").sum(dtype=np.int64)) % 65536 == 0
+
+
+def stated(content: bytes, key: bytes) -> float:
+    """Return the number that the note gives under `key`; zero where it gives none."""
+    found = re.search(rb"[\r\n\0]" + key + NUMBER, content)
+    return float(found[1]) if found else 0.0
 
 
 def sampling(content: bytes) -> tuple[float, tuple[str, ...]]:
@@ -30,8 +46,8 @@ def sampling(content: bytes) -> tuple[float, tuple[str, ...]]:
     InputError
         When neither the scaling nor the note gives it.
     """
-    stated = RATE.search(content)
-    by_rate = 1.0 / float(stated[1]) if stated and float(stated[1]) > 0 else 0.0
+    rate = stated(content, b"NumPtsPerSec")
+    by_rate = 1.0 / rate if rate else 0.0
     by_scaling = _scaling(content)
     if by_scaling and by_rate and abs(by_scaling - by_rate) > ALIKE * by_rate:
         between = f"the wave's scaling says {by_scaling:.4g} s between points, its NumPtsPerSec {by_rate:.4g} s"

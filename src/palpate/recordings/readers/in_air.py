@@ -142,7 +142,7 @@ def sloping(r: Recording, touch: int) -> tuple[str, ...]:
         return ()
     return (
         f"the load in air changes by {1e3 * slope:.3g} mN/um of depth; what that makes up to the largest depth, "
-        f"{share:.0%} of the largest load, is left in the load",
+        f"{share:.0%} of the largest load, is left in the load, as air alone does not show whether it acts in contact",
     )
 
 
@@ -163,10 +163,22 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
     end = int(min(ends))
     rest = recording.depth[end:]
     if rest.min(initial=0.0) >= -SHARE * depth.max():
-        return recording.at(slice(end)), ()
+        return recording.at(slice(end)), _after_zero_load(recording, end)
     return recording.at(slice(end)), (
         f"ends at {recording.time[end]:.4g} s, where the tip has left: {len(rest)} points of its retreat to "
         f"{rest.min():.4g} nm, at {load[end:].min():.3g} to {load[end:].max():.3g} mN, are left out",
+    )
+
+
+def _after_zero_load(r: Recording, end: int) -> tuple[str, ...]:
+    """Return a message where much of a recording follows the point `end`, from which the load is zero or below."""
+    lasts = float(r.time[-1] - r.time[min(end, len(r) - 1)])
+    if lasts <= SHARE * float(np.ptp(r.time)):
+        return ()
+    rest = r.depth[end:]
+    return (
+        f"ends at {r.time[end]:.4g} s, where the load is zero: {len(rest)} points over {lasts:.4g} s, "
+        f"at {rest.min():.4g} to {rest.max():.4g} nm, are left out: the tip may have left (--contact none keeps all)",
     )
 
 

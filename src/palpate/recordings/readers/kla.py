@@ -16,6 +16,7 @@ from palpate.recordings.readers.sheets_of_tests import (
     facts_of,
     first_of,
     headings_of,
+    read_sheets,
     stated_unit,
     surface,
     tests_of,
@@ -27,10 +28,8 @@ from palpate.recordings.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
     contact,
     refuse_corrections,
-    unless_all_fail,
     usable,
 )
 from palpate.recordings.recording import Recording
@@ -68,12 +67,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     """Read all tests, in the order of their numbers."""
     refuse_corrections(source, corrections)
     facts = facts_of(source, ("Pre-Test Inputs", "Post-Test Inputs", "Results"))
-    return unless_all_fail(
-        [
-            attempt(source.path, sheet, _test, source, sheet, facts.get(number, {}))
-            for sheet, number in tests_of(source).items()
-        ]
-    )
+    return read_sheets(source, facts, _names, _test)
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import BRACKETED, is_word
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
+from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 
 MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
@@ -22,6 +24,43 @@ def tests_of(source: Source) -> dict[str, str]:
     """Return names of the sheets ``Test 001``, in the order of their numbers, each with its number as ``1``."""
     numbers = {name: number for name in source.sheets if (number := number_of(name)) is not None}
     return {name: str(number) for name, number in sorted(numbers.items(), key=lambda item: item[1])}
+
+
+def read_sheets(
+    source: Source,
+    facts: Mapping[str, Mapping[str, str]],
+    holds_channels: Callable[[Source, str], object],
+    read: Callable[..., VendorTest],
+    *given: object,
+) -> list[VendorTest | Unreadable]:
+    """Read the sheets ``Test 001``, and after them those of other names that hold a test's channels.
+
+    The latter may be averages or a test that was renamed: they are left out, with a reason, unless somebody names them.
+
+    Parameters
+    ----------
+    source
+        The workbook.
+    facts
+        What it says of each test, by the number of the test.
+    holds_channels
+        Whether a sheet has the columns of a test.
+    read
+        Reads a sheet: called with the workbook, the sheet's name, what is said of the test, and all that is `given`.
+    """
+    numbered = tests_of(source)
+    tests = [
+        attempt(source.path, sheet, read, source, sheet, facts.get(number, {}), *given)
+        for sheet, number in numbered.items()
+    ]
+    for sheet in (sheet for sheet in source.sheets if sheet not in numbered):
+        found = attempt(source.path, sheet, holds_channels, source, sheet)
+        if not found:
+            continue
+        test = found if isinstance(found, Unreadable) else attempt(source.path, sheet, read, source, sheet, {}, *given)
+        reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
+        tests.append(replace(test, sought=False) if isinstance(test, Unreadable) else replace(test, uncounted=reason))
+    return unless_all_fail(tests)
 
 
 def headings_of(source: Source, sheet: str) -> dict[str, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +18,7 @@ IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
 IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
-TEST = re.compile(r"test[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
+TEST = re.compile(r"t(?:est)?[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
 PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -116,6 +117,12 @@ class Source:
 
 
 def number_of(name: str) -> int | None:
-    """Return the number of a sheet such as ``Test 010`` or ``TEST 010``, or None for another name."""
+    """Return the number of a sheet such as ``Test 010``, ``TEST 010`` or ``T010``, or None for another name."""
     found = TEST.match(name)
     return int(found[1]) if found else None
+
+
+def numbers_of(names: Sequence[str]) -> list[int]:
+    """Return the number of each test: its own where no other has it too, else counted from 1."""
+    own = [number_of(name) for name in names]
+    return [number if number and own.count(number) == 1 else count for count, number in enumerate(own, 1)]

@@ -1,4 +1,4 @@
-"""Sheets that the vendor's program marks as not to be counted: left out, unless somebody names one.
+"""Tests that do not count unless somebody names one: sheets that the vendor's program tags, and those of other names.
 
 TestWorks (MTS, Agilent) writes ``Test 004 Tagged`` for a test that the operator took out of the averages.
 """
@@ -18,21 +18,24 @@ TAGGED = re.compile(
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test, or, where its sheet's name says that it is tagged, why it is left out."""
-    mark = TAGGED.search(test.name)
-    if not source.workbook or not mark or isinstance(test, Unreadable):
+    """Return a test, or why it is left out: its sheet's name tags it, or its reader says that it may be none."""
+    if isinstance(test, Unreadable):
+        return test
+    mark = TAGGED.search(test.name) if source.workbook else None
+    reason = f"the vendor's file calls it {mark[1].lower()}" if mark else test.uncounted
+    if not reason:
         return test
     error = InputError(
-        f"the vendor's file calls it {mark[1].lower()}",
+        reason,
         remedy=f"`--test {test.name!r}`, or the name in a study's source.conditions, takes it all the same",
         file=source.path,
         place=test.name,
     )
-    return Unreadable(test.name, error, tagged=test)
+    return Unreadable(test.name, error, uncounted=test)
 
 
 def taken(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test that somebody names, be it tagged or not; a warning states that it is."""
-    if isinstance(test, VendorTest) or test.tagged is None:
+    """Return a test that somebody names, be it left out otherwise or not; a warning states that it is."""
+    if isinstance(test, VendorTest) or test.uncounted is None:
         return test
-    return replace(test.tagged, warnings=(*test.tagged.warnings, test.error.problem))
+    return replace(test.uncounted, warnings=(*test.uncounted.warnings, test.error.problem))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from palpate.errors import InputError
+from palpate.recordings.readers.igor import may_be_wave
 from palpate.recordings.readers.source import Source
 
 LIST = "`palpate read --formats` lists formats and units"
@@ -18,11 +19,14 @@ def of_nanoscope(source: Source) -> bool:
 
 
 def unknown(source: Source) -> InputError:
-    """Return the error of a file of no known format: a container, a NanoScope file, or another with its first line."""
+    """Return the error of a file of no known format: a container, a file of NanoScope or Igor, or another."""
     kind, remedy = source.container, f"unpack it, or export its tests as text; {LIST}"
     if of_nanoscope(source):
         kind = "a NanoScope file, which the library afmformats does not read either"
         remedy = "export the force curve as text with time, force and separation, and name these by --columns"
+    elif may_be_wave(source.content):
+        kind = "an Igor wave that is cut off, or has no note on a cantilever"
+        remedy = "copy it again, or export the force curve as text with time, force and separation"
     if kind:
         return InputError(f"is of no format that palpate knows: {kind}", remedy=remedy, file=source.path)
     first = " ".join(source.first.split())

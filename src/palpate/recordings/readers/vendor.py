@@ -39,6 +39,8 @@ class VendorTest:
         What the user should know of the reading, such as rows that were left out.
     marked
         Whether the file says where contact is; time is zero at its first point else.
+    uncounted
+        Why the test is left out unless somebody names it; empty for all others.
     """
 
     name: str
@@ -46,6 +48,7 @@ class VendorTest:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     marked: bool = True
+    uncounted: str = ""
 
 
 @dataclass(frozen=True)
@@ -60,14 +63,14 @@ class Unreadable:
         What is wrong with it.
     sought
         Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
-    tagged
-        The test, where it could be read and the vendor's file says not to count it.
+    uncounted
+        The test, where it could be read and is left out unless somebody names it.
     """
 
     name: str
     error: InputError
     sought: bool = True
-    tagged: VendorTest | None = None
+    uncounted: VendorTest | None = None
 
 
 @dataclass(frozen=True)
@@ -121,8 +124,8 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 
 
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
-    """Return the tests of a file, less tagged ones; raises what is wrong with the first that cannot be read."""
-    return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.tagged is None)]
+    """Return the tests of a file, less uncounted ones; raises what is wrong with the first that cannot be read."""
+    return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.uncounted is None)]
 
 
 def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:

@@ -23,7 +23,8 @@ from palpate.recordings.readers.in_air import (
     sloping,
     until_retreat,
 )
-from palpate.recordings.readers.source import number_of
+from palpate.recordings.readers.rest import without_rest
+from palpate.recordings.readers.source import numbers_of
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
 from palpate.recordings.recording import BARELY_LOADED, Recording
@@ -80,23 +81,27 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     """Return a test that begins at the file's contact; where it marks none and begins in air, at the one found."""
     r = test.recording
     begin = int(np.argmax(r.time >= 0))
-    marked = r.at(slice(begin, None))
-    air = None if test.marked else air_before(r)
+    moving, rested = without_rest(r.at(slice(begin, None)))
+    air = None if test.marked else air_before(moving)
     if air is None:
+        if rested:
+            moving = replace(moving, time=moving.time - moving.time[0])
         messages = (
-            *_off_zero(marked),
+            *rested,
+            *_off_zero(moving),
             *_loaded_before(r.load, begin),
-            *air_at_start(marked, test.marked),
+            *air_at_start(moving, test.marked),
             *sloping(r, begin),
         )
-        return _ended(test, marked, messages)
-    share = 100 * share_in_air(r, air)
+        return _ended(test, moving, messages)
+    share = 100 * share_in_air(moving, air)
     message = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
-    retreat = retreat_before(r, air)
-    if retreat > SHARE * (float(r.depth.max()) - air.depth):
+    retreat = retreat_before(moving, air)
+    if retreat > SHARE * (float(moving.depth.max()) - air.depth):
         message += f", and the tip retreats by {retreat:.3g} nm before contact"
     message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    return _ended(test, begun(r, air, FOUND), (message, *_vague(r, air), *sloping(r, air.index)))
+    messages = (message, *_vague(moving, air), *sloping(moving, air.index))
+    return _ended(test, begun(moving, air, FOUND), messages)
 
 
 def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) -> VendorTest:
@@ -154,7 +159,7 @@ def chosen_contacts(names: Sequence[str], contact: Contact) -> list[str | float]
     """Return the contact of each test; raises `InputError` when one is named that is none of them."""
     if not isinstance(contact, Mapping):
         return [contact] * len(names)
-    numbers = [str(number_of(name) or count) for count, name in enumerate(names, 1)]
+    numbers = list(map(str, numbers_of(names)))
     for named in map(str, contact):
         if named not in names and named not in numbers:
             problem, remedy = f"has no test {named!r}", f"use a number or one of: {', '.join(names)}"
