@@ -102,6 +102,15 @@ def p_value(task, rng):
     return examine(search.base.fit, search.screen, rng, 400, 0.01)
 
 
+@pytest.mark.parametrize("replicates", [1, 3])
+def test_a_factor_of_the_site_is_left_out_where_no_replicates_give_its_scatter(replicates):
+    fit = fitted(problem(recordings(np.random.default_rng(1), replicates=replicates)), ())
+    off = 0.01 * np.concatenate([fit.curve[: len(fit.problem.observed["a"].time)], np.zeros(len(fit.curve))])
+    shallower = replace(fit, curve=fit.curve - off[: len(fit.curve)])
+    left = np.linalg.norm(shallower.left - fit.left) / np.linalg.norm(off)
+    assert left < 0.3 if replicates == 1 else left == pytest.approx(1.0), "slow drift takes the rest"
+
+
 def test_an_effect_errs_by_the_same_part_everywhere():
     task = problem(recordings(np.random.default_rng(1)))
     noise, film = noise_of(task, (), task.mean, 0.01), {"film_on_substrate": np.full(len(task.mean), 40.0)}
