@@ -11,7 +11,7 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings,
 
 from palpate.configuration.study_file import load_study
 from palpate.inference import space_mapping
-from palpate.inference.covariance import errors, noise_of
+from palpate.inference.covariance import REFINED, errors, noise_of
 from palpate.inference.forward import FiniteElements
 from palpate.inference.space_mapping import RECORD, Reference, SpaceMapped
 from palpate.inference.study_scale import middle, scale_of
@@ -140,12 +140,12 @@ class Refined(ClosedForms):
 
 
 def test_curves_may_err_by_what_the_refinement_changed():
-    """Half of it under all conditions alike, and half of that under each alone."""
+    """A part of it under all conditions alike, and half of that part under each alone."""
     task = replace(problem(recordings(np.random.default_rng(1))), forward=Refined(CONDITIONS))
     found = errors(task, task.forward, (), task.mean, noise_of(task, (), task.mean, 0.01), 0.0)
     parts = {name: np.zeros(len(item.mean)) for name, item in task.observed.items()}
-    for of_b, chi_square in ((2.0, 2.0 / 0.5625), (-2.0, 2.0 / 0.0625)):
-        off = task.stacked(parts | {"a": np.full(len(parts["a"]), 5.0), "b": np.full(len(parts["b"]), of_b)})
+    for of_b, chi_square in ((2.0, 2.0 / 2.25), (-2.0, 2.0 / 0.25)):
+        off = REFINED * task.stacked(parts | {"a": np.full(len(parts["a"]), 5.0), "b": np.full(len(parts["b"]), of_b)})
         cost = off @ np.linalg.solve(found.shared + 1e-6 * np.eye(len(off)), off)
         assert cost == pytest.approx(chi_square, rel=1e-3)
 

@@ -2,9 +2,9 @@
 
 The error of the solver is one factor common to all curves and, late in unloading, of another shape: that of what the
 last refinement of the mesh changed (in creeping bodies its correlation with the change by the next one is 0.93 to
-0.98). The next one, from rings that grow by 1.07 to 1.05, changes 0.27 times as much, 0.17 to 0.57 times under single
-conditions; with an error of second order in the spacing that leaves twice as much to the exact curve: `REFINED` times
-the change, common to all conditions, and half of that in each alone.
+0.98). The next one, from rings that grow by 1.07 to 1.05, changes 0.17 to 0.57 times as much under single conditions,
+0.32 in root mean square: `REFINED` times the change, common to all conditions, and half of that in each alone. With an
+error of second order in the spacing about as much is left to the exact curve.
 
 An effect that every instrument has to some extent, such as drift, counts as noise up to the `background` that its
 mechanism declares.
@@ -32,7 +32,7 @@ from palpate.mechanisms import MECHANISMS
 
 ASSUMED_RANDOM_WALK = 0.02
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
-REFINED = 0.5  # of what the last refinement changed, standard deviation of what the next ones will
+REFINED = 0.3  # of what the last refinement changed, standard deviation of what the next ones will
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
 
 
