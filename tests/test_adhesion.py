@@ -119,7 +119,7 @@ def test_law_holds_at_every_node(friction, large, monkeypatch):
 
     def observe(moment):
         march, states = kept
-        body, contact, state = march.body, march.contact, states.contact
+        body, contact, state = march.setup.body, march.setup.contact, states.contact
         x = np.array([penetration(march.setup, states.trial, k, 0)[0] for k in range(1, len(body.radial))])
         width = np.array([width_of(contact, state, k, 0) for k in range(1, len(body.radial))])
         assert np.all(x < DEEPEST)

@@ -295,7 +295,7 @@ def test_contact_forces_have_a_potential(tip, work, large):
     mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
     body = Body.of(mesh)
     march, states = march_cases.begun(lanes, lanes, mesh, body, units, System.of(body, True), 1e-9)
-    contact, state, count = march.contact, states.contact, len(body.distance)
+    contact, state, count = march.setup.contact, states.contact, len(body.distance)
     none, rng = np.zeros(LANES, dtype=bool), np.random.default_rng(4)
     fit(contact, state, np.full(LANES, 0.1), none)
     width = np.array([width_of(contact, state, k, 0) for k in range(count)])

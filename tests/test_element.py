@@ -133,7 +133,7 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     mesh = polar_mesh(lanes[0].radii / units[0], COARSE.sectors)
     body = Body.of(mesh)
     march, states = begun(lanes, lanes, mesh, body, units, System.of(body, friction == 0.0), 1e-9)
-    contact, state, count = march.contact, states.contact, len(body.distance)
+    contact, state, count = march.setup.contact, states.contact, len(body.distance)
     rng, depth = np.random.default_rng(2), np.full(LANES, 0.3)
     held = body.radial[1:]
     u = np.zeros((body.size + 1, LANES))

@@ -61,12 +61,12 @@ class Surface:
 
     @classmethod
     def of(cls, march, states):
-        body, contact, scale = march.body, march.contact, march.drives.scale[0]
+        body, contact, scale = march.setup.body, march.setup.contact, march.drives.scale[0]
         inner = np.zeros_like(states.displacement)
         material = states.material._replace(points=deepcopy(states.points))
         internal_forces(march.setup, material, states.displacement, inner)
         moved, distance = states.displacement[body.radial[1:], 0], body.distance[1:]
-        profile = [profile_at(march.large, contact.tip, 0, *at) for at in zip(distance, moved, strict=True)]
+        profile = [profile_at(march.setup.large, contact.tip, 0, *at) for at in zip(distance, moved, strict=True)]
         slope = np.array(profile)[:, 1]
         radial, vertical = -inner[body.radial[1:], 0] / scale, -inner[body.vertical[1:], 0] / scale
         weight, touching = contact.area * states.contact.pressure[0] / scale, states.contact.share[:, 0]
@@ -227,7 +227,7 @@ def loaded(case, steps, monkeypatch):
 def forces_of(march, states, displacement, depth):
     """Return the forces of the contact (size + 2, LANES) at other displacements; the load comes last."""
     trial = states.trial._replace(displacement=displacement, depth=depth, reaction=np.zeros(LANES))
-    forces, coupling = np.zeros_like(displacement), no_coupling(len(march.body.radial))
+    forces, coupling = np.zeros_like(displacement), no_coupling(len(march.setup.body.radial))
     contact_forces(march.setup, trial, forces, coupling, np.zeros(LANES, dtype=bool))
     return np.vstack([forces, trial.reaction]), coupling.tangent
 
@@ -238,7 +238,7 @@ def forces_of(march, states, displacement, depth):
 def test_tangent_of_the_contact_is_the_derivative_of_its_forces(shape, large, friction, monkeypatch):
     case = Case(Specimen(BURGERS), Indenter(*shape, friction=friction), TEST, STANDARD, large)
     march, states = loaded(case, 20, monkeypatch)
-    body, step = march.body, 1e-6 * states.depth[0]
+    body, step = march.setup.body, 1e-6 * states.depth[0]
     states.depth += 10.0 * step  # what touches has just begun to grow, with all that is anchored
     _, tangent = forces_of(march, states, states.displacement, states.depth)
     stiffest = np.abs(tangent[:, 0, :, 0]).max()
@@ -267,7 +267,7 @@ def test_forces_of_the_contact_have_a_potential(large, monkeypatch):
     march, states = loaded(
         Case(Specimen(BURGERS), Indenter("sphere", radius=2000.0), TEST, STANDARD, large), 20, monkeypatch
     )
-    body, contact, state, lane = march.body, march.contact, states.contact, 0
+    body, contact, state, lane = march.setup.body, march.setup.contact, states.contact, 0
 
     def potential(displacement):
         total, trial = 0.0, states.trial._replace(displacement=displacement)

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.solver.axisymmetric.bordered import System
-from palpate.solver.axisymmetric.contact import Contact, ContactState, begin_step, end_step
+from palpate.solver.axisymmetric.contact import ContactState, begin_step, end_step
 from palpate.solver.axisymmetric.drive import Drives
-from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.law_lanes import Points, turn
 from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
@@ -87,11 +86,8 @@ class March:
 
     Parameters
     ----------
-    large : bool or None
-        See `palpate.solver.axisymmetric.assembly`.
-    body : Body
+    setup : Setup
     bodies : Specimens
-    attraction : Attraction
     drives : Drives
         What is prescribed.
     units : ndarray, shape (LANES,)
@@ -107,10 +103,8 @@ class March:
         Count the work done.
     """
 
-    large: bool | None
-    body: Body
+    setup: Setup
     bodies: Specimens
-    contact: Contact
     drives: Drives
     units: np.ndarray
     system: System
@@ -119,11 +113,6 @@ class March:
     halvings: np.ndarray
     iterations: np.ndarray
     steps: np.ndarray
-
-    @property
-    def setup(self) -> Setup:
-        """What compiled functions take of it."""
-        return Setup(self.large, self.body, self.contact)
 
     def prescribed(self, end: np.ndarray) -> Prescribed:
         """Return what is prescribed at times (LANES,) [s]."""
@@ -167,7 +156,7 @@ class March:
 
     def _first(self, states: States) -> np.ndarray:
         """Return whether lanes have not touched much so far; with adhesion, whether at all."""
-        little = np.where(self.contact.strength > 0.0, 0.0, LITTLE) * self.onset[0]
+        little = np.where(self.setup.contact.strength > 0.0, 0.0, LITTLE) * self.onset[0]
         return states.contact.widest <= little
 
     def open(self, states: States, begin: np.ndarray, end: np.ndarray) -> None:
@@ -184,12 +173,12 @@ class March:
         A share of the depth, lest the tip leaves the surface for good; with adhesion, what its attraction spans.
         """
         largest = np.abs(change[:-2]).max(axis=0)
-        rise = states.contact.rise * self.contact.width[-1]
+        rise = states.contact.rise * self.setup.contact.width[-1]
         free = np.maximum(FARTHEST * np.abs(states.depth) + rise, largest)
         held = np.maximum(
-            STRIDE * self.contact.reach, np.maximum(largest, np.where(self._first(states), states.depth, 0.0))
+            STRIDE * self.setup.contact.reach, np.maximum(largest, np.where(self._first(states), states.depth, 0.0))
         )
-        return np.where(self.contact.attraction.any(axis=0), held, free)
+        return np.where(self.setup.contact.attraction.any(axis=0), held, free)
 
     def in_parts(
         self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray,

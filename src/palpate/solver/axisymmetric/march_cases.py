@@ -41,6 +41,7 @@ from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.axisymmetric.regularisation import contact_of, elastic_excess, first_contact
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.solver.axisymmetric.trend import Trend
+from palpate.solver.axisymmetric.trial_state import Setup
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
@@ -335,7 +336,7 @@ def begun(
     depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])
     onset = np.stack([touching.area, depth])
     march = March(
-        large or None, body, bodies, contact, drives, units, system, tolerance, onset,
+        Setup(large or None, body, contact), bodies, drives, units, system, tolerance, onset,
         np.array([c.halvings for c in hosts]), *np.zeros((2, LANES), dtype=np.int64),
     )  # fmt: skip
     states = States(

@@ -87,7 +87,7 @@ class Neighbours:
         """
         refactor(self.host.setup, arrived.material, arrived.trial._replace(reaction=np.zeros(LANES)), self.host.system)
         for k, march in enumerate(self.marches):
-            rubs = march.contact.friction.any()
+            rubs = march.setup.contact.friction.any()
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
             away, deeper = states.displacement - start.displacement, states.depth - start.depth
             wider = states.contact.area - start.contact.area
