@@ -93,7 +93,7 @@ def curves(
         protocol = condition.protocol
         columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
-            of_site = fit.problem.split(fit.by_sites @ fit.residual).get(condition.name, 0.0)
+            of_site = fit.problem.split(fit.of_sites).get(condition.name, 0.0)
             columns[name] = curve + in_mean(study, fit, condition, curve, item) + of_site
         columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
         tables.append(pd.DataFrame(columns))

@@ -102,10 +102,15 @@ class Fit:
         sites = block_diag(*(variance / count * part["site"] for part, count in parts))
         return np.linalg.solve(errors.covariance, sites).T
 
+    @cached_property
+    def of_sites(self) -> np.ndarray:
+        """The most likely effect of the sites (n_all,) [nm]."""
+        return self.by_sites @ self.residual
+
     @property
     def left(self) -> np.ndarray:
-        """What is left of the residual beside the most likely effect of the sites (n_all,) [nm]."""
-        return self.residual - self.by_sites @ self.residual
+        """What is left of the residual beside it (n_all,) [nm]."""
+        return self.residual - self.of_sites
 
     @cached_property
     def tangent_space(self) -> np.ndarray:

@@ -47,27 +47,15 @@ class Reference:
     fast : ndarray, shape (n_kept,)
         At those that are `kept` (bool, n_points).
     kept : ndarray
-    refinement : ndarray, shape (n_points,)
-        What the refinement to the model of record changed; none where its own accuracy is not known from that.
     """
 
     accurate: np.ndarray
     fast: np.ndarray
     kept: np.ndarray
-    refinement: np.ndarray | None = None
 
-    @classmethod
-    def refined(cls, accurate: np.ndarray, fast: np.ndarray, kept: np.ndarray, time: np.ndarray) -> Reference:
-        """Return the reference of a finer mesh in smaller steps.
-
-        Parameters
-        ----------
-        accurate, fast, kept
-            See the class.
-        time : ndarray, shape (n_points,)
-            Of all samples [s].
-        """
-        return cls(accurate, fast, kept, np.interp(time, time[kept], accurate[kept] - fast))
+    def change(self, time: np.ndarray) -> np.ndarray:
+        """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
+        return np.interp(time, time[self.kept], self.accurate[self.kept] - self.fast)
 
     def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
@@ -122,14 +110,11 @@ class SpaceMapped:
             if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
                 continue
             added, kept = added_by_instrument(full.amplitudes(u), condition.protocol), keep[condition.name]
-            time, body = condition.protocol.sample_time, (whole.response - added, thin.response - added[kept], kept)
+            reference = Reference(whole.response - added, thin.response - added[kept], kept)
             if pyramid:
-                reference = Reference(*body)
-                references[condition.name] = replace(
-                    reference, accurate=reference.carried(pyramid.response - added[kept], time)
-                )
-            else:
-                references[condition.name] = Reference.refined(*body, time)
+                accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
+                reference = replace(reference, accurate=accurate)
+            references[condition.name] = reference
         return cls(full, references, u, full.mechanisms)
 
     @property
@@ -207,9 +192,10 @@ class SpaceMapped:
 
     @property
     def refinements(self) -> dict[str, np.ndarray]:
-        """See `Forward`."""
-        found = {name: reference.refinement for name, reference in self.references.items()}
-        return {name: changed for name, changed in found.items() if changed is not None}
+        """See `Forward`; a pyramid differs from its cone by more than the error of a mesh."""
+        study = self.full.study
+        known = self.references.items() if study.indenter.of_revolution else ()
+        return {name: each.change(study.condition(name).protocol.sample_time) for name, each in known}
 
     @property
     def _conditions(self) -> Sequence[Condition]:

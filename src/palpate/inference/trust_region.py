@@ -150,15 +150,16 @@ def resumed(
     misfit, model, iterations, tolerance, exact
         See `descend`.
     """
-    (curves,) = model.curves([way.u])
-    if not isinstance(curves, str):
-        return descend(misfit, model, [replace(way, curves=curves, exact=False)], iterations, tolerance, exact)
+    (outcome,) = model.curves([way.u])
+    if not isinstance(outcome, str):
+        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact)
+    failed = outcome
     for start in reversed(way.path):
         try:
             return descend(misfit, model, [start], iterations, tolerance, exact)
         except PalpateError as error:
-            curves = str(error)
-    raise PalpateError(curves)
+            failed = str(error)
+    raise PalpateError(failed)
 
 
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:

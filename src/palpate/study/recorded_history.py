@@ -127,10 +127,15 @@ def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERA
     """
     if corners(time, drive, _allowed(drive, tolerance)).sum() <= MOST_KNOTS:
         return 1
-    most = max(len(drive) // SHORTEST, 2)
+    most = _most_averaged(drive)
     over = min(MARGIN * _enough(time, drive, 2, most, tolerance), most)
     over = _enough(time, drive, over, most, tolerance)  # averages over few points may need fewer than over more
     return over if swing(drive, over) < WILDEST * drive.max() else 1
+
+
+def _most_averaged(drive: np.ndarray) -> int:
+    """Return over how many points a drive (n,) is averaged at most."""
+    return max(len(drive) // SHORTEST, 2)
 
 
 def _enough(time: np.ndarray, drive: np.ndarray, over: int, most: int, tolerance: float) -> int:
@@ -148,7 +153,7 @@ def averaged_noise(time: np.ndarray, drive: np.ndarray) -> float:
 
 def _why(drive: np.ndarray, control: str) -> str:
     """Return, for a message, by how much a drive (n,) swings where that is too much for its average to be followed."""
-    share = swing(drive, max(len(drive) // SHORTEST, 2)) / float(drive.max())
+    share = swing(drive, _most_averaged(drive)) / float(drive.max())
     if share < WILDEST:
         return ""
     return (

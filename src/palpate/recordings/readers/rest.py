@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
+from palpate.recordings.borne_load import OUTLIER
 from palpate.recordings.contact_point import CLEAR, noise_of
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
@@ -40,7 +41,7 @@ def _last_at_rest(load: np.ndarray, depth: np.ndarray, largest: float) -> int:
     moved = np.zeros(len(load), dtype=bool)
     for channel in (load, depth):
         clear = max(CLEAR * noise_of(channel), BARELY_LOADED * float(np.ptp(channel)))
-        moved |= np.abs(median_filter(channel, 5, mode="nearest") - np.median(channel[:FIRST])) > clear
+        moved |= np.abs(median_filter(channel, OUTLIER, mode="nearest") - np.median(channel[:FIRST])) > clear
     still = int(np.argmax(moved))
     if not still or abs(np.median(load[:still])) > max(CLEAR * noise_of(load), BARELY_LOADED * largest):
         return 0
