@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import spearmanr
+import pandas as pd
 
 from palpate.recordings.baseline import Baselines, waves_in
 from palpate.recordings.contact_evidence import (
@@ -157,7 +157,7 @@ def rises_steadily(load: np.ndarray) -> bool:
     """Return whether a load (n,) rises over all its points, by its rank correlation with their order."""
     if len(load) < 3 or np.ptp(load) == 0.0:
         return False
-    return bool(spearmanr(np.arange(len(load)), load).statistic > STEADY)
+    return bool(np.corrcoef(np.arange(len(load)), pd.Series(load).rank())[0, 1] > STEADY)
 
 
 def _excursion(time: np.ndarray, load: np.ndarray, length: int) -> float:

@@ -23,8 +23,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 from scipy.linalg import block_diag
+from scipy.special import stdtrit
 
 CORRELATIONS = np.sin(np.linspace(0.0, np.arcsin(0.99), 100))
 ROUNDING = np.finfo(float).eps
@@ -92,5 +92,5 @@ def shared_coefficient(series: Sequence[Series]) -> Shared:
     weight /= weight.sum()
     change = float(weight @ solution[:, 0, 0])
     variance = np.linalg.inv(information)[:, 0, 0] * power / (count - width) + (solution[:, 0, 0] - change) ** 2
-    half = float(stats.t.ppf(0.975, count - width) * np.sqrt(weight @ variance))
+    half = float(stdtrit(count - width, 0.975) * np.sqrt(weight @ variance))
     return Shared(float(begin[0]) + change, half, float((whitened - 0.5 * count * np.log(power / count)).max()))

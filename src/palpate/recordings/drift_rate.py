@@ -15,7 +15,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtri
 
 from palpate.errors import InputError
 from palpate.recordings.correlated_errors import Series, Shared, shared_coefficient
@@ -26,7 +26,7 @@ FEWEST = 20
 CORNER = 2
 TRANSIENTS = 12
 VERY_STRONG = 10.0
-PROFILE = 0.5 * stats.chi2.ppf(0.95, 1)
+PROFILE = 0.5 * chdtri(1, 0.05)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from palpate.solver.axisymmetric.trial_state import Material, Prescribed, Setup,
 from palpate.study.specimen import halfway
 
 LITTLE = 0.2  # of the area of the first contact that counts, below which there has been none
-SPREADING = 0.5  # largest change of the logarithm of the area of contact that a guess carries on
 FARTHEST = 0.2  # of the depth, that one iteration moves a node
 STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
 
@@ -73,7 +72,7 @@ class States:
     def add(self, change: np.ndarray) -> None:
         """Change the unknowns (size + 3, LANES)."""
         self.displacement, self.depth = self.displacement + change[:-2], self.depth + change[-2]
-        self.contact.area[:] *= np.exp(np.clip(change[-1], -SPREADING, SPREADING))
+        self.contact.area[:] *= np.exp(change[-1])
 
     def _arrays(self) -> list[np.ndarray]:
         own = [self.laws, self.weights, self.displacement, self.depth, self.reaction]

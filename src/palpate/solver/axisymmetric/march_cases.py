@@ -42,6 +42,7 @@ from palpate.solver.axisymmetric.regularisation import contact_of, elastic_exces
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.solver.axisymmetric.trend import Trend
 from palpate.solver.axisymmetric.trial_state import Setup
+from palpate.solver.axisymmetric.widening import Widening
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen
@@ -234,7 +235,7 @@ def run_lanes(
     ends = np.stack([_prolonged(case.times, counts.max()) for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([np.resize(case.carries, counts.max()) for case in lanes], axis=1)
-    start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
+    start, alive, widening = deepcopy(states), np.ones(LANES, dtype=bool), Widening.of(mesh)
     depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
     trend, reasons = Trend.none(len(states.unknowns)), [""] * LANES
     for k, (begin, end) in enumerate(pairwise(times.T)):
@@ -242,7 +243,10 @@ def run_lanes(
         before = states.unknowns
         alive &= k < counts
         going = alive & (sticking | (k >= unloaded))
-        found = march.step(states, begin, end, trend.guess(end - begin, carries[k]), going)
+        loading = march.drives.loading(times[:, max(k - 1, 0)]), march.drives.loading(begin), march.drives.loading(end)
+        usual = trend.guess(end - begin, carries[k])
+        guess = widening.guess(states, trend.last, loading, usual, going & ~sticking)
+        found = march.step(states, begin, end, guess, going)
         if beside:
             neighbours.follow(start, states, begin, end, found)
         lost = going & ~found

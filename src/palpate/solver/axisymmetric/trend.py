@@ -8,6 +8,8 @@ import numpy as np
 
 from palpate.solver.axisymmetric.lanes import LANES
 
+SPREADING = 0.5  # largest change of the logarithm of the area of contact that is carried on
+
 
 @dataclass(frozen=True, eq=False)
 class Trend:
@@ -41,7 +43,9 @@ class Trend:
         earlier = np.where(bends, self.earlier, 1.0)
         bend = np.where(bends, step * (step + self.taken) / (self.taken + earlier), 0.0)
         change = np.where(carries, step / self.taken, 0.0) * self.last
-        return change + bend * (self.last / self.taken - self.before / earlier)
+        change = change + bend * (self.last / self.taken - self.before / earlier)
+        change[-1] = np.clip(change[-1], -SPREADING, SPREADING)
+        return change
 
     def followed(self, change: np.ndarray, step: np.ndarray, carried: np.ndarray) -> Trend:
         """Return the trend after one more `change` (unknowns, LANES) in a `step` that carried on or not."""
