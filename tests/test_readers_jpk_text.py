@@ -94,6 +94,7 @@ def test_a_height_of_the_piezo_is_reported(tmp_path):
         ("# TEXT EXPORT\n#\n1 2 3\n", "does not name each column with a unit"),
         (export(("strainGaugeHeight", "seriesTime")), "lacks the column vDeflection"),
         (export(("vDeflection", "seriesTime")), "lacks the column strainGaugeHeight"),
+        (export(("vDeflection", "strainGaugeHeight", "seriesTime"), facts={}), "the way of the tip is not known"),
     ],
 )
 def test_what_is_missing_is_named(tmp_path, text, problem):

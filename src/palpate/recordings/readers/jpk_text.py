@@ -33,7 +33,7 @@ SPREAD = "the file holds no time: the points of each segment are spread evenly o
 
 
 @dataclass(frozen=True)
-class Segment:
+class ExportedSegment:
     """One segment of a force curve.
 
     Parameters
@@ -96,9 +96,9 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     return [VendorTest(name, recording, facts, (*warnings, *messages), marked=False)]
 
 
-def _segments(source: Source) -> list[Segment]:
+def _segments(source: Source) -> list[ExportedSegment]:
     """Return the segments that hold numbers."""
-    found: list[Segment] = []
+    found: list[ExportedSegment] = []
     facts: dict[str, str] = {}
     begin = 0
     lines = [*source.lines, "#"]
@@ -114,7 +114,7 @@ def _segments(source: Source) -> list[Segment]:
     return found
 
 
-def _segment(source: Source, facts: dict[str, str], lines: list[str], first_line: int) -> Segment:
+def _segment(source: Source, facts: dict[str, str], lines: list[str], first_line: int) -> ExportedSegment:
     """Return the segment in `lines`, below its header's entries."""
     names, units = (facts.get(key, "").split() for key in ("columns", "units"))
     if not names or len(names) != len(units):
@@ -123,10 +123,10 @@ def _segment(source: Source, facts: dict[str, str], lines: list[str], first_line
             file=source.path, place=f"line {first_line}",
         )  # fmt: skip
     values = table(["\t".join(line.split()) for line in lines], first_line, len(names), source.path)
-    return Segment(facts, dict(zip(names, zip(values.T, units, strict=True), strict=True)))
+    return ExportedSegment(facts, dict(zip(names, zip(values.T, units, strict=True), strict=True)))
 
 
-def _force(segment: Segment) -> np.ndarray:
+def _force(segment: ExportedSegment) -> np.ndarray:
     """Return the load of a segment [mN], from the deflection where that is no force yet."""
     if FORCE not in segment.channels or segment.channels[FORCE][1] not in ("V", "m"):
         return segment.channel("load", [FORCE])
@@ -140,17 +140,20 @@ def _force(segment: Segment) -> np.ndarray:
     return SCALES["load"]["N"] * np.prod(list(factors.values())) * values
 
 
-def _depth(segment: Segment, load: np.ndarray) -> np.ndarray:
+def _depth(segment: ExportedSegment, load: np.ndarray) -> np.ndarray:
     """Return the depth of the tip [nm], from any zero, under a `load` [mN]."""
     if any(name in segment.channels for name in TIP):
         return -segment.channel("depth", TIP)
     spring = segment.stated("springConstant")
     if not spring:
-        raise not_stated("spring constant")
+        raise InputError(
+            "states no spring constant, so that the way of the tip is not known",
+            remedy=f"calibrate the cantilever, or export the column {TIP[0]} too",
+        )
     return -segment.channel("depth", HEIGHTS) - 1e6 * load / spring
 
 
-def _time(segments: Sequence[Segment]) -> tuple[list[np.ndarray], tuple[str, ...]]:
+def _time(segments: Sequence[ExportedSegment]) -> tuple[list[np.ndarray], tuple[str, ...]]:
     """Return the times of all segments [s], and what the user should know of them.
 
     A clock that each segment starts anew goes on from the end of the one before.
