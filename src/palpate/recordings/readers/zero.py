@@ -107,11 +107,11 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
 def _sought(whole: Recording, moving: Recording) -> tuple[Recording, ContactPoint | None]:
     """Return the recording in which contact was sought, and the one found; None where the test begins at contact.
 
-    The part from where the reader begins is searched first. Where that begins off contact, the retreat before it shows
-    the load without contact.
+    The part from where the reader begins is searched first. Where that begins off contact or in air, the retreat before
+    it shows the load without contact.
     """
     air = air_before(moving)
-    if air is None and len(whole) > len(moving) and begins_off_contact(moving):
+    if air is None and len(whole) > len(moving) and (begins_off_contact(moving) or air_at_start(moving)):
         return whole, air_before(whole)
     return moving, air
 
