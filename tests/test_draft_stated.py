@@ -1,5 +1,6 @@
 """What files say of tip and sample goes into a draft, where they say it alike and it can be simulated."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,8 @@ from test_readers import XP, needs_recordings
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft import KnownTip, Solid, Stated
+from palpate.draft.metadata import not_taken
+from palpate.draft.stated import modulus_and_hardness
 from palpate.recordings.readers import read_vendor_file
 
 ROUNDED = {"Area Coefficient 1": "24.6954", "Area Coefficient 2": "395.770081", "Area Coefficient 3": "-16.1315828"}
@@ -53,3 +56,40 @@ def test_the_stated_tip_brings_unloading_near_the_modulus_of_fused_silica():
     with_tip, ideal = (Solid.of(recordings, tip, 0.18) for tip in (KnownTip.of(stated, None, 1000.0), KnownTip()))
     assert with_tip.modulus == pytest.approx(72.0, rel=0.05)
     assert ideal.modulus > with_tip.modulus
+
+
+def anton_paar(area, depth):
+    return {"Ap": f"{area:.2f} nm²", "hc": f"{depth:.2f} nm"}
+
+
+def of_sphere(radius, depth):
+    """Anton Paar's entries for a sphere, whose cap of this height has the area pi (2 R h - h^2) at its edge."""
+    return anton_paar(math.pi * (2.0 * radius * depth - depth**2), depth)
+
+
+def test_the_vendor_s_contact_area_tells_a_sphere_from_a_pyramid():
+    spheres = [of_sphere(5e5, depth) for depth in (9e3, 12e3, 16e3)]
+    tip = KnownTip.of(Stated.by_all(spheres), deepest=2e4)
+    assert (tip.keys["shape"], tip.keys["radius"]) == ("sphere", pytest.approx(5e5, rel=0.01))
+    assert "contact area" in tip.why
+    pyramid = [anton_paar(24.5 * depth**2 + 2000.0 * depth, depth) for depth in (900.0, 1500.0)]
+    assert KnownTip.of(Stated.by_all(pyramid), deepest=1800.0) == KnownTip()
+    assert KnownTip.of(Stated.by_all([*spheres, of_sphere(1e5, 9e3)]), deepest=2e4) == KnownTip()
+
+
+def test_a_contact_area_of_another_tip_is_reported_where_it_is_not_taken():
+    named = [("a", anton_paar(2.6 * 1000.0**2, 1000.0))]
+    (remark,) = not_taken(named, Stated(poisson_ratio=0.3), KnownTip())
+    assert "2.6 times the square of its depth" in remark
+    assert not not_taken([("a", anton_paar(24.6 * 1000.0**2, 1000.0))], Stated(poisson_ratio=0.3), KnownTip())
+
+
+def test_the_ratio_that_optics11_writes_into_its_modulus_is_taken():
+    metadata = {"E[eff] (Pa)": "23434.7", "E[v=0.400] (Pa)": "17576.0"}
+    assert Stated.by_all([metadata]).poisson_ratio == 0.4
+    assert modulus_and_hardness(metadata, 0.4) == (pytest.approx(17576e-9), None)
+
+
+def test_a_modulus_by_hertz_stands_in_for_that_by_unloading():
+    assert modulus_and_hardness({"EHz": "755.57 kPa"}, 0.3)[0] == pytest.approx(755.57e-6)
+    assert modulus_and_hardness({"EHz": "755.57 kPa", "EIT": "840.33 kPa"}, 0.3)[0] == pytest.approx(840.33e-6)

@@ -294,3 +294,27 @@ def test_without_a_column_of_the_load_cell_the_frame_stands_for_it(tmp_path):
 def test_a_spoilt_newer_hld_gets_one_line(tmp_path, spoil, words):
     with pytest.raises(InputError, match=words):
         read(tmp_path, spoil(newer()))
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Tue Nov 22\n\nNumber of Points = {}\nDepth (nm)\tLoad (µN)\tTime (s)",
+        "Test Type: Indentation\nTest Data Points: {}\nDisp_nm\tForce_µN\tTime_s",
+    ],
+    ids=["text", "hld without a version"],
+)
+def test_contact_after_a_retreat_is_found_where_the_transducer_s_spring_pulls(tmp_path, above):
+    """A TI Premier lifts the tip from its first touch; without contact the load falls with the depth."""
+    time = np.linspace(0.0, 24.0, 2401)
+    load = np.interp(time, [0.0, 0.5, 2.0, 2.2, 12.0, 14.0, 24.0], [0.0, -4e-3, -5.2e-3, -4.4e-3, 5.0, 5.0, 0.0])
+    touched = np.maximum(load + 4.4e-3, 0.0)
+    air = np.interp(time, [0.0, 0.5, 2.0, 2.2], [0.0, -2.0, -32.0, -8.0])
+    depth = np.where(time < 2.2, air, -8.0 + 110 * np.sqrt(touched))
+    rows = zip(depth, 1e3 * load, time, strict=True)
+    lines = [above.format(len(time)), *("\t".join(f"{value:.6f}" for value in row) for row in rows), ""]
+    test = read(tmp_path, "\n".join(lines))
+    peak = int(np.argmax(test.recording.load))
+    assert test.recording.depth[peak] == pytest.approx(110 * np.sqrt(5.0), rel=0.01)
+    assert (test.recording.load[0], test.recording.depth[0]) == (0.0, 0.0)
+    assert any("the tip retreats by 32 nm before contact" in message for message in test.warnings)

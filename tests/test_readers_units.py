@@ -18,6 +18,7 @@ from palpate.recordings.readers import ColumnMap, read_vendor_file
         (("t", "F_N", "h"), ["s\tµN\t[μm]"]),
         (("t", "F_N", "h"), ["raw\traw\traw", "s\tµN\t[μm]"]),
         (("elapsed_time_s", "sample_load_uN", "tip_depth_um_raw"), []),
+        (("time_s", "load_micro_N", "depth_micro_m"), []),
         (("Time s", "Load in uN", "Depth, um"), []),
         (("s", "uN", "um"), []),
         (("Time (s)", "Load / uN", "Depth_um"), ["sec\tμN\tum"]),

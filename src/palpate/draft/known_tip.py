@@ -83,6 +83,9 @@ class KnownTip:
             return cls(keys, f"nm, {known}")
         if angle:
             return cls({"shape": "cone", "half_angle": angle}, f"{FILES}: {stated.shape}, by its equivalent cone")
+        if stated.sphere and not stated.shape:
+            keys = {"shape": "sphere", "radius": float(f"{stated.sphere:.3g}")}
+            return cls(keys, "nm, from the contact area and depth that the files state")
         return cls()
 
     @property

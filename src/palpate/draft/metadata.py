@@ -8,9 +8,10 @@ from typing import Any
 
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.solid import POISSON_RATIO
-from palpate.draft.stated import Stated, coefficients, of_instrument, poisson_ratio, radius_entry
+from palpate.draft.stated import Stated, area_share, coefficients, of_instrument, poisson_ratio, radius_entry
 
 BERKOVICH, NEAR = 24.5, 0.05
+NEAR_AREA = 1.25  # chosen: ratio to the ideal tip's area that a real Berkovich tip has at some depth
 NamedMetadata = Sequence[tuple[str, Mapping[str, Any]]]
 
 
@@ -45,6 +46,14 @@ def not_taken(
             remarks += _remark("the tip's area function", shown, reason, "a Berkovich tip is guessed")
         radii = {name: radius_entry(each) for name, each in tests}
         remarks += _remark("the tip's radius", radii, "it is no length above zero", "a Berkovich tip is guessed")
+        shares = {name: area_share(each) for name, each in tests}
+        if any(share and not 1.0 / NEAR_AREA < share / BERKOVICH < NEAR_AREA for share in shares.values()):
+            shown = {
+                name: f"{share:.3g} times the square of its depth" if share else "" for name, share in shares.items()
+            }
+            remarks += _remark(
+                "the contact area", shown, f"it is {BERKOVICH} times for a Berkovich tip", "a Berkovich tip is guessed"
+            )
         if stated.shape and stated.shape not in ("berkovich", "vickers"):
             remarks.append(
                 f"the files state a tip of the shape {stated.shape}, without what it takes to simulate it; a Berkovich "

@@ -7,18 +7,22 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from statistics import median
 from typing import Any, TypeVar
 
 from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import number
 from palpate.recordings.readers.units import SCALES, plain
+from palpate.study.area_function import BERKOVICH
 from palpate.study.indenter import Indenter
 
 COEFFICIENTS = {"Area Coefficient {}": 1, "Tip C{}": 0}  # MTS/Agilent XP, Hysitron; number of the first
 LENGTH = SCALES["depth"]
 SPRINGS = {f"{a}/{b}": SCALES["load"][a] / LENGTH[b] for a in SCALES["load"] for b in LENGTH}  # to mN/nm
 PRESSURES = {"Pa": 1e-9, "kPa": 1e-6, "MPa": 1e-3, "GPa": 1.0, "N/mm2": 1e-3, "N/mm^2": 1e-3}
+AREAS = {f"{unit}2": scale**2 for unit, scale in LENGTH.items()}
 OF_SAMPLE = re.compile(r"(?!.*(indenter|tip|probe|diamond)).*poisson['’]?s? ratio", re.IGNORECASE)
+IN_MODULUS = re.compile(r"E ?\[(?:v|nu|ν) ?= ?(\d*[.,]\d+)\]")  # as Optics11 writes it
 OF_TIP = "(tip|probe|indenter|bead|sphere|ball|colloid|particle)"
 RADIUS = re.compile(rf"(?!.*contact).*({OF_TIP}.*radius|radius.*{OF_TIP})", re.IGNORECASE)
 DIAMETER = re.compile(rf"(?!.*contact).*({OF_TIP}.*diameter|diameter.*{OF_TIP})", re.IGNORECASE)
@@ -41,12 +45,16 @@ MODULUS = re.compile(
     re.IGNORECASE,
 )
 PLANE_STRAIN = re.compile(r"E ?IT ?/ ?\(1", re.IGNORECASE)  # E / (1 - nu^2), as Fischer writes it
+BY_HERTZ = re.compile(r"E ?Hz$")
+CONTACT_AREA, CONTACT_DEPTH = re.compile(r"Ap$"), re.compile(r"hc$")  # as Anton Paar writes them
 HARDNESS = re.compile(r"(?!.*(limit|vickers))(H ?IT\b|H$|H average|(avg |average )?hardness\b)", re.IGNORECASE)
 OF_INSTRUMENT = {
     "frame": re.compile(r"frame (stiffness|compliance)|machine comp", re.IGNORECASE),
     "drift": re.compile(r"(?!.*(allowable|\?)).*(drift (rate|correction)|drift \[)", re.IGNORECASE),
     "temperature": re.compile(r"(test )?temp(erature)?\b", re.IGNORECASE),
 }
+BLUNT = 2.0  # chosen: a pyramid whose end has worn off does not have so much of the ideal one's area
+ROUNDED = 1.1  # chosen: ratio of radii that follow from rounded areas and depths of one tip
 Value = TypeVar("Value")
 
 
@@ -69,6 +77,8 @@ class Stated:
         Stiffness of the cantilever by which the load was applied [mN/nm].
     control
         What the instrument held to its course, in the file's word, such as ``Displacement``.
+    sphere
+        Radius of the sphere whose contact area at the contact depth is the one that the vendor evaluated [nm].
     """
 
     area: tuple[float, ...] = ()
@@ -77,6 +87,7 @@ class Stated:
     shape: str = ""
     spring: float | None = None
     control: str = ""
+    sphere: float | None = None
 
     @classmethod
     def by_all(cls, metadata: Sequence[Mapping[str, Any]]) -> Stated:
@@ -89,11 +100,20 @@ class Stated:
             _shared([_shape(each) for each in metadata], ""),
             _shared([quantity(each, SPRING, SPRINGS, "N/m") for each in metadata], None),
             _shared([_entry(each, CONTROL) for each in metadata], ""),
+            _alike([_sphere(each) for each in metadata]),
         )
 
 
 def _shared(values: Sequence[Value], otherwise: Value) -> Value:
     return values[0] if len(set(values)) == 1 else otherwise
+
+
+def _alike(values: Sequence[float | None]) -> float | None:
+    """Return the median of values that differ by no more than `ROUNDED`; None where one is missing or others differ."""
+    known = [value for value in values if value is not None]
+    if len(known) < max(len(values), 1) or max(known) > ROUNDED * min(known):
+        return None
+    return median(known)
 
 
 def quantity(
@@ -129,7 +149,9 @@ def modulus_and_hardness(metadata: Mapping[str, Any], ratio: float) -> tuple[flo
     A plane-strain modulus is turned into Young's with a Poisson's `ratio`.
     """
     plane = quantity(metadata, PLANE_STRAIN, PRESSURES)
-    young = quantity(metadata, MODULUS, PRESSURES) or (plane * (1.0 - ratio**2) if plane else None)
+    young = quantity(metadata, MODULUS, PRESSURES) or quantity(metadata, BY_HERTZ, PRESSURES)
+    if young is None and plane:
+        young = plane * (1.0 - ratio**2)
     return young, quantity(metadata, HARDNESS, PRESSURES)
 
 
@@ -157,6 +179,26 @@ def radius_entry(metadata: Mapping[str, Any]) -> str:
 def _radius(metadata: Mapping[str, Any]) -> float | None:
     diameter = quantity(metadata, DIAMETER, LENGTH)
     return quantity(metadata, RADIUS, LENGTH) or (diameter / 2.0 if diameter else None)
+
+
+def area_share(metadata: Mapping[str, Any]) -> float | None:
+    """Return the vendor's contact area as a multiple of the square of its contact depth; None where it is not stated.
+
+    It is 24.5 for an ideal Berkovich or Vickers tip.
+    """
+    area, depth = quantity(metadata, CONTACT_AREA, AREAS), quantity(metadata, CONTACT_DEPTH, LENGTH)
+    return area / depth**2 if area and depth else None
+
+
+def _sphere(metadata: Mapping[str, Any]) -> float | None:
+    """Return the radius of the sphere of the vendor's contact area [nm]; None where a pyramid may have it too.
+
+    A spherical cap of height h has the area pi (2 R h - h^2) at its edge.
+    """
+    share, depth = area_share(metadata), quantity(metadata, CONTACT_DEPTH, LENGTH)
+    if share is None or depth is None or share < BLUNT * BERKOVICH:
+        return None
+    return depth * (share / math.pi + 1.0) / 2.0
 
 
 def _shape(metadata: Mapping[str, Any]) -> str:
@@ -190,6 +232,7 @@ def coefficients(metadata: Mapping[str, Any]) -> tuple[float, ...]:
 def poisson_ratio(metadata: Mapping[str, Any]) -> float | None:
     """Return what a file states as its sample's Poisson's ratio, whatever that is; None where it states none."""
     ratios = [_number(value) for name, value in metadata.items() if OF_SAMPLE.match(name)]
+    ratios += [_number(found[1]) for found in map(IN_MODULUS.match, metadata) if found]
     return next((value for value in ratios if value is not None), None)
 
 

@@ -69,7 +69,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     refuse_corrections(source, corrections)
     ending = _ending(source)
     if ending == ".ibw" and (lacking := [name for name, key in CALIBRATION.items() if not stated(source.content, key)]):
-        raise _not_stated(*lacking)
+        raise not_stated(*lacking)
     try:
         from afmformats import errors, load_data
     except ImportError as error:
@@ -87,7 +87,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
                 for number, curve in enumerate(load_data(copy), 1)
             ]
         except errors.MissingMetaDataError as error:
-            raise _not_stated(*error.meta_keys) from error
+            raise not_stated(*error.meta_keys) from error
         except (Exception, errors.AFMFileFormatError) as error:
             lacks = f": it states no {error.args[0]}" if isinstance(error, KeyError) and error.args else ""
             raise InputError(
@@ -122,7 +122,7 @@ def _test(source: Source, number: int, curve: Any) -> VendorTest:
     """Return one curve of ``afmformats`` as a test."""
     stiffness = float(curve.metadata.get("spring constant", 0.0))
     if not stiffness > 0:
-        raise _not_stated("spring constant")
+        raise not_stated("spring constant")
     names = [name for name in HEIGHTS if name in curve]
     missing = ["height"] * (not names) + ["force"] * ("force" not in curve)
     if missing:
@@ -148,7 +148,7 @@ def _time(source: Source, count: int) -> tuple[np.ndarray, tuple[str, ...]]:
     return step * np.arange(count), messages
 
 
-def _not_stated(*names: str) -> InputError:
+def not_stated(*names: str) -> InputError:
     """Return the error of a curve whose deflection is no force."""
     return InputError(f"states no {' and no '.join(names)}, so that its deflection is no load", remedy=UNCALIBRATED)
 

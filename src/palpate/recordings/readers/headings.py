@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import MISSING
-from palpate.recordings.readers.units import CHANNELS, SCALES, plain, unit_of
+from palpate.recordings.readers.units import CHANNELS, PREFIX, SCALES, plain, unit_of
 
 BRACKETS = "()[]{}<> "
 BRACKETED = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]+?)\s*[)\]}>]")
@@ -17,6 +17,7 @@ LIKE_A_UNIT = re.compile(
     r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
     r"|(?:milli|micro|nano)?seconds)"
 )
+SPELT_OUT = re.compile(r"(?<![^\W_])(milli|micro|nano|pico|kilo)[ _-]([Nms])(?![^\W_])", re.IGNORECASE)
 CHANNEL_WORDS = {
     "time": {"time", "zeit", "temps", "t"},
     "load": {"load", "force", "kraft", "fn", "p", "f"},
@@ -42,12 +43,16 @@ def is_row_of_units(cells: Sequence[str]) -> bool:
     return sum(map(bool, known)) >= 2
 
 
+def _abbreviated(spelt_out: re.Match[str]) -> str:
+    return PREFIX[spelt_out[1].casefold()] + spelt_out[2]
+
+
 def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
     """Return the unit that the table states for a column, or None where it says nothing of any.
 
     What is in brackets, behind a slash or comma or alone in a cell is a unit: ``Load (uN)``, ``P / uN``, ``P, N``.
-    Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``. A single letter in it
-    may also belong to the name, as in ``F_N``.
+    Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``, ``load_micro_N``. A
+    single letter in it may also belong to the name, as in ``F_N``.
 
     Parameters
     ----------
@@ -65,7 +70,7 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     InputError
         When the unit is not known, may be part of the name, or is stated twice and differently.
     """
-    texts = [plain(text) for text in (*alone, heading)]
+    texts = [SPELT_OUT.sub(_abbreviated, plain(text)) for text in (*alone, heading)]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
     name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
     behind += [part for part in name.split(",")[1:] if unit_of(key, part)]

@@ -37,7 +37,7 @@ COMPLIANCE, RATE = (
 )
 UNITS = dict(zip(NEEDED, (COMPLIANCE, RATE, SCALES["depth"], SCALES["load"]), strict=True))
 LEVEL = 10  # points before contact that give the load without it
-UNMARKED = "the file marks no contact; the test begins where the load does (--contact auto finds the contact)"
+UNMARKED = "the file marks no contact; contact is where the load shows it"
 
 
 def matches(source: Source) -> bool:
@@ -89,7 +89,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         depth = depth + (_entry(source, entries, "Machine Comp") if versioned else compliance) * pressed - yielded
     name = source.path.stem
     recording = Recording(since, load - free, depth - zero, name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, facts, warnings)]
+    return [VendorTest(name, recording, facts, warnings, marked=versioned)]
 
 
 def _announced(source: Source) -> int | None:

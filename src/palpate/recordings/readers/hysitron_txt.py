@@ -79,7 +79,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         metadata |= {"drift [nm/s]": f"{drift:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
     name = source.path.stem
     recording = Recording(time - time[begin], load, depth, name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, metadata, warnings)]
+    return [VendorTest(name, recording, metadata, warnings, marked=False)]
 
 
 def applied(

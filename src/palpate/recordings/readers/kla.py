@@ -39,7 +39,7 @@ CHANNELS = {
     "load": ("load", "load on sample", "force on surface", "corrected load"),
     "depth": ("depth", "displacement into surface", "indentation depth", "penetration depth", "corrected depth"),
 }
-UNMARKED = "no marker gives the surface; the test begins where the load does (--contact auto finds the contact)"
+UNMARKED = "no marker gives the surface; contact is where the load shows it"
 
 
 def matches(source: Source) -> bool:
@@ -76,13 +76,13 @@ def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
     channels = [channel(source, sheet, names[key], key) for key in CHANNELS]
     kept, warnings = usable(source, sheet, *channels)
     time, load, depth = (values[kept] for values in channels)
-    marked = surface(source, sheet)
-    if marked is not None and marked <= kept[-1]:
-        begin = int(np.searchsorted(kept, marked))
+    marker = surface(source, sheet)
+    if marker is not None and marker <= kept[-1]:
+        begin, marked = int(np.searchsorted(kept, marker)), True
     else:
-        begin, warnings = contact(load, depth), (*warnings, UNMARKED)
+        begin, marked, warnings = contact(load, depth), False, (*warnings, UNMARKED)
     recording = Recording(time - time[begin], load, depth - depth[begin], sheet, (f"from {source.path.name}",))
-    return VendorTest(sheet, recording, metadata, warnings)
+    return VendorTest(sheet, recording, metadata, warnings, marked)
 
 
 READER = Reader("kla", "KLA workbook", matches, read)

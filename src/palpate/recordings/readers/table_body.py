@@ -91,14 +91,16 @@ def parts_of(body: TableBody) -> list[Part]:
         begin = int(part.rows[np.argmax(whole[part.rows])])
         last = int(np.flatnonzero(whole[:begin])[-1])
         between = range(last + 1, begin)
-        named = [
-            k for k, row in zip(between, words_of(body.cells.rows[last + 1 : begin]), strict=True) if _is_header(row)
+        others = [
+            k
+            for k, row in zip(between, words_of(body.cells.rows[last + 1 : begin]), strict=True)
+            if _is_header(row) and not body.repeated[k]
         ]
-        if any(not body.repeated[k] for k in named):
+        if others:
             raise InputError(
-                f"{', '.join(map(str, body.cells.rows[named[0]]))!r} are other names than those of the test before",
+                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are other names than those of the test before",
                 remedy="write each of several tests to a file of its own",
-                place=body.cells.place(named[0]),
+                place=body.cells.place(others[0]),
             )
     return parts
 

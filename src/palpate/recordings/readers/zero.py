@@ -82,7 +82,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     r = test.recording
     begin = int(np.argmax(r.time >= 0))
     moving, rested = without_rest(r.at(slice(begin, None)))
-    air = None if test.marked else air_before(moving)
+    sought, air = (moving, None) if test.marked else _sought(r, moving)
     if air is None:
         if rested:
             moving = replace(moving, time=moving.time - moving.time[0])
@@ -94,14 +94,26 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
             *sloping(r, begin),
         )
         return _ended(test, moving, messages)
-    share = 100 * share_in_air(moving, air)
+    share = 100 * share_in_air(sought, air)
     message = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
-    retreat = retreat_before(moving, air)
-    if retreat > SHARE * (float(moving.depth.max()) - air.depth):
+    retreat = retreat_before(sought, air)
+    if retreat > SHARE * (float(sought.depth.max()) - air.depth):
         message += f", and the tip retreats by {retreat:.3g} nm before contact"
     message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    messages = (message, *_vague(moving, air), *sloping(moving, air.index))
-    return _ended(test, begun(moving, air, FOUND), messages)
+    messages = (message, *_vague(sought, air), *sloping(sought, air.index))
+    return _ended(test, begun(sought, air, FOUND), messages)
+
+
+def _sought(whole: Recording, moving: Recording) -> tuple[Recording, ContactPoint | None]:
+    """Return the recording in which contact was sought, and the one found; None where the test begins at contact.
+
+    The part from where the reader begins is searched first. Where that begins off contact or in air, the retreat before
+    it shows the load without contact.
+    """
+    air = air_before(moving)
+    if air is None and len(whole) > len(moving) and (begins_off_contact(moving) or air_at_start(moving)):
+        return whole, air_before(whole)
+    return moving, air
 
 
 def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) -> VendorTest:
