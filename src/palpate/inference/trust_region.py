@@ -32,6 +32,7 @@ BENDINGS = 3  # times that a bent step is found from the last one
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
 TOLERANCE = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
+FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
 
 @dataclass(eq=False)
@@ -101,7 +102,7 @@ def descend(
     starts
         Coordinates (k,), or searches that have ended.
     iterations
-        Largest number of iterations.
+        Largest number of iterations, but for those that lower the residual by much (`FALLING`).
     tolerance
         Change of chi^2 below which a search has converged.
     exact
@@ -118,15 +119,16 @@ def descend(
     searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
     if not searches:
         raise PalpateError(str(outcomes[0]))
-    for iteration in range(iterations):
+    least = [np.inf]
+    for iteration in range(LONGER * iterations):
         going = [search for search in searches if search.active]
-        if not going:
+        if not going or (iteration >= iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
             break
         _advance(misfit, model, going, tolerance, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
-        least = min(rms.values())
+        least.append(min(rms.values()))
         for search in searches:
-            search.active &= iteration < PATIENCE or rms[search] <= BEHIND * least
+            search.active &= iteration < PATIENCE or rms[search] <= BEHIND * least[-1]
     weights = misfit.weights(min(misfit.discrepancy(misfit.residual(search.curves)) for search in searches))
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
