@@ -251,8 +251,7 @@ class Fitter:
         keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
         measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
         kept = np.concatenate([keep[name] for name in problem.names])
-        scale = np.concatenate([np.full(len(curve), nm[name]) for name, curve in measured.items()])
-        covariance = weighed.covariance[np.ix_(kept, kept)] / np.outer(scale, scale)
+        covariance = weighed.covariance[np.ix_(kept, kept)]
 
         def from_laws(z: np.ndarray) -> np.ndarray:
             return departures(self.laws, problem.amplitudes(explanation, z))
