@@ -179,8 +179,7 @@ def without_mean(diagnosis: Diagnosis) -> list[str]:
 
 def far_out(diagnosis: Diagnosis) -> list[str]:
     """Return which quantities of the most likely explanation lie outside their ranges."""
-    fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
-    found = outside(fits[0])
+    found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
         return []
     return [f"Estimates outside the study's plausible ranges (`parameters`, `diagnosis: ranges`): {', '.join(found)}."]

@@ -169,8 +169,7 @@ def base_fit(
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
     scatter = settings.site_scatter if problem.replicated else 0.0
     fitter = Fitter(brought, scatter, settings.solver_error)
-    begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
-    fit = fitter.base([*begin, *fitter.scattered(rng)])
+    fit = fitter.base([*map(coordinates.scaled, starts), *fitter.scattered(rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)
