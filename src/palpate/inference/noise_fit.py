@@ -204,8 +204,8 @@ def fit_noise(
     """Fit by penalised maximum likelihood.
 
     The likelihood has several maxima, as a long autocorrelation, a random walk and a mechanism resemble each other. The
-    search starts from short and from long autocorrelation, and from each model that this one contains, so that more
-    components never fit worse.
+    search starts from short autocorrelation, and from each model that this one contains, so that more components hardly
+    fit worse; where it contains none, from long autocorrelation, too.
 
     Parameters
     ----------
