@@ -33,7 +33,7 @@ from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 
-DEGREE = 2
+DEGREE = 2  # of the polynomials over segments
 LEAST_LOG_P = -700.0  # where a probability underflows
 
 

@@ -29,7 +29,7 @@ from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
-COARSE = 0.01
+COARSE = 0.01  # relative error of the simulation above which it is said that a misfit may lie within it
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 

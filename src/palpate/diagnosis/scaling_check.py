@@ -17,8 +17,8 @@ from scipy.stats import f as variance_ratio
 from palpate.inference.explanation import Fit
 from palpate.study.protocol import LOAD, Protocol
 
-DEGREE = 2
-SAME = 1e-6
+DEGREE = 2  # of the polynomial in the difference of two tests
+SAME = 1e-6  # relative difference of times and loads that count as equal
 
 
 def similarity(fit: Fit) -> list[dict[str, Any]]:

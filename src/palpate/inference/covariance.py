@@ -30,7 +30,7 @@ from palpate.inference.problem import Problem
 from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS
 
-ASSUMED_RANDOM_WALK = 0.02
+ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
 REFINED = 0.3  # of what the last refinement changed, standard deviation of what the next ones will
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
