@@ -7,7 +7,7 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.detect import examine, filters, simulated_noise
+from palpate.diagnosis.detect import examine, filters, log_p, simulated_noise
 from palpate.diagnosis.screen import Screen
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import components, noise_of
@@ -21,7 +21,7 @@ def p_of(fit):
 def loudest_of_noise(fit, rng, draws):
     """Return the logarithm of the p-value of the filter that sticks out most, of noise alone (draws,)."""
     noise = simulated_noise(fit, draws, rng)
-    return np.min([each.log_p(noise) for each in filters(fit, Screen.of(fit, RECORD_ONLY))], axis=0)
+    return np.min([log_p(basis, noise) for basis in filters(fit, Screen.of(fit, RECORD_ONLY))], axis=0)
 
 
 def moved(fit, z):

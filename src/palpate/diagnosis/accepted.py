@@ -10,7 +10,7 @@ from palpate.inference.explanation import Fit
 from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
-CLOSE = np.log(100.0)
+CLOSE = np.log(100.0)  # of log evidence, within which explanations are accepted beside each other
 NEEDED = 2.0  # of the log evidence: a parameter costs one by Akaike's criterion, about three by Schwarz's
 
 

@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 from palpate.inference.explanation import Fit
 
 DRAWS = 20000
-JITTER = 1e-9
+JITTER = 1e-9  # of the variance of a value, added where the simulation is exact
 
 
 def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:

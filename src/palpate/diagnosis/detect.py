@@ -20,7 +20,6 @@ them, and whether the values of a mechanism in the explanation depend on the tes
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cholesky
@@ -34,28 +33,13 @@ from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 
-DEGREE = 2
+DEGREE = 2  # of the polynomials over segments
 LEAST_LOG_P = -700.0  # where a probability underflows
 
 
-@dataclass(frozen=True, eq=False)
-class Filter:
-    """Directions of the residual in which an effect might be left.
-
-    Parameters
-    ----------
-    name
-        A mechanism, or condition and segment.
-    basis : ndarray, shape (n_all, k)
-        Orthonormal in the whitened space, off the tangent space.
-    """
-
-    name: str
-    basis: np.ndarray
-
-    def log_p(self, white: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the chi-square probability of whitened residuals (n_all, m)."""
-        return chi2.logsf(np.sum((self.basis.T @ white) ** 2, axis=0), self.basis.shape[1])
+def log_p(basis: np.ndarray, white: np.ndarray) -> np.ndarray:
+    """Return the logarithm of the chi-square probability of whitened residuals (n_all, m) in a filter's basis."""
+    return chi2.logsf(np.sum((basis.T @ white) ** 2, axis=0), basis.shape[1])
 
 
 def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
@@ -67,27 +51,31 @@ def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     return u[:, s > 1e-3]
 
 
-def filters(fit: Fit, screen: Screen) -> list[Filter]:
-    """Return all filters: those of the mechanisms that were screened, and polynomials."""
+def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
+    """Return all filters: those of the mechanisms that were screened, and polynomials.
+
+    Each is a basis (n_all, k) of directions of the residual in which an effect might be left, orthonormal in the
+    whitened space and off the tangent space.
+    """
     problem = fit.problem
     tangent = fit.tangent_space
     found = []
     for key, effects in screen.effects.items():
         if key in fit.explanation:
             continue
-        found += [Filter(key, orthonormal(column[:, None], tangent)) for column in fit.whiten(effects.T).T]
+        found += [orthonormal(column[:, None], tangent) for column in fit.whiten(effects.T).T]
         if MECHANISMS[key].varies:
-            found.append(Filter(key, orthonormal(fit.whiten(problem.own_values(key)), tangent)))
+            found.append(orthonormal(fit.whiten(problem.own_values(key)), tangent))
     size = len(problem.mean)
     first = 0
     for condition in problem.conditions:
-        for name, where in segments(condition.protocol).items():
+        for where in segments(condition.protocol).values():
             columns = np.zeros((size, DEGREE + 1))
             rows = first + np.flatnonzero(where)
             columns[rows] = np.vander(np.linspace(-1, 1, len(rows)), DEGREE + 1)
-            found.append(Filter(f"{condition.name} {name}", orthonormal(fit.whiten(columns), tangent)))
+            found.append(orthonormal(fit.whiten(columns), tangent))
         first += len(condition.protocol.sample_time)
-    return [f for f in found if f.basis.shape[1]]
+    return [basis for basis in found if basis.shape[1]]
 
 
 def count_of_filters(problem: Problem, keys: Sequence[str]) -> int:
@@ -122,8 +110,8 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
         Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
     """
     family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
-    found = max(min(float(f.log_p(fit.white[:, None])[0]) for f in family), LEAST_LOG_P)
-    under_noise = np.min([f.log_p(noise) for f in family], axis=0)
+    found = max(min(float(log_p(basis, fit.white[:, None])[0]) for basis in family), LEAST_LOG_P)
+    under_noise = np.min([log_p(basis, noise) for basis in family], axis=0)
     p_means = float((1.0 + np.sum(under_noise <= found)) / (1.0 + draws))
     unconverged = fit.tangent_space.T @ fit.white
     p_means = min(p_means, float(chi2.sf(unconverged @ unconverged, len(unconverged))))

@@ -132,7 +132,8 @@ def _special_cases(
         stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
         try:
             again = search.examined(search.fitted(explanation, [z], fit.curve))
-        except PalpateError:
+        except PalpateError as error:
+            report(f"{'+'.join(explanation)} again: {error}")
             continue
         if again.fit.log_evidence > max(stopped, default=-np.inf):
             better.append(again)

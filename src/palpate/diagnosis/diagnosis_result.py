@@ -29,7 +29,7 @@ from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
-COARSE = 0.01
+COARSE = 0.01  # relative error of the simulation above which it is said that a misfit may lie within it
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 
@@ -179,8 +179,7 @@ def without_mean(diagnosis: Diagnosis) -> list[str]:
 
 def far_out(diagnosis: Diagnosis) -> list[str]:
     """Return which quantities of the most likely explanation lie outside their ranges."""
-    fits = [candidate.fit for candidate in diagnosis.accepted or diagnosis.tried[:1]]
-    found = outside(fits[0])
+    found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
         return []
     return [f"Estimates outside the study's plausible ranges (`parameters`, `diagnosis: ranges`): {', '.join(found)}."]

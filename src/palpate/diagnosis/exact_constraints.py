@@ -20,7 +20,7 @@ from palpate.inference.explanation import Fit
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
 
-MOST_POINTS = 400
+MOST_POINTS = 400  # samples of a simulation that stands for a recording
 
 
 class ExactLaws:

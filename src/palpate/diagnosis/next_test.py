@@ -20,10 +20,10 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
 
-POINTS = 30
+POINTS = 30  # samples of a proposed test
 DRAWS = 7  # with the best one they fill the lanes of one run
-REPLICATES = 3
-FALSE_ALARM = 0.01
+REPLICATES = 3  # of a proposed test
+FALSE_ALARM = 0.01  # significance at which its power is given
 SPHERE = 10_000.0  # nm
 BERKOVICH = 70.3  # deg, the equivalent cone
 

@@ -17,8 +17,8 @@ from scipy.stats import f as variance_ratio
 from palpate.inference.explanation import Fit
 from palpate.study.protocol import LOAD, Protocol
 
-DEGREE = 2
-SAME = 1e-6
+DEGREE = 2  # of the polynomial in the difference of two tests
+SAME = 1e-6  # relative difference of times and loads that count as equal
 
 
 def similarity(fit: Fit) -> list[dict[str, Any]]:
@@ -35,8 +35,7 @@ def similarity(fit: Fit) -> list[dict[str, Any]]:
     repeats = sum(len(problem.observed[c.name].response) - 1 for c in problem.conditions)
     terms = DEGREE + 1
     under_noise = variance_ratio(terms, repeats) if problem.replicated else chi2(terms, scale=1 / terms)
-    blocks = fit.errors.blocks(fit.errors.noise)
-    found = []
+    blocks, found = fit.errors.blocks, []
     for (i, one), (j, two) in itertools.combinations(enumerate(problem.conditions), 2):
         if not proportional(one.protocol, two.protocol):
             continue

@@ -103,7 +103,7 @@ def _nearest(content: Mapping[str, Any]) -> str:
 
 
 def _probability(p: float) -> str:
-    return f"p < {0.002:g}" if p < 0.0021 else f"p = {p:.2g}"
+    return "p < 0.002" if p < 0.0021 else f"p = {p:.2g}"
 
 
 def _in_all(content: Mapping[str, Any]) -> str:

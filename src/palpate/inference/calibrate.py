@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.inference.calibration_result import MOST_MISFIT, Calibration
-from palpate.inference.estimates import condition_errors, described, estimates, named_matrix
+from palpate.inference.estimates import condition_errors, estimates, named_matrix, noise_table
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
@@ -118,7 +118,7 @@ def calibrate(
         converged=fit.converged,
         misfit_ratio=found.misfit_ratio,
         correlation=named_matrix(fit.coordinates, found.correlation),
-        noise=described(problem, fit.errors.noise),
+        noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),
         history=[dict(entry) for entry in first.evolution.history],
         evaluations=first.evaluations,
@@ -169,8 +169,7 @@ def base_fit(
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
     scatter = settings.site_scatter if problem.replicated else 0.0
     fitter = Fitter(brought, scatter, settings.solver_error)
-    begin = [np.maximum(coordinates.scaled(start), -1.0) for start in starts]
-    fit = fitter.base([*begin, *fitter.scattered(rng)])
+    fit = fitter.base([*map(coordinates.scaled, starts), *fitter.scattered(rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)

@@ -11,6 +11,7 @@ from scipy.linalg import helmert
 
 from palpate.inference.noise import point_noise, slope_by_rho
 
+DEGREE = 3  # of the polynomials that count as slow trends
 LEAST_LEFT = 0.25  # of the points, beside slow trends
 
 
@@ -61,17 +62,16 @@ def contrasts(depth: np.ndarray) -> np.ndarray:
     return helmert(len(depth)) @ depth
 
 
-def without_trend(segments: Sequence[np.ndarray], degree: int = 3) -> np.ndarray:
+def without_trend(segments: Sequence[np.ndarray]) -> np.ndarray:
     """Return an orthonormal basis (d, n) of what is left when each segment (bool, n) loses a polynomial.
 
     Where that would leave less than `LEAST_LEFT` of the points, or than two, the degree is lower, or nothing is lost.
     """
     count = len(segments[0])
-    while degree >= 0:
+    for degree in range(DEGREE, -1, -1):
         trends = _trends(segments, degree)
         if count - len(trends) >= max(LEAST_LEFT * count, 2):
             return np.linalg.qr(np.column_stack(trends), mode="complete")[0][:, len(trends) :].T
-        degree -= 1
     return np.eye(count)
 
 

@@ -30,7 +30,7 @@ from palpate.inference.problem import Problem
 from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS
 
-ASSUMED_RANDOM_WALK = 0.02
+ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
 REFINED = 0.3  # of what the last refinement changed, standard deviation of what the next ones will
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
@@ -69,7 +69,7 @@ class Errors:
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the mean curves (n_all, n_all) [nm^2]."""
-        known = self.shared + block_diag(*self.blocks(self.noise))
+        known = self.shared + block_diag(*self.blocks)
         return known + self.discrepancy * np.eye(len(known))
 
     @property
@@ -89,11 +89,11 @@ class Errors:
             found.append(of_condition)
         return np.vstack(found)
 
-    def blocks(self, noise: NoiseModel) -> list[np.ndarray]:
-        """Return the noise of the mean of each condition's recordings."""
-        return [
-            noise.matrix(k, parts) / n for k, (parts, n) in enumerate(zip(self.components, self.counts, strict=True))
-        ]
+    @property
+    def blocks(self) -> list[np.ndarray]:
+        """Covariance (n, n) of the noise of the mean of each condition's recordings [nm^2]."""
+        counted = enumerate(zip(self.components, self.counts, strict=True))
+        return [self.noise.matrix(k, parts) / n for k, (parts, n) in counted]
 
 
 def refinement_covariance(changes: Sequence[np.ndarray]) -> np.ndarray:

@@ -60,8 +60,8 @@ def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict
     return {name: dict(zip(names, map(float, row), strict=True)) for name, row in zip(names, matrix, strict=True)}
 
 
-def described(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, float]]:
-    """Return the noise of each condition that takes part, for the record."""
+def noise_table(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, float]]:
+    """Return the noise of each condition that takes part, in the unit of its response."""
     rows = {}
     for k, name in enumerate(problem.names):
         item = problem.recorded[name]

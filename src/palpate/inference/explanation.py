@@ -94,9 +94,9 @@ class Fit:
         A site is a factor of the depth. Where no replicates give its scatter, a fit of one test leaves the level of the
         curve to it; elsewhere this is zero.
         """
-        errors = self.with_discrepancy.errors
         if self.problem.replicated:
             return np.zeros((len(self.residual), len(self.residual)))
+        errors = self.with_discrepancy.errors
         variance = errors.noise.variances["site"]
         parts = zip(errors.components, errors.counts, strict=True)
         sites = block_diag(*(variance / count * part["site"] for part, count in parts))

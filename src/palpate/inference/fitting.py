@@ -116,15 +116,15 @@ class Fitter:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance=tolerance, exact=False)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, exact=False)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         fit = replace(fit, errors=replace(fit.errors, refinements=problem.refinements(record)))
         goal = self._without_discrepancy(fit) if self.near(fit) else misfit
         if record is model:
-            end = descend(goal, model, [end], limit, tolerance=tolerance, exact=False)
+            end = descend(goal, model, [end], limit, tolerance, exact=False)
         else:
-            end = resumed(goal, record, end, limit, tolerance=tolerance, exact=False)
+            end = resumed(goal, record, end, limit, tolerance)
         return self._fit(explanation, record, end, fit.errors)
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
@@ -182,7 +182,7 @@ class Fitter:
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
         places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
-        return descend(misfit, cheaper, places, policy.base_iterations, tolerance=policy.first_tolerance, exact=False)
+        return descend(misfit, cheaper, places, policy.base_iterations, policy.first_tolerance, exact=False)
 
     def _searched(
         self,
@@ -222,7 +222,7 @@ class Fitter:
             if len(some) > most:
                 some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
             try:
-                end = descend(misfit, model, some, limit, tolerance=self.policy.first_tolerance)
+                end = descend(misfit, model, some, limit, self.policy.first_tolerance)
             except PalpateError as error:
                 failed = str(error)
                 continue
@@ -251,8 +251,7 @@ class Fitter:
         keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
         measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
         kept = np.concatenate([keep[name] for name in problem.names])
-        scale = np.concatenate([np.full(len(curve), nm[name]) for name, curve in measured.items()])
-        covariance = weighed.covariance[np.ix_(kept, kept)] / np.outer(scale, scale)
+        covariance = weighed.covariance[np.ix_(kept, kept)]
 
         def from_laws(z: np.ndarray) -> np.ndarray:
             return departures(self.laws, problem.amplitudes(explanation, z))

@@ -18,7 +18,7 @@ import numpy as np
 from palpate.inference.explanation import Fit
 from palpate.inference.posterior import posterior_draws
 
-WIDEST_IDENTIFIED = 0.5
+WIDEST_IDENTIFIED = 0.5  # of the range
 CONFIDENCE = 0.95
 
 

@@ -38,7 +38,7 @@ class Misfit:
         Mean recorded curve (n_points,) of each condition, in the unit of the response (nm, or mN where the displacement
         is prescribed).
     covariance : ndarray, shape (n, n)
-        Of the errors that are known, one condition after the other.
+        Of the errors that are known, one condition after the other [nm^2].
     nm
         For each condition the depth [nm] to which a unit of the response amounts, see `palpate.study.quantity`.
     coordinates
@@ -65,7 +65,7 @@ class Misfit:
     @cached_property
     def principal(self) -> tuple[np.ndarray, np.ndarray]:
         """Variances (n,) [nm^2] and directions (n, n) of the known errors."""
-        return np.linalg.eigh(self.covariance * np.outer(self.scale, self.scale))
+        return np.linalg.eigh(self.covariance)
 
     def stacked(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return what belongs to each condition (n_points, ...), one after the other, in nm."""

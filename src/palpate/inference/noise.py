@@ -23,9 +23,9 @@ import numpy as np
 from scipy.linalg import toeplitz
 from scipy.special import expit, logit
 
-LARGEST_AUTOCORRELATION = 0.99
-LARGEST_UNREPLICATED_AUTOCORRELATION = 0.9
-FURTHEST = 2.0
+LARGEST_AUTOCORRELATION = 0.99  # of neighbouring points: it falls to 1/e over 100 points
+LARGEST_UNREPLICATED_AUTOCORRELATION = 0.9  # over ten points, see `palpate.inference.noise_fit`
+FURTHEST = 2.0  # by which the logarithm of a variance, or logit rho, may miss its estimate
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,11 +26,11 @@ from scipy.special import expit, logit
 from palpate.inference.contrasts import Replicates
 from palpate.inference.noise import NoiseModel, largest_autocorrelation
 
-SMALLEST_SIGMA = 1e-5
+SMALLEST_SIGMA = 1e-5  # of the largest depth
 SMALLEST_VARIANCE = 1e-12
-MARGIN = 30.0
-AT_BOUND = 1e-4
-OFF_BOUNDARY = ("site", "random_walk")
+MARGIN = 30.0  # of the logarithm of a variance below where a search begins: none
+AT_BOUND = 1e-4  # within which rho lies at its bound, and to which logit rho is then known
+OFF_BOUNDARY = ("site", "random_walk")  # variances with a prior that keeps them off zero
 AUTOCORRELATIONS = (0.5, 0.95)  # where the search begins
 
 
@@ -204,8 +204,8 @@ def fit_noise(
     """Fit by penalised maximum likelihood.
 
     The likelihood has several maxima, as a long autocorrelation, a random walk and a mechanism resemble each other. The
-    search starts from short and from long autocorrelation, and from each model that this one contains, so that more
-    components never fit worse.
+    search starts from short autocorrelation, and from each model that this one contains, so that more components hardly
+    fit worse; where it contains none, from long autocorrelation, too.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ def draws_to_first_order(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 def sampled(
     log_probability: Callable[[np.ndarray], np.ndarray], start: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return draws (m, k) from a density given by its logarithm at points (n, k), from walkers that `start` (n, k)."""
+    """Return draws (m, k) from a density given by its logarithm at points (n, k), from walkers at `start` (n, k)."""
     moves = [(emcee.moves.DEMove(), 1.0 - LEAPS), (emcee.moves.DEMove(gamma0=1.0), LEAPS)]
     sampler = emcee.EnsembleSampler(*start.shape, log_probability, moves=moves, vectorize=True)
     sampler.random_state = np.random.RandomState(rng.integers(2**31)).get_state()

@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.study.protocol import Protocol
 
-STILL = 0.05
+STILL = 0.05  # of the mean rate, up to which the drive is held
 
 
 def segments(protocol: Protocol) -> dict[str, np.ndarray]:

@@ -55,10 +55,10 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
 
 def check(study: Study, name: str) -> dict[str, list[Recording]]:
     """Read every recording of set `name` and check it against the study; raises `InputError`."""
-    return {condition: begun for condition, _, begun in readchecked_recording(study, name)}
+    return {condition: begun for condition, _, begun in read_and_checked(study, name)}
 
 
-def readchecked_recording(study: Study, name: str) -> Iterator[tuple[str, list[Recording], list[Recording]]]:
+def read_and_checked(study: Study, name: str) -> Iterator[tuple[str, list[Recording], list[Recording]]]:
     """Yield each condition of set `name`, its recordings as they were written, and from contact on, checked.
 
     Raises
@@ -119,7 +119,7 @@ def check_given(study: Study, look: Callable[[str, str, list[Recording]], None] 
     remedy = "remove one of them: each replicate is a test of its own"
     for name in study.recordings:
         if not written_by_workflow(study, name):
-            for condition, written, begun in readchecked_recording(study, name):
+            for condition, written, begun in read_and_checked(study, name):
                 for copy, first in copies(begun):
                     file = study.recordings[name] / f"{copy.name}.csv"
                     raise InputError(f"is the same recording as {first.name}.csv", remedy=remedy, file=file)

@@ -30,7 +30,6 @@ GROWTH = 2.0  # of the length of the next steps over that of the last
 LEAST_STEPS = 2  # tried at once by each search
 BENDINGS = 3  # times that a bent step is found from the last one
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
-TOLERANCE = 0.02  # of chi^2; 0.14 standard deviations of the estimate in all
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
@@ -88,7 +87,7 @@ def descend(
     model: Forward,
     starts: Sequence[np.ndarray | Descent],
     iterations: int,
-    tolerance: float = TOLERANCE,
+    tolerance: float,
     exact: bool = True,
 ) -> Descent:
     """Return the search that ends at the least misfit.
@@ -133,32 +132,25 @@ def descend(
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
-def resumed(
-    misfit: Misfit,
-    model: Forward,
-    way: Descent,
-    iterations: int,
-    tolerance: float = TOLERANCE,
-    exact: bool = True,
-) -> Descent:
+def resumed(misfit: Misfit, model: Forward, way: Descent, iterations: int, tolerance: float) -> Descent:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
-    At its end it goes on with the derivatives of the model before. Parameters and errors are those of `descend`.
+    At its end it goes on with the derivatives of the model before; it may converge with derivatives that are not exact.
 
     Parameters
     ----------
     way
         The search that ended.
-    misfit, model, iterations, tolerance, exact
-        See `descend`.
+    misfit, model, iterations, tolerance
+        See `descend`, as the errors that are raised.
     """
     (outcome,) = model.curves([way.u])
     if not isinstance(outcome, str):
-        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact)
+        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact=False)
     failed = outcome
     for start in reversed(way.path):
         try:
-            return descend(misfit, model, [start], iterations, tolerance, exact)
+            return descend(misfit, model, [start], iterations, tolerance, exact=False)
         except PalpateError as error:
             failed = str(error)
     raise PalpateError(failed)
