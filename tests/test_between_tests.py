@@ -1,5 +1,7 @@
 """A value that belongs to single recordings scatters as much between replicates as between tests."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import f_oneway
@@ -8,6 +10,7 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 from palpate.diagnosis.between_tests import p_between_tests, p_of_means
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.screen import Screen
+from palpate.inference.covariance import REFINED
 
 DRIFT = ("thermal_drift",)
 
@@ -55,6 +58,24 @@ def test_a_drift_that_follows_the_test_is_no_drift():
     assert p_of_drift(follows) < 0.001
     fit = fitted(follows, DRIFT)
     assert examine(fit, Screen.of(fit, RECORD_ONLY), np.random.default_rng(1), 400, 0.01) < 0.01
+
+
+def test_what_the_next_refinement_of_the_mesh_may_change_excuses_drifts_that_follow_the_test():
+    """Drifts that differ little, and late in each test an error as large as `REFINED` allows for."""
+    rng, rejected = np.random.default_rng(8), {"known": 0, "unknown": 0}
+    for seed in range(12):
+        own = rng.normal(1.0, 0.02, (len(CONDITIONS), 3))
+        fit = fitted(drifting(lambda k, r, own=own: own[k, r], seed=seed), DRIFT)
+        times = [c.protocol.sample_time for c in fit.problem.conditions]
+        depths = fit.problem.split(fit.curve).values()
+        changes = [0.02 * depth.max() * (time > 0.7 * time[-1]) for time, depth in zip(times, depths, strict=True)]
+        moved = replace(fit, curve=fit.curve + np.concatenate([REFINED * rng.normal() * each for each in changes]))
+        for name, share in (("known", 1.0), ("unknown", 0.0)):
+            errors = replace(moved.errors, refinements=[share * change for change in changes])
+            p = p_between_tests(replace(moved, errors=errors), np.random.default_rng(1))["thermal_drift.rate"]
+            rejected[name] += p < 0.01
+    assert rejected["known"] <= 1
+    assert rejected["unknown"] >= 8
 
 
 def test_without_replicates_there_is_nothing_to_compare():

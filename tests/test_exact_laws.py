@@ -11,6 +11,7 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis import exact_constraints
 from palpate.diagnosis.constraints import laws_of
 from palpate.diagnosis.exact_constraints import MOST_POINTS, ExactLaws
+from palpate.materials import law_of
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 
@@ -19,20 +20,36 @@ TESTS = {"a": [Recording(*held_low(0.3, CREEP, seed)) for seed in (0, 5)], "b": 
 BASE = SimpleNamespace(problem=SimpleNamespace(conditions=(SimpleNamespace(name="a"),)))
 
 
-def study(*declared):
-    return SimpleNamespace(declared=dict.fromkeys(declared), diagnosis={})
+LAWS = {
+    "elastic": {},
+    "nonlinear_burgers": {
+        "steady_coefficient": 0.09, "steady_exponent": 0.2, "transient_coefficient": 0.0, "transient_exponent": 0.5,
+        "retardation_time": 1.0,
+    },
+    "eyring": {"reference_rate": 1e-3, "eyring_stress": 0.01, "pressure_coefficient": 0.1},
+    "retardation_spectrum": {"spectrum_coefficient": 0.05, "spectrum_exponent": 0.1},
+}  # fmt: skip
+
+
+def study(law):
+    values = {"youngs_modulus": 3.0, "poisson_ratio": 0.35} | LAWS[law]
+    specimen = SimpleNamespace(coefficients=law_of(law).coefficients(values))
+    return SimpleNamespace(
+        levels={}, conditions=[None], diagnosis={}, specification=lambda *_: SimpleNamespace(specimen=specimen)
+    )
 
 
 def test_a_solid_that_does_not_creep_is_not_simulated(monkeypatch):
     monkeypatch.setattr(exact_constraints, "undisturbed", None)
-    (law,) = ExactLaws(study("youngs_modulus"), TESTS).beside(BASE)
+    (law,) = ExactLaws(study("elastic"), TESTS).beside(BASE)
     assert (law.estimate, law.upper) == pytest.approx((0.58, 0.6), abs=0.03)
 
 
-def test_the_creep_of_the_base_model_is_taken_off(monkeypatch):
+@pytest.mark.parametrize("law", ["nonlinear_burgers", "eyring", "retardation_spectrum"])
+def test_the_creep_of_the_base_model_is_taken_off(law, monkeypatch):
     alone = {"a": Recording(*held_low(0.0, CREEP))}
     monkeypatch.setattr(exact_constraints, "undisturbed", lambda *_: alone)
-    found = ExactLaws(study("steady_coefficient"), TESTS)
+    found = ExactLaws(study(law), TESTS)
     (law,) = found.beside(BASE)
     assert law.estimate == pytest.approx(0.3, abs=0.02)
     each = found.of_each()
@@ -45,7 +62,7 @@ def test_a_bound_needs_no_simulation(monkeypatch):
     time, load, depth = held_low(0.3, CREEP)
     short = time < 32.0
     tests = {"a": [Recording(time[short], load[short], depth[short])]}
-    (law,) = ExactLaws(study("steady_coefficient"), tests).beside(BASE)
+    (law,) = ExactLaws(study("nonlinear_burgers"), tests).beside(BASE)
     assert law.lower == -np.inf
 
 

@@ -33,11 +33,11 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
         return {}
     count = len(fit.problem.conditions)
     estimators, variances, values = zip(*(_own_values(fit, k) for k in range(count)), strict=True)
-    found = {}
+    simulated, found = fit.errors.of_simulation, {}
     for place, amplitude in enumerate(fit.own):
         every = block_diag(*(estimator[place] for estimator in estimators))[conditions]
         rows, noise = ([of[k][place] for k in conditions] for of in (values, variances))
-        found[str(amplitude)] = p_of_means(rows, np.array(noise), every @ fit.errors.model @ every.T, rng)
+        found[str(amplitude)] = p_of_means(rows, np.array(noise), every @ simulated @ every.T, rng)
     return found
 
 

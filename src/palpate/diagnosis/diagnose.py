@@ -154,7 +154,8 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
     """Return the sets with one mechanism more than `fits`, by their mechanisms; of each the most optimistic way to it.
 
     Its optimistic log evidence is that of the smaller set, plus the largest gain that the effects on curves and the
-    exact laws allow for the mechanism that joins. A mechanism and one that it includes do not act together.
+    exact laws, those about the mechanism that joins and those that it breaks, allow for it. A mechanism and one that it
+    includes do not act together.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
@@ -162,8 +163,8 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
             if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
                 continue
-            own = (key, *MECHANISMS[key].includes)
-            asked = sum(departure**2 for law, departure in off.items() if law.key in own)
+            own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
+            asked = sum(departure**2 for law, departure in off.items() if law.key in own or not law.holds_under(joined))
             way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way

@@ -17,6 +17,8 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import Fit
+from palpate.inference.study_scale import middle
+from palpate.materials.flow.row import creeps
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
 
@@ -34,7 +36,8 @@ class ExactLaws:
 
     def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
         self._study, self._recorded = study, recorded
-        self._creeps = "steady_coefficient" in study.declared
+        material = study.specification(middle(study), study.conditions[0])
+        self._creeps = creeps(material.specimen.coefficients)
         self._solid: dict[str, Recording] = {}
 
     def beside(self, base: Fit) -> list[AmplitudeConstraint]:

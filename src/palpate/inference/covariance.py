@@ -76,7 +76,12 @@ class Errors:
     def shared(self) -> np.ndarray:
         """Covariance of what all recordings of a condition have in common (n_all, n_all) [nm^2]."""
         values = (v * block_diag(*(parts[key] for parts in self.components)) for key, v in self.between.items())
-        return self.model + refinement_covariance(self.refinements) + sum(values)
+        return self.of_simulation + sum(values)
+
+    @property
+    def of_simulation(self) -> np.ndarray:
+        """Covariance of the errors of the simulated curves (n_all, n_all) [nm^2]."""
+        return self.model + refinement_covariance(self.refinements)
 
     def slopes(self, weights: np.ndarray) -> np.ndarray:
         """Return the derivative of ``covariance @ weights`` by each estimate of the noise (n_all, p)."""

@@ -262,12 +262,13 @@ class Fitter:
         """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
 
         The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once
-        the surface sticks, that is another curve than the effect itself.
+        the surface sticks, that is another curve than the effect itself. Where the study's own tip has some of it
+        already, as friction of its own, the effect is what the mechanism changes.
         """
         problem, found = self.problem, {}
         for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
             places = problem.places(explanation)[key]
-            if len(places) == 1:
+            if len(places) == 1 and self._is_absent(key, end.u[: problem.material]):
                 ((name, neutral),) = MECHANISMS[key].neutral.items()
                 value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
                 found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - neutral) / slope
@@ -278,17 +279,21 @@ class Fitter:
                 found[key] = problem.stacked(end.curves) - problem.stacked(without)
         return found
 
+    def _is_absent(self, key: str, z: np.ndarray) -> bool:
+        """Return whether the tip of the base model, at coordinates z (k,), has nothing of a mechanism."""
+        body = self.problem.forward.specification(z, self.problem.conditions[0])
+        return MECHANISMS[key].simulate(body, MECHANISMS[key].neutral).indenter == body.indenter
+
     def _with_own_values(self, fit: Fit) -> Fit:
         """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
         for amplitude in fit.own:
-            best, chosen = -np.inf, fit
+            trials = list[tuple[float, Fit]]()
             for share in OWN_VALUES:
                 between = {**fit.errors.between, str(amplitude): (share * fit.problem.largest(amplitude)) ** 2}
                 trial = replace(fit, errors=replace(fit.errors, between=between))
                 tangent = trial.whiten(fit.tangent)
                 left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
-                likelihood = -0.5 * float(left @ left) - trial.log_volume
-                if likelihood > best + LEAST_GAIN * (share > 0 and best > -np.inf):
-                    best, chosen = likelihood, trial
-            fit = chosen
+                trials.append((-0.5 * float(left @ left) - trial.log_volume, trial))
+            likeliest, alike = max(trials, key=lambda each: each[0]), trials[0]
+            fit = (likeliest if likeliest[0] > alike[0] + LEAST_GAIN else alike)[1]
         return fit

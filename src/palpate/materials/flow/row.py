@@ -86,6 +86,11 @@ def voigt_elements(row: np.ndarray) -> int:
     return sum(term.kind in (VOIGT, LINEAR) for term in blocks_of(row))
 
 
+def creeps(row: np.ndarray) -> bool:
+    """Whether the material flows, or recovers, under a constant stress below any yield stress."""
+    return bool(row[SHARE] > 0.0) and any(term.kind in (CREEP, VOIGT, LINEAR) for term in blocks_of(row))
+
+
 def yields(row: np.ndarray) -> bool:
     """Whether the material has a yield stress."""
     return bool(row[YIELD] > 0.0 and row[SHARE] > 0.0)
