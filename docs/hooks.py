@@ -23,13 +23,6 @@ MARK = re.compile(r"<!-- generated: (\w+)(?: ([\w./]+))? -->")
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )  # as pymdownx.arithmatex leaves it
-MEANING = {
-    "FILE": "a recording, or an instrument's file",
-    "STUDY.yaml": "the study",
-    "SPEC.yaml": "the specification",
-    "FOLDER": "the folder that is written",
-    "CURVE.csv": "the recording that is written",
-}
 TYPICAL = {
     "depth": 500.0, "load": 1.0, "modulus": 3.0, "duration": 60.0, "loading_time": 30.0, "half_angle": 70.3,
     "pressure": 0.1,
@@ -197,7 +190,7 @@ def commands() -> str:
     for name, parser in chosen.choices.items():
         usage = parser.format_usage().removeprefix("usage: ")
         arguments = [a for a in parser._actions if not isinstance(a, argparse._HelpAction)]
-        rows = ((f"`{_spelt(a)}`", _meaning(a)) for a in arguments)
+        rows = ((f"`{_spelt(a)}`", a.help or "") for a in arguments)
         description = parser.description or ""
         parts += [f"## `palpate {name}`\n", f"{description[:1].upper()}{description[1:]}.\n"]
         parts += [f"```text\n{usage}```\n", table(("argument", "meaning"), rows)]
@@ -211,10 +204,6 @@ def _spelt(action: argparse.Action) -> str:
         return f"{name} ..." if action.nargs == "+" else str(name)
     value = "" if action.nargs == 0 else f" {{{', '.join(action.choices)}}}" if action.choices else f" {name}"
     return ", ".join(action.option_strings) + value
-
-
-def _meaning(action: argparse.Action) -> str:
-    return action.help or MEANING.get(str(action.metavar), "")
 
 
 def subpackages() -> str:

@@ -63,7 +63,6 @@ HOW = {
     },
     "real_recordings.md": {
         "snakemake --cores 2 real --config data=FOLDER": "needs recordings that are not in the repository",
-        "snakemake --cores 2 --configfile config/polymer_real.yaml --config data=PATH/TO/anonNI.TXT": "likewise",
     },
     "simulations.md": {
         "palpate simulate SPEC.yaml -o curve.csv": "",

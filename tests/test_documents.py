@@ -184,7 +184,7 @@ def test_what_is_generated_lists_every_law_mechanism_command_and_subpackage():
         assert f"## `palpate {name}`" in shown
         for action in parser._actions[1:]:
             assert HOOKS._spelt(action) in shown
-            assert HOOKS._meaning(action), f"{name} {action.dest} has no meaning"
+            assert action.help, f"{name} {action.dest} has no meaning"
     assert all(f"| `{room}` |" in HOOKS.subpackages() for room in HOOKS._order())
 
 

@@ -52,7 +52,7 @@ def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_
     said = sentence(content("identified", DRIFT))
     assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
     assert "held-out error falls from 14.1 to 1.9 nm; noise and scatter alone would leave 1.7 nm" in said
-    assert "Young's modulus came out 6% too low" in said
+    assert "Young's modulus is 6% too low" in said
 
 
 def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():
@@ -61,7 +61,7 @@ def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():
         "after": {"transient_coefficient": {"estimate": 0.0003, "lower": 0.0, "upper": 0.0008}},
     }
     said = sentence(content("identified", DRIFT) | {"parameters": parameters})
-    assert "transient coefficient came out at 0.0018 in place of 0.0003." in said
+    assert "transient coefficient is 0.0018 in place of 0.0003." in said
 
 
 def test_what_comes_nearest_is_said_where_nothing_explains():

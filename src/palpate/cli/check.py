@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from palpate.recordings.recording import Recording
 
 NAME = "check"
-HELP = "check a study and its recordings"
+HELP = "check a study and its recordings, and estimate how long it takes"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
-    parser.add_argument("--data", help="vendor's file, in place of the study's source.file")
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="the study")
+    parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -9,20 +9,27 @@ from pathlib import Path
 from palpate.cli import check, read
 
 NAME = "draft"
-HELP = "write a first study from recordings or vendors' files"
+HELP = "write a first study from recordings or instruments' files"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, vendors' files, or folders of them"
+        "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, instruments' files, or folders of them"
     )
     read.reading_arguments(parser)
-    parser.add_argument("--law", type=_law, help="law of the material (default: chosen from the tests)")
     parser.add_argument(
-        "--sphere", type=_length, metavar="NM", help="radius of a spherical tip (default: as files state, or Berkovich)"
+        "--law", type=_law, help="law of the material, such as burgers_plasticity (default: chosen from the tests)"
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument(
+        "--sphere",
+        type=_length,
+        metavar="NM",
+        help="radius of a spherical tip (default: the tip that the files state, else a Berkovich pyramid)",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="FOLDER", help="the folder of study.yaml and its recordings"
+    )
 
 
 def _law(text: str) -> str:

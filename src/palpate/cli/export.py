@@ -8,12 +8,12 @@ from pathlib import Path
 from palpate.errors import InputError
 
 NAME = "export"
-HELP = "write a specification as the input of another finite element program"
+HELP = "write a test as the input of another finite element program"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("specification", type=Path, metavar="SPEC.yaml")
+    parser.add_argument("specification", type=Path, metavar="SPEC.yaml", help="the specification of a test")
     parser.add_argument("--format", required=True, choices=("abaqus", "calculix"), help="the other program")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DECK.inp", help="a folder for Abaqus, a file for CalculiX"

@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.errors import InputError, PalpateError
 
 NAME = "fields"
-HELP = "write stress and displacement in the body at some times, for ParaView and as a figure"
+HELP = "simulate one indentation, and write stress and displacement for ParaView and as a figure"
 
 
 def times(text: str) -> list[float]:
@@ -18,9 +18,9 @@ def times(text: str) -> list[float]:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("specification", type=Path, metavar="SPEC.yaml")
-    parser.add_argument("--time", type=times, required=True, metavar="T1,T2", help="times in s")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument("specification", type=Path, metavar="SPEC.yaml", help="the specification of a test")
+    parser.add_argument("--time", type=times, required=True, metavar="T1,T2", help="the times that are written [s]")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="the folder that is written")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -38,7 +38,11 @@ def discovered() -> Iterator[Any]:
 
 def command_line() -> Parser:
     """Return the parser of ``palpate`` with all of its subcommands."""
-    parser = Parser(prog="palpate", description="The law of a material from instrumented indentation.")
+    parser = Parser(
+        prog="palpate",
+        description="The law of a material from instrumented indentation.",
+        epilog="From your own files: draft, check, run. COMMAND --help lists the arguments of each.",
+    )
     parser.add_argument("--version", action="version", version=f"palpate {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in sorted(discovered(), key=lambda command: command.NAME):

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from palpate.recordings.survey import Survey
 
 NAME = "read"
-HELP = "turn a vendor's file into recording CSVs"
+HELP = "convert an instrument's file to one CSV for each test"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("file", type=Path, metavar="FILE")
+    parser.add_argument("file", type=Path, metavar="FILE", help="the instrument's file, or a table")
     parser.add_argument("--test", metavar="NAME_OR_NUMBER", help="one test only (default: all)")
     reading_arguments(parser)
     parser.add_argument(
@@ -30,9 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="add a fourth column with the stiffness by oscillation, where the file has it",
     )
-    parser.add_argument("--survey", action="store_true", help="find contact, segments and drift, and draw them")
-    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units, and end")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument(
+        "--survey", action="store_true", help="also write a figure and a table of contact, segments and drift"
+    )
+    parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="the folder that is written")
 
 
 def reading_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,29 +45,32 @@ def reading_arguments(parser: argparse.ArgumentParser) -> None:
         dest="corrections",
         action="store_const",
         const=frozenset(),
-        help="leave the vendor's corrections of drift and frame off",
+        help="apply none of the vendor's corrections of drift and frame",
     )
     chosen.add_argument(
         "--correct",
         dest="corrections",
         type=_corrections,
         metavar="NAMES",
-        help="apply these corrections of the vendor alone, such as drift,frame",
+        help="apply only these of the vendor's corrections: drift, frame, or drift,frame",
     )
     parser.add_argument(
         "--contact",
         type=_contact,
         default="file",
         metavar="file|auto|none|NM",
-        help="begin at the file's contact, at the one found by palpate, nowhere (keep the air), or at a depth [nm]",
+        help="where a test begins: at the contact that the file marks (file, the default) or that palpate finds "
+        "(auto), at a depth (a number in nm), or with the first row (none)",
     )
-    parser.add_argument("--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="columns of a table")
+    parser.add_argument(
+        "--columns", type=_pairs, metavar="time=A,load=B,depth=C", help="names or numbers of the columns of a table"
+    )
     parser.add_argument(
         "--units",
         type=_pairs,
         default={},
         metavar="time=s,load=mN,depth=nm",
-        help="their units, in place of those that the table states; load=-mN changes the sign",
+        help="units of these columns, in place of those that the table states; load=-mN changes the sign",
     )
 
 

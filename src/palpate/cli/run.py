@@ -14,7 +14,7 @@ from pathlib import Path
 from palpate.errors import PalpateError
 
 NAME = "run"
-HELP = "run a study from its recordings to its report"
+HELP = "run a study, from its recordings to its report"
 CLONE = Path(__file__).parents[3]
 WHEEL = Path(__file__).parents[1] / "workflow"
 PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
@@ -22,11 +22,11 @@ PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml")
+    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="the study")
     parser.add_argument(
         "--cores", type=int, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
     )
-    parser.add_argument("--data", help="vendor's file, in place of the study's source.file")
+    parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would be done, and do nothing")
 
 

@@ -13,8 +13,10 @@ HELP = "simulate one indentation and write it as a recording CSV"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("specification", type=Path, metavar="SPEC.yaml")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="CURVE.csv")
+    parser.add_argument("specification", type=Path, metavar="SPEC.yaml", help="the specification of a test")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="CURVE.csv", help="the recording that is written"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -12,7 +12,13 @@ HELP = "send to MLflow the runs that are still on disk only"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--send", action="store_true", help="send them; without it they are listed")
-    parser.add_argument("--results", type=Path, default=Path("results"), metavar="FOLDER", help="default: results")
+    parser.add_argument(
+        "--results",
+        type=Path,
+        default=Path("results"),
+        metavar="FOLDER",
+        help="the folder of results (default: results)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

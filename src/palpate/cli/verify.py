@@ -15,7 +15,12 @@ HELP = "check the solver against exact solutions and CalculiX, and write a repor
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "-o", "--output", type=Path, default=Path("verification"), metavar="FOLDER", help="default: verification"
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("verification"),
+        metavar="FOLDER",
+        help="the folder that is written (default: verification)",
     )
     parser.add_argument("--quick", action="store_true", help="about a minute: fewer cases, without CalculiX")
     parser.add_argument("--reference", type=Path, metavar="FOLDER", help="folder of reference curves to compare with")

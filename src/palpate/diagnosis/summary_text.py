@@ -166,6 +166,6 @@ def _bias(content: Mapping[str, Any]) -> str:
         return ""
     was, is_now = before[name]["estimate"], after[name]["estimate"]
     if abs(was - is_now) > abs(is_now):
-        return f" Without it, {in_words(name)} came out at {rounded(was, 2)} in place of {rounded(is_now, 2)}."
+        return f" Without it, the estimated {in_words(name)} is {rounded(was, 2)} in place of {rounded(is_now, 2)}."
     direction = "high" if was > is_now else "low"
-    return f" Without it, {in_words(name)} came out {abs(was / is_now - 1.0):.0%} too {direction}."
+    return f" Without it, the estimated {in_words(name)} is {abs(was / is_now - 1.0):.0%} too {direction}."

@@ -20,20 +20,20 @@ from palpate.materials import law_of
 
 WIDTH = 116  # of a comment, without its sign
 STUDY = Template("""\
-# A first study, drafted from recordings. Load histories and replicates are theirs; what is marked `guess` is not.
+# A first study, drafted from recordings. Correct what is marked `guess` where you know better.
 # docs/study.md lists every key.
 ${remarks}study: $name
-seed: 1
-cells_per_job: 64
+seed: 1                # of all random numbers
+cells_per_job: 64      # materials that one job simulates
 
 # law: $why
 $material
-# a range is plausible values and no limit: estimates may lie outside, and the report states which do
+# ranges of plausible values; an estimate may lie outside, and the report then says so
 parameters:
 $parameters
 design: {kind: sobol, points: $points}
 
-# drive: $drive
+# drive, which is what the instrument prescribes: $drive
 $indenter
 
 conditions:

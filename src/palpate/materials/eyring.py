@@ -17,7 +17,7 @@ from palpate.materials.flow.registry import fluidity
 from palpate.materials.law import Creep, Law
 
 FLOW = (
-    Parameter("reference_rate", r"\dot\epsilon_0", "1/s", 0.0, 1e6, "strain rate at a stress of about sigma_0"),
+    Parameter("reference_rate", "r_0", "1/s", 0.0, 1e6, "strain rate at a stress of about sigma_0"),
     Parameter("eyring_stress", r"\sigma_0", "GPa", 1e-12, 1e3, "stress that raises the strain rate e-fold"),
     Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "stress that balances a unit of pressure"),
 )

@@ -42,7 +42,7 @@ MECHANISM = Mechanism(
     title="second Voigt element",
     effect="one more Voigt element: strain recovers on a time scale that the base model does not have",
     parameters=tuple(
-        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"{p.meaning}, of the second element")
+        Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"second element: {p.meaning}")
         for p, name in zip(VOIGT, NAMES, strict=True)
     ),
     neutral={"coefficient": 0.0, "exponent": 0.3, "retardation_time": 10.0},

@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from palpate.mechanisms import MECHANISMS
 from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, save, styled
 
 PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
@@ -87,7 +88,7 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
             i, j = conditions.index(row["condition"]), parts.index((row["segment"], row["part"]))
             values[i, j] = row["residual_nm"]
             if row["q_value"] < CERTAIN:
-                axis.plot(j, i, "o", color=RECORDED, ms=3)
+                axis.plot(j, i, "o", color=RECORDED, ms=4, mec="white", mew=0.7)
     largest = max(float(np.nanmax(np.abs(values))), 1e-9)
     image = axis.imshow(values, cmap="RdBu_r", vmin=-largest, vmax=largest, aspect="auto")
     axis.set_xticks(range(len(parts)), [f"{part}\n{segment}" for segment, part in parts], fontsize=5.5)
@@ -96,32 +97,32 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
     axis.tick_params(length=0)
     certain = any(row["q_value"] < CERTAIN for row in content["location"])
     meaning = "dot: q" if certain else "no part has q"
-    axis.set_title(f"base model: rec. - sim. [nm]; {meaning} < {CERTAIN:g}")
+    axis.set_title(f"base model, recorded - simulated [nm]; {meaning} < {CERTAIN:g}")
     axis.figure.colorbar(image, ax=axis, shrink=0.85)
 
 
 def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     """Draw the log evidence of what was tried, relative to the base model, accepted ones in colour.
 
-    The number beside each bar is its difference from the best one.
+    The number beside each bar is relative to the best one.
     """
     tried = content["tried"][:9]
     accepted = [candidate["mechanisms"] for candidate in content["candidates"]]
     base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
     names = []
     for k, entry in enumerate(tried):
-        titles = [m.replace("_", " ") for m in entry["mechanisms"]]
+        titles = [MECHANISMS[key].title for key in entry["mechanisms"]]
         lines = [" + ".join(titles[:2]) or "base model", *(f"+ {title}" for title in titles[2:])]
         names.append("\n".join(lines))
         is_accepted = entry["mechanisms"] in accepted
         axis.barh(k, entry["log_evidence"] - base, color=SIMULATED if is_accepted else "0.8")
-        behind = f"{entry['log_evidence'] - tried[0]['log_evidence']:.1f}" if k else "best"
-        axis.text(1.02, k, behind, transform=axis.get_yaxis_transform(), va="center", fontsize=6)
+        behind = entry["log_evidence"] - tried[0]["log_evidence"]
+        axis.text(1.02, k, f"{behind:.1f}", transform=axis.get_yaxis_transform(), va="center", fontsize=6)
     axis.set_ylim(len(tried) - 0.4, -0.6)
     axis.set_yticks(range(len(tried)), names, fontsize=5.5, linespacing=0.9)
     axis.tick_params(axis="y", length=0)
     axis.spines["left"].set_visible(False)
-    axis.set_xlabel("log evidence, base model: 0")
+    axis.set_xlabel("log evidence relative to the base model\n(numbers: relative to the best)")
     found = "accepted ones in red" if accepted else "none accepted"
     adequate = content["verdict"] == "adequate"
     axis.set_title("base model adequate, no other tried" if adequate else f"explanations tried; {found}")
@@ -135,5 +136,5 @@ def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:
     axis.plot(curve["time_s"], before, color=SURROGATE, lw=0.9, label="base model")
     if improved:
         after = curve["recorded_nm"] - curve["after_nm"]
-        axis.plot(curve["time_s"], after, color=SIMULATED, lw=0.9, label="explained")
+        axis.plot(curve["time_s"], after, color=SIMULATED, lw=0.9, label="best explanation")
     axis.set_title(f"{curve['condition'].iloc[0]}, {curve['role'].iloc[0]}", fontsize=7)

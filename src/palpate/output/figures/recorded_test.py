@@ -62,7 +62,7 @@ def draw(found: Survey, path: str | Path, taken: tuple[str, float]) -> None:
     if found.drift:
         drift = found.drift
         in_depth.set_title(f"drift hold: {drift.rate:.4f} nm/s ({drift.lower:.4f} to {drift.upper:.4f})")
-    near.set_title(f"contact at {contact.depth:.5g} nm ({contact.lower:.5g} to {contact.upper:.5g})")
+    near.set_title(f"contact at {contact.depth:.1f} nm ({contact.lower:.1f} to {contact.upper:.1f})")
     labelled = {
         label: handle
         for axis in (in_load, near)
