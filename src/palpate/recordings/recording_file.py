@@ -200,7 +200,7 @@ def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     names = [str(k) for k in range(width)]
     reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=BLOCK)
     converting = csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()), null_values=[])
-    kept, count, every = list[np.ndarray](), 0, math.ceil((_line_count(path) - header) / MOST)
+    kept, count, every = list[np.ndarray](), 0, max(math.ceil((_line_count(path) - header) / MOST), 1)
     try:
         with csv.open_csv(path, read_options=reading, convert_options=converting) as stream:
             last = np.empty((width, 0))
