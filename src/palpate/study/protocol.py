@@ -106,7 +106,7 @@ class Protocol:
 
     def drive_of(self, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
         """Return the drive under which an instrument recorded this load [mN] and depth [nm]."""
-        return load if self.control == LOAD else depth + self.compliance * load
+        return drive_of(self.control, self.compliance, load, depth)
 
     @property
     def knot_load(self) -> np.ndarray:
@@ -132,6 +132,11 @@ class Protocol:
     def load_at(self, time: np.ndarray) -> np.ndarray:
         """Load at any times [mN]; raises `InputError` where it is not prescribed."""
         return np.interp(time, self.knot_time, self.knot_load)
+
+
+def drive_of(control: str, compliance: float, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return the drive (n,), see `Protocol`, under which a load (n,) [mN] and a depth (n,) [nm] were recorded."""
+    return load if control == LOAD else depth + compliance * load
 
 
 def trapezoid(
