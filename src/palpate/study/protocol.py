@@ -101,11 +101,11 @@ class Protocol:
         return self.drive_at(self.sample_time)
 
     def drive_at(self, time: np.ndarray) -> np.ndarray:
-        """Drive at any times."""
+        """Drive at any times (n,) [s]."""
         return np.interp(time, self.knot_time, self.knot_drive)
 
     def drive_of(self, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """Return the drive under which an instrument recorded this load [mN] and depth [nm]."""
+        """Return the drive (n,) under which an instrument recorded this load (n,) [mN] and depth (n,) [nm]."""
         return drive_of(self.control, self.compliance, load, depth)
 
     @property
@@ -130,7 +130,7 @@ class Protocol:
         return self.load_at(self.sample_time)
 
     def load_at(self, time: np.ndarray) -> np.ndarray:
-        """Load at any times [mN]; raises `InputError` where it is not prescribed."""
+        """Load at any times (n,) [s] [mN]; raises `InputError` where it is not prescribed."""
         return np.interp(time, self.knot_time, self.knot_load)
 
 
@@ -163,6 +163,11 @@ def trapezoid(
         Number of samples; time zero is not one of them.
     control, compliance
         See `Protocol`.
+
+    Raises
+    ------
+    InputError
+        When a size or a time has the wrong sign, or there are fewer than two points for each segment.
     """
     if largest <= 0 or loading_time <= 0 or unloading_time <= 0 or hold_time < 0:
         raise InputError(
