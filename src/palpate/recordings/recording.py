@@ -124,7 +124,7 @@ class Recording:
         header, measured = (HEADER, []) if self.stiffness is None else (WITH_STIFFNESS, [self.stiffness])
         channels = [self.time, self.load, self.depth, *measured]
         text.write(header + "\n")
-        digits = [DIGITS if _told_apart(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        digits = [DIGITS if _distinct(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
         np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
         partial = path.with_name(path.name + ".partial")
         partial.write_text(text.getvalue(), encoding="utf-8")
@@ -169,8 +169,8 @@ def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: i
         )
 
 
-def _told_apart(time: np.ndarray) -> bool:
-    """Return whether times (n,) [s] still increase as they are usually written."""
+def _distinct(time: np.ndarray) -> bool:
+    """Return whether times (n,) [s] still increase when they are written to the usual digits."""
     return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
 
 
