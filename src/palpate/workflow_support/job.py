@@ -57,14 +57,15 @@ def logged(path: str | Path) -> Iterator[None]:
     try:
         yield
     except PalpateError as error:
-        _note(log, f"palpate: {error}")
+        note(log, f"palpate: {error}")
         sys.exit(f"palpate: {error}")
     except Exception:
-        _note(log, traceback.format_exc())
+        note(log, traceback.format_exc())
         raise
-    _note(log, f"done in {time.perf_counter() - began:.1f} s")
+    note(log, f"done in {time.perf_counter() - began:.1f} s")
 
 
-def _note(log: Path, text: str) -> None:
-    with log.open("a", encoding="utf-8") as file:
+def note(log: str | Path, text: str) -> None:
+    """Add a line to the log of a job."""
+    with Path(log).open("a", encoding="utf-8") as file:
         print(text, file=file)
