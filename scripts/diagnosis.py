@@ -18,9 +18,8 @@ def main(snakemake):
     study, output, answer = job.study(snakemake), snakemake.output, {}
     recordings, calibrated = snakemake.wildcards.recordings, estimate_of(snakemake.input.calibration)
     with tracked_runs(study.name, output.record, answer) as runs:
-        with open(snakemake.log[0], "w", encoding="utf-8") as log:
-            report = functools.partial(print, file=log, flush=True)
-            content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
+        report = functools.partial(job.note, snakemake.log[0])
+        content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         explained_curves.draw(content, curves, output.figure, study.title, synthetic=recordings in study.laboratory)

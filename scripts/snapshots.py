@@ -3,6 +3,8 @@
 output: table of the batch (CSV): address in the store, condition, status, reason and parameters of each snapshot.
 """
 
+import functools
+
 from palpate.solver import store
 from palpate.workflow_support import job
 
@@ -10,8 +12,7 @@ from palpate.workflow_support import job
 def main(snakemake):
     study = job.study(snakemake)
     batch = next(batch for batch in store.plan(study) if batch.name == snakemake.wildcards.batch)
-    with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        contents = store.computed(batch.snapshots, report=lambda line: print(line, file=log, flush=True))
+    contents = store.computed(batch.snapshots, report=functools.partial(job.note, snakemake.log[0]))
     store.table(batch.snapshots, contents).to_csv(snakemake.output[0], index=False)
 
 

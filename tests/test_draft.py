@@ -9,8 +9,11 @@ import yaml
 from palpate.analytic import sneddon
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.draft import Solid, chosen_law, ranges
 from palpate.draft.grouping import grouped
+from palpate.draft.guesses import ranges
+from palpate.draft.known_tip import KnownTip
+from palpate.draft.law_choice import chosen_law
+from palpate.draft.solid import Solid
 from palpate.materials import LAWS
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate
@@ -70,7 +73,7 @@ def test_a_test_that_was_cut_short_while_it_was_unloaded_follows_its_recording()
 
 def test_the_ranges_hold_what_was_pressed():
     """Sneddon's solid is elastic: its depth tells the modulus, and unloading but for the factors beta and epsilon."""
-    solid = Solid.of([elastic(1.0, 20), elastic(4.0, 20)])
+    solid = Solid.of([elastic(1.0, 20), elastic(4.0, 20)], KnownTip(), 0.35)
     assert solid.secant == pytest.approx(MODULUS, rel=1e-6)
     assert solid.modulus == pytest.approx(MODULUS, rel=0.1)
     for law in LAWS:
@@ -89,7 +92,7 @@ def test_the_ranges_hold_an_epoxy_that_creeps_while_it_is_unloaded():
     pressed = simulate(
         Specification("nonlinear_burgers", truth | {"poisson_ratio": 0.34}, CONE, trapezoid(1, 20, 0, 20))
     )
-    solid = Solid.of([Recording(pressed.time, pressed.load, pressed.depth)])
+    solid = Solid.of([Recording(pressed.time, pressed.load, pressed.depth)], KnownTip(), 0.35)
     guessed = {name: values for name, values in ranges("nonlinear_burgers", solid, 20.0).items() if len(values) > 1}
     assert guessed.keys() == truth.keys()
     for name, (low, high) in guessed.items():
@@ -152,7 +155,7 @@ def test_a_test_without_unloading_is_drafted_too(tmp_path, monkeypatch):
 
 
 def test_what_gives_all_work_back_is_elastic():
-    assert chosen_law(Solid.of([elastic(1.0, 20)]))[0] == "elastic"
+    assert chosen_law(Solid.of([elastic(1.0, 20)], KnownTip(), 0.35))[0] == "elastic"
     assert chosen_law(Solid(1.4, 2.5, 0.13, 0.06, 0.25))[0] == "nonlinear_burgers"
 
 

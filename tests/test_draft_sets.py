@@ -11,8 +11,9 @@ from test_draft import MODULUS, elastic
 from palpate.analytic import hertz, sneddon
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.draft import Drive, Stated
 from palpate.draft.grouping import grouped
+from palpate.draft.prescribed_drive import Drive
+from palpate.draft.stated import Stated
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.study_recordings import check, resampled
 from palpate.recordings.pop_in import pop_ins

@@ -11,8 +11,12 @@ from test_readers import ANON, HLD, XP, needs_recordings
 
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.draft import KnownTip, Solid, Stated, not_taken, ranges, study_name
-from palpate.draft.yaml_text import scalar
+from palpate.draft.guesses import ranges
+from palpate.draft.known_tip import KnownTip
+from palpate.draft.metadata import not_taken
+from palpate.draft.solid import Solid
+from palpate.draft.stated import Stated
+from palpate.draft.yaml_text import scalar, study_name
 from palpate.materials import LAWS
 from palpate.recordings.recording_file import read_recording
 

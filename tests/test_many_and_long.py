@@ -93,3 +93,9 @@ def test_a_point_of_a_long_recording_that_is_not_kept_is_checked_as_well(tmp_pat
         (tmp_path / "b_1.csv").write_text("\n".join([*lines[:line], ",".join([wrong, *cells[1:]]), *lines[line + 1 :]]))
         with pytest.raises(InputError, match=f"b_1.csv.* point {line}"):
             read_recording(tmp_path / "b_1.csv")
+
+
+def test_a_single_point_below_long_comments_is_read_without_a_last_line_break(tmp_path):
+    (tmp_path / "a_1.csv").write_text("# a comment\n" * 3000 + "time_s,load_mN,depth_nm\n1,2,3")
+    found = read_recording(tmp_path / "a_1.csv")
+    assert (found.time, found.load, found.depth) == ([1.0], [2.0], [3.0])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from palpate.errors import InputError
 from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording, recording_files
+from palpate.recordings.recording_file import read_history, read_recording, recording_files
 from palpate.study.recorded_history import MOST_KNOTS, recorded
 
 
@@ -197,3 +197,13 @@ def test_a_measured_stiffness_travels_with_the_recording(tmp_path):
     assert len(again.at(slice(3, None)).stiffness) == 6
     with pytest.raises(InputError, match="stiffness differ in length"):
         Recording(time, load, load, stiffness=stiffness[1:])
+
+
+@pytest.mark.parametrize(
+    ("control", "header"), [("load", "time_s,load_mN"), ("displacement", "time_s,displacement_nm")]
+)
+def test_a_history_that_holds_text_is_refused_with_its_own_columns(tmp_path, control, header):
+    file = tmp_path / "history.csv"
+    file.write_text(f"{header}\n0,0\n1,ten\n")
+    with pytest.raises(InputError, match=f"line 3: '1,ten' is not two numbers; write {header.replace(',', ' and ')}"):
+        read_history(file, control)

@@ -6,7 +6,6 @@ import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import considered
 from palpate.mechanisms.draws import log_uniform
+from palpate.workflow_support.result_files import checksum
 from studies.blind_trial.unknown import UNKNOWN
 
 INNER = 0.1
@@ -88,7 +88,7 @@ def seal(cases: list[Case], path: Path) -> str:
     text = json.dumps([asdict(case) for case in cases], indent=1) + "\n"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
-    return sha256(text.encode()).hexdigest()
+    return checksum(path)
 
 
 def _material(study: Study, rng: np.random.Generator) -> dict[str, float]:

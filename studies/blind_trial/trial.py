@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -23,14 +22,13 @@ from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
+from palpate.workflow_support.result_files import read_json
 from studies.blind_trial.cases import Case
 from studies.blind_trial.laboratory import body_depths
 from studies.blind_trial.score import row
 
 
-def diagnose_case(
-    study: Study, folder: Path, report: Callable[[str], None] = print
-) -> tuple[dict[str, Any], pd.DataFrame]:
+def diagnose_case(study: Study, folder: Path, report: Callable[[str], None]) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose the recordings in `folder`; nothing of the truth is read."""
     return run_diagnosis(replace(study, recordings={"case": folder}), "case", report=report)
 
@@ -41,6 +39,11 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     A signature is the true effect at the true material, with whatever else acts, whitened and projected off the base
     model's tangent space there and off the other effect. The limit is the size that the most sensitive filter notices
     at a family-wise one per cent (Bonferroni).
+
+    Raises
+    ------
+    PalpateError
+        When a simulation fails.
     """
     if not case.mechanisms:
         return float("nan")
@@ -80,10 +83,9 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
 
 def score_case(study: Study, case: Case, diagnosis: Path, folder: Path) -> dict[str, Any]:
     """Return the row of one case; a strength that cannot be simulated is NaN, and counts as weak."""
-    content = json.loads(diagnosis.read_text(encoding="utf-8"))
     try:
         size = strength(study, case, folder)
     except PalpateError as error:
         print(f"strength not known: {error}")
         size = float("nan")
-    return row(vars(case), content, size)
+    return row(vars(case), read_json(diagnosis), size)

@@ -13,7 +13,7 @@ from palpate.errors import InputError
 from palpate.inference.study_recordings import convert_source
 
 
-def diagnose_source(study: Study, report: Callable[[str], None] = print) -> tuple[dict[str, Any], pd.DataFrame]:
+def diagnose_source(study: Study, report: Callable[[str], None]) -> tuple[dict[str, Any], pd.DataFrame]:
     """Convert the study's vendor file, and diagnose the recordings.
 
     Returns

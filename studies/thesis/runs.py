@@ -24,7 +24,7 @@ class Run:
     Parameters
     ----------
     labels
-        What tells it from the others: parameters by name and anything else that JSON can hold.
+        What distinguishes it from the others: parameters by name and anything else that JSON can hold.
     specification
         Everything that decides it; ``None`` when the solver does not offer it.
     reason
@@ -144,7 +144,7 @@ class Design:
         return getattr(self.runs, "func", self.runs).__module__
 
 
-def compute(runs: Sequence[Run], folder: Path, report: Callable[[str], None] = print) -> Curves:
+def compute(runs: Sequence[Run], folder: Path, report: Callable[[str], None]) -> Curves:
     """Bring the curves of all runs together, simulating those that the store lacks.
 
     Raises
@@ -173,7 +173,7 @@ def compute(runs: Sequence[Run], folder: Path, report: Callable[[str], None] = p
 
 
 def _name(specification: Specification | None) -> dict[str, str]:
-    """Return labels that tell which curve was taken: its address in the store and its accuracy."""
+    """Return labels of the curve that was taken: its address in the store and its accuracy."""
     if specification is None:
         return {"address": "", "accuracy": ""}
     return {"address": store.address(specification), "accuracy": specification.accuracy}

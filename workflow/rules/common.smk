@@ -123,7 +123,6 @@ DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 wildcard_constraints:
     batch="|".join(map(re.escape, BATCHES)),
-    case=r"case_\d+",
     recordings="|".join(map(re.escape, STUDY.recordings)) or "none",
     condition="|".join(map(re.escape, CALIBRATED)),
     condition_set="|".join(map(re.escape, STUDY.condition_sets)),

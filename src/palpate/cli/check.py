@@ -49,7 +49,7 @@ def examined(study: Study) -> Iterator[str]:
 
     def look(name: str, condition: str, tests: list[Recording]) -> None:
         counts[name][condition] = len(tests)
-        remarks[name].extend(anomalies(study, condition, tests))
+        remarks[name].extend(anomalies(study.condition(condition), tests))
 
     checked(study, look)
     counts = {name: seen or tests_to_come(study, name) for name, seen in counts.items()}

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
-from palpate.cli import check, read
+from palpate.cli import check, read, warn
 
 NAME = "draft"
 HELP = "write a first study from recordings or instruments' files"
@@ -61,16 +60,10 @@ def run(arguments: argparse.Namespace) -> int:
         columns = read.column_map(arguments)
     except InputError as error:
         raise error.located(file=arguments.files[0]) from None
-    tests = readable(arguments.files, _reported, arguments.contact, arguments.corrections, columns)
-    found = write_study(
-        tests, arguments.output, study_name(arguments.output), _reported, arguments.law, arguments.sphere
-    )
+    tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
+    found = write_study(tests, arguments.output, study_name(arguments.output), warn, arguments.law, arguments.sphere)
     for remark in found.remarks:
-        _reported(remark)
+        warn(remark)
     print("taken from the tests or guessed:", *lines(found.table), *check.examined(found.study), sep="\n")
     print(f"next: look through the guesses in {found.study.file}, then palpate check {found.study.file}")
     return 0
-
-
-def _reported(line: str) -> None:
-    print(f"palpate: {line}", file=sys.stderr)

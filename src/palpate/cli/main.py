@@ -55,7 +55,7 @@ def command_line() -> Parser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run ``palpate``; return its exit code.
 
-    It is 0 on success, 2 on bad input, 1 on failure or when nobody reads on, and 130 after Ctrl-C.
+    It is 0 on success, 2 on bad input, 1 on failure or when the output is closed, and 130 after Ctrl-C.
     Letters that the output's encoding lacks are printed as numbers.
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -66,21 +66,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = chosen.run(chosen)
         sys.stdout.flush()
         return code
-    except InputError as error:
-        print(f"palpate: {error}", file=sys.stderr)
-        return 2
     except PalpateError as error:
-        print(f"palpate: {error}", file=sys.stderr)
-        return 1
+        cli.warn(error)
+        return 2 if isinstance(error, InputError) else 1
     except KeyboardInterrupt:
-        print("palpate: interrupted", file=sys.stderr)
+        cli.warn("interrupted")
         return 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        problem = InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename)
-        print(f"palpate: {problem}", file=sys.stderr)
+        cli.warn(InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename))
         return 2
 
 

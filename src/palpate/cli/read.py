@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from palpate.cli import warn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from palpate.errors import InputError
-    from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest
+    from palpate.recordings.readers import ColumnMap, VendorTest
     from palpate.recordings.survey import Survey
 
 NAME = "read"
@@ -118,7 +119,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.base.overwrite import spared, written_beside
     from palpate.errors import InputError
-    from palpate.recordings.readers import VendorTest, read_each, select, sound, zeroed_each
+    from palpate.recordings.readers import VendorTest, messages, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.vendor import in_words
     from palpate.recordings.readers.zero import decision
     from palpate.recordings.survey import Survey, survey_each
@@ -139,7 +140,8 @@ def run(arguments: argparse.Namespace) -> int:
     paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
     applied = f"corrections in depth: {in_words(arguments.corrections)}"
     arguments.output.mkdir(parents=True, exist_ok=True)
-    report_problems(arguments.file, begun)
+    for line in messages(arguments.file, begun):
+        warn(line)
     if arguments.stiffness:
         _report_missing_stiffness(arguments.file, [test for _, test in readable])
     for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
@@ -148,10 +150,12 @@ def run(arguments: argparse.Namespace) -> int:
         stiffness = test.recording.stiffness if arguments.stiffness else None
         place = written_beside(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
         if place != path:
-            print(f"palpate: {path}: exists with another content; written to {place}", file=sys.stderr)
+            warn(f"{path}: exists with another content; written to {place}")
         print(place)
         if surveys and isinstance(found := surveys[number], Survey):
-            _draw(found, place.with_suffix(".png"), taken[number])
+            from palpate.output.figures.recorded_test import draw
+
+            draw(found, place.with_suffix(".png"), taken[number])
             print(place.with_suffix(".png"))
     if surveys:
         _write_table(arguments.file, arguments.output, surveys, taken)
@@ -170,7 +174,7 @@ def _write_table(
         if isinstance(found, Survey):
             rows.append((found, decided))
         else:
-            print(f"palpate: {found.located(file=file)}; left out of the survey", file=sys.stderr)
+            warn(f"{found.located(file=file)}; left out of the survey")
     text = table([row[0] for row in rows], [row[1] for row in rows]).to_csv(index=False, sep="\t", float_format="%.5g")
     path = folder / f"{file.stem}_survey.txt"
     print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
@@ -194,20 +198,12 @@ def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
     return ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
 
 
-def report_problems(file: Path, tests: Sequence[VendorTest | Unreadable]) -> None:
-    """Print what is left out, and what the readers warn of."""
-    from palpate.recordings.readers import messages
-
-    for line in messages(file, tests):
-        print(f"palpate: {line}", file=sys.stderr)
-
-
 def _report_missing_stiffness(file: Path, tests: Sequence[VendorTest]) -> None:
     """Print, in one line, which tests get no column of the stiffness that was asked for."""
     without = [test.name for test in tests if test.recording.stiffness is None]
     if without:
         names = "" if len(without) == len(tests) else f" in {', '.join(without)}"
-        print(f"palpate: {file}: holds no stiffness by oscillation{names}; no column is added", file=sys.stderr)
+        warn(f"{file}: holds no stiffness by oscillation{names}; no column is added")
 
 
 def _paths(folder: Path, names: list[str]) -> list[Path]:
@@ -219,10 +215,3 @@ def _paths(folder: Path, names: list[str]) -> list[Path]:
             stem += f"_{number}"
         paths.append(folder / f"{stem}.csv")
     return paths
-
-
-def _draw(found: Survey, path: Path, taken: tuple[str, float]) -> None:
-    """Draw it, with the contact that was taken."""
-    from palpate.output.figures.recorded_test import draw
-
-    draw(found, path, taken)

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from palpate.cli import warn
 from palpate.errors import PalpateError
 
 NAME = "run"
@@ -48,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         return subprocess.run(command, check=False).returncode
     here = Path.cwd()
     if killed_run.unlocked(here):
-        print("palpate: the last run was killed; continuing where it stopped", file=sys.stderr)
+        warn("the last run was killed; continuing where it stopped")
     with killed_run.marked(here):
         code = _executed(command)
     if code and killed_run.locks(here) and not killed_run.running(here):

@@ -47,10 +47,8 @@ def checked_levels(
             )  # fmt: skip
         owner, values = ("material", [material[name]]) if name in material else ("parameters", given[name])
         for value in values:
-            try:
+            with part_of(owner):
                 parameter.check(value)
-            except InputError as error:
-                raise InputError(error.problem, remedy=error.remedy, place=f"{owner}.{name}") from None
     for name, levels in given.items():
         if len(set(levels)) != len(levels):
             raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")

@@ -12,7 +12,7 @@ from palpate.recordings.readers import VendorTest
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
-from palpate.study.protocol import LOAD, Protocol
+from palpate.study.protocol import LOAD, Protocol, drive_of
 from palpate.study.recorded_history import recorded
 
 
@@ -46,10 +46,9 @@ class Histories:
             raise InputError(f"load_history and {shapes[0]} exclude each other", remedy="keep one")
         history = self._recording(entry)
         control, compliance, _ = control_from(given)
-        drive = history.load if control == LOAD else history.depth + compliance * history.load
-        begun = history.from_contact(drive)
-        drive = begun.load if control == LOAD else begun.depth + compliance * begun.load
-        return recorded(begun.time, drive, self.points, control=control, compliance=compliance)
+        begun = history.from_contact(drive_of(control, compliance, history.load, history.depth))
+        drive = drive_of(control, compliance, begun.load, begun.depth)
+        return recorded(begun.time, drive, self.points, control, compliance)
 
     def _recording(self, entry: Mapping[str, Any]) -> Recording:
         """Return the recording whose load or displacement a condition follows."""

@@ -12,7 +12,13 @@ from palpate.recordings.readers import locate
 
 
 def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
-    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names."""
+    """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names.
+
+    Raises
+    ------
+    InputError
+        When the study has no such section but data, a set or a condition is not the study's, or the file is missing.
+    """
     if "source" not in settings:
         if data is not None:
             raise InputError(

@@ -133,10 +133,9 @@ class Study:
         self, cell: Mapping[str, float], condition: Condition, accuracy: str | None = None
     ) -> Specification:
         """Return what to simulate for material parameters `cell` under `condition`."""
-        parameters = {**self.fixed, **cell}
         return Specification(
             self.model,
-            parameters,
+            {**self.fixed, **cell},
             self.indenter,
             condition.protocol,
             kinematics=self.kinematics,
@@ -197,11 +196,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     check_contradictions(values)
     settings = with_defaults(values, schema)
     material = dict(values["material"])
-    model = material.pop("model")
-    try:
-        model = law_of(model).key
-    except InputError as error:
-        raise InputError(error.problem, remedy=error.remedy, place="material.model") from None
+    with part_of("material"):
+        model = law_of(material.pop("model")).key
     source = source_from(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
     levels = checked_levels(model, material, values["parameters"])
@@ -260,10 +256,8 @@ def _check_laboratories(study: Study) -> None:
             raise InputError(
                 f"{key} is no set of recordings", remedy=f"add the folder of {key} to recordings", place=place
             )
-        try:
+        with part_of(f"{place}.parameters"):
             study.specification(settings["parameters"], study.conditions[0])
-        except InputError as error:
-            raise InputError(error.problem, remedy=error.remedy, place=f"{place}.parameters") from None
         with part_of(place):
             checked_mechanisms(settings.get("mechanisms"))
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.sentences import and_more
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
@@ -22,7 +23,7 @@ from palpate.recordings.segments import segments
 
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
-BRIEF = 0.005  # of the time to the largest load, within which nobody minds what is assumed
+BRIEF = 0.005  # of the time to the largest load, within which an assumed loading is not reported
 PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 CLEAR = 10.0  # standard deviations of the load, likewise
 
@@ -34,13 +35,13 @@ class Drafted:
     Parameters
     ----------
     recording
-        From contact on, named after file and test as people find them, with all that `palpate read` writes as notes.
+        From contact on, named after file and test, with all that `palpate read` writes as notes.
     source
         What the reader found in the file.
     assumed
         How long the loading is that no point records [s]: the test begins under load, or 0.
     preload
-        Under which load it begins [mN].
+        Under which load it begins [mN], or 0.
     pull
         Largest pull on the tip after the test that was cut off [mN], or 0.
     """
@@ -81,14 +82,14 @@ class Drafted:
         except InputError as error:
             raise error.located(file=name) from None
         assumed = _assumed(test.recording, begun)
-        notes, pull = _provenance(file, test, corrections), _pull(whole.recording, begun) if whole else 0.0
+        preload = float(test.recording.load[0]) if assumed else 0.0
+        pull = _pull(whole.recording, begun) if whole else 0.0
+        notes = _provenance(file, test, corrections)
         if pull:
-            notes = (*notes, f"a pull of {pull:.3g} mN on the tip after the test is cut off")
-        if not assumed:
-            return cls(replace(begun, notes=notes), test, pull=pull)
-        preload = float(test.recording.load[0])
-        note = f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed"
-        return cls(replace(begun, notes=(*notes, note)), test, assumed, preload, pull)
+            notes += (f"a pull of {pull:.3g} mN on the tip after the test is cut off",)
+        if assumed:
+            notes += (f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed",)
+        return cls(replace(begun, notes=notes), test, assumed, preload, pull)
 
 
 def assumed(tests: Sequence[Drafted]) -> list[str]:
@@ -96,7 +97,7 @@ def assumed(tests: Sequence[Drafted]) -> list[str]:
     found = [test for test in tests if test.assumed]
     if not found:
         return []
-    first, others = found[0], f" and {len(found) - 1} more" if len(found) > 1 else ""
+    first, others = found[0], and_more(found)
     longest = max(test.assumed for test in found)
     return [
         f"{first.recording.name}{others} begin{'' if others else 's'} under load ({first.preload:.3g} mN): the loading "
@@ -110,11 +111,10 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
     found = [test for test in tests if test.pull]
     if not found:
         return []
-    others = f" and {len(found) - 1} more" if len(found) > 1 else ""
     most = max(test.pull for test in found)
     return [
-        f"{found[0].recording.name}{others}: the surface holds the tip by up to {most:.3g} mN while it leaves; "
-        "that part is cut off, as a test ends where its load is zero"
+        f"{found[0].recording.name}{and_more(found)}: the surface holds the tip by up to {most:.3g} mN while it "
+        "leaves; that part is cut off, as a test ends where its load is zero"
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
-from palpate.recordings.recording import Recording, copies
+from palpate.recordings.recording import copies
 
 SOFTEST_PLASTIC = 0.01  # GPa, chosen: below it a remark asks, and nothing is refused
 LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
@@ -39,7 +39,7 @@ class FirstStudy:
     study
         Checked.
     remarks
-        What people should look at in it.
+        What the user should look at in it.
     table
         What was taken or guessed, and why; modulus and hardness by unloading at its end.
     """
@@ -54,8 +54,8 @@ def write_study(
     output: Path,
     name: str,
     report: Report,
-    law: str | None = None,
-    sphere: float | None = None,
+    law: str | None,
+    sphere: float | None,
 ) -> FirstStudy:
     """Write tests as replicates of the conditions that they are, and a study of them, and return it.
 
@@ -71,9 +71,9 @@ def write_study(
     report
         Called with one line for each test that is left out, with the reason.
     law
-        Key of the constitutive law, or keys of several joined by ``+``; chosen from the tests when not given.
+        Key of the constitutive law, or keys of several joined by ``+``; None to choose it from the tests.
     sphere
-        Radius of a spherical tip [nm]; when not given, the tip is the files' own, or a Berkovich.
+        Radius of a spherical tip [nm]; None for the files' own tip, or a Berkovich.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def write_study(
         try:
             return _drafted(tests, output, name, law, tip, drive)
         except Unsound as unsound:
-            report(f"{unsound.test.recording.name}{unsound.place}: {unsound.error.problem}; the test is left out")
+            report(_left_out(unsound.test, unsound.error))
             tests = [test for test in tests if test is not unsound.test]
 
 
@@ -111,26 +111,27 @@ class Unsound(Exception):
         self.test, self.error = test, error
         super().__init__(str(error))
 
-    @property
-    def place(self) -> str:
-        """Where in the test it is wrong."""
-        return f", {self.error.place}" if self.error.place else ""
+
+def _left_out(test: Drafted, error: InputError) -> str:
+    """Return the line that says why a test is left out."""
+    place = f", {error.place}" if error.place else ""
+    return f"{test.recording.name}{place}: {error.problem}; the test is left out"
 
 
 def _sound(tests: Sequence[Drafted], check: Callable[[Drafted], object], report: Report) -> list[Drafted]:
     """Return the tests that pass a check, and say which do not; raises the first error where none does."""
-    kept, errors = [], []
+    kept, wrong = [], list[tuple[Drafted, InputError]]()
     for test in tests:
         try:
             check(test)
             kept.append(test)
         except InputError as error:
-            errors.append(error.located(file=test.recording.name))
+            wrong.append((test, error))
     if not kept:
-        raise errors[0]
-    for wrong in errors:
-        place = f", {wrong.place}" if wrong.place else ""
-        report(f"{wrong.file}{place}: {wrong.problem}; the test is left out")
+        first, problem = wrong[0]
+        raise problem.located(file=first.recording.name)
+    for test, problem in wrong:
+        report(_left_out(test, problem))
     return kept
 
 
@@ -139,7 +140,8 @@ def _drafted(
 ) -> FirstStudy:
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
-    stated, facts_by_name = Stated.by_all(facts), [(test.recording.name, test.facts) for test in tests]
+    facts_by_name = [(recording.name, fact) for recording, fact in zip(recordings, facts, strict=True)]
+    stated = Stated.by_all(facts)
     solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
     ratio = stated.poisson_ratio or (OF_GELS if solid.secant < LINEAR else POISSON_RATIO)
     solid = Solid.of(recordings, tip, ratio)
@@ -154,8 +156,9 @@ def _drafted(
         *not_taken(facts_by_name, stated, tip, deepest, ratio),
         *of_the_instrument(facts_by_name),
         *unlike(recordings, tip),
+        *assumed(tests),
+        *pulled(tests),
     ]
-    remarks += [*assumed(tests), *pulled(tests)]
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
     study = _written(output / "study.yaml", text, folder, groups, tests)
@@ -191,7 +194,11 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
     InputError
         When it is not for another reason.
     """
-    recordings = dict(_named(folder, groups))
+    recordings = {
+        folder / f"{group.name}_{number}.csv": recording
+        for group in groups
+        for number, recording in enumerate(group.recordings, 1)
+    }
     with taken_back_if_unsound(file, folder):
         folder.mkdir(parents=True)
         for path, recording in recordings.items():
@@ -208,10 +215,3 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
             where = own.name if own else "the draft of these tests"
             remedy = LOOK if own and error.place != "depth_nm" else error.remedy
             raise InputError(error.problem, remedy=remedy, file=where, place=error.place) from None
-
-
-def _named(folder: Path, groups: Sequence[Group]) -> Iterator[tuple[Path, Recording]]:
-    """Yield the file of each recording of some groups."""
-    for group in groups:
-        for number, recording in enumerate(group.recordings, 1):
-            yield folder / f"{group.name}_{number}.csv", recording

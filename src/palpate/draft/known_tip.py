@@ -24,7 +24,7 @@ FILES = "as the files state"
 
 
 def unusable(area: Sequence[float], depth: float) -> str:
-    """Return why an area function cannot be used for tests of a depth [nm]; empty where it can.
+    """Return why an area function cannot be used for tests of a depth [nm], 0 if unknown; empty where it can.
 
     A tip is blunter than the ideal one, whose area is the first term; a series that falls far below that has left the
     depths of its calibration.
@@ -33,8 +33,10 @@ def unusable(area: Sequence[float], depth: float) -> str:
         low, high = Indenter.from_mapping({"shape": "area_function", "area": list(area)}).holds_between
     except InputError as error:
         return error.problem
-    if not depth or not low < depth < high:
-        return f"it is positive and grows from {low:.3g} to {high:.3g} nm, where the tests do not lie" if depth else ""
+    if not depth:
+        return ""
+    if not low < depth < high:
+        return f"it is positive and grows from {low:.3g} to {high:.3g} nm, where the tests do not lie"
     share = float(AreaFunction(tuple(area)).area(np.array(depth))) / (area[0] * depth**2)
     if area[0] > 0.0 and share < THINNEST:
         return f"at the tests' {depth:.3g} nm it gives {share:.0%} of the area that its first term does"

@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from palpate.base.sentences import and_more
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.solid import POISSON_RATIO
 from palpate.draft.stated import Stated, area_share, coefficients, of_instrument, poisson_ratio, radius_entry
+from palpate.study.area_function import BERKOVICH
 
-BERKOVICH, NEAR = 24.5, 0.05
+NEAR = 0.05  # relative difference from the ideal tip's coefficient, within which a stated one is that
 NEAR_AREA = 1.25  # chosen: ratio to the ideal tip's area that a real Berkovich tip has at some depth
 NamedMetadata = Sequence[tuple[str, Mapping[str, Any]]]
 
@@ -63,7 +65,7 @@ def not_taken(
 
 
 def of_the_instrument(tests: NamedMetadata) -> list[str]:
-    """Return one remark with what files say of frame, drift and temperature."""
+    """Return one remark with what files state of frame, drift and temperature."""
     entries = of_instrument(tests[0][1])
     if not entries:
         return []
@@ -73,7 +75,7 @@ def of_the_instrument(tests: NamedMetadata) -> list[str]:
 
 
 def _remark(what: str, entries: Mapping[str, str], reason: str, instead: str) -> list[str]:
-    """Return what tests say, each value with the first test that says it; nothing where none says anything."""
+    """Return what tests state, each value with the first test that states it; nothing where none states anything."""
     tests_of: dict[str, list[str]] = {}
     for name, value in entries.items():
         tests_of.setdefault(value, []).append(name)
@@ -83,8 +85,7 @@ def _remark(what: str, entries: Mapping[str, str], reason: str, instead: str) ->
         return [f"{what} is stated as {next(iter(tests_of))} and not taken, as {reason}; {instead}"]
     shown = []
     for value, names in tests_of.items():
-        others = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        shown.append(f"{value or 'nothing'} by {names[0]}{others}")
+        shown.append(f"{value or 'nothing'} by {names[0]}{and_more(names)}")
     return [f"{what} is stated unlike and not taken: {'; '.join(shown)}; {instead}"]
 
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from palpate.draft.stated import Stated
 from palpate.recordings.recording import Recording
-from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
+from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners, drive_of
 from palpate.study.recorded_history import recorded
 
 STRAIGHT = 0.005  # of the largest, within which a channel that is prescribed follows a few straight lines
 CLEARER = 3.0  # times as many corners as the depth needs, that a load needs which answers
-FEW = 8  # corners of a history that somebody prescribes
+FEW = 8  # corners of a prescribed history
 DEPTH = re.compile(r"indentation|displacement|depth|position", re.IGNORECASE)
 OWN_DEPTH = re.compile(r"indentation|depth", re.IGNORECASE)
 
@@ -70,9 +70,7 @@ class Drive:
 
     def of(self, recording: Recording) -> np.ndarray:
         """Return what is prescribed (n,) in a recording [mN] or [nm]."""
-        if self.control == LOAD:
-            return recording.load
-        return recording.depth + self.compliance * recording.load
+        return drive_of(self.control, self.compliance, recording.load, recording.depth)
 
     def followed(self, recording: Recording) -> Protocol:
         """Return the history of the drive that a recording gives from contact on."""

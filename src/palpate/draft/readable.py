@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
 from palpate.recordings.borne_load import check_borne
-from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, zeroed_each
+from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
 from palpate.recordings.readers.vendor import attempt
 
 
@@ -35,7 +35,7 @@ def readable(
     InputError
         What is wrong with the first file or test, when none can be read.
     """
-    foreign: list[InputError] = []
+    refused: list[InputError] = []
     found: list[tuple[Path, list[Drafted | Unreadable]]] = []
     for file in [file for given in files for file in _files_in(given)]:
         try:
@@ -44,11 +44,11 @@ def readable(
             whole = _borne(file, read_each(file, corrections=corrections, contact="none", columns=columns))
             found.append((file, _begun(file, whole, zeroed_each(file, whole, contact), corrections)))
         except InputError as error:
-            foreign.append(error.located(file=file))
+            refused.append(error.located(file=file))
     drafted = [test for _, tests in found for test in tests if isinstance(test, Drafted)]
     if not drafted:
-        raise foreign[0]
-    for reason in foreign:
+        raise refused[0]
+    for reason in refused:
         report(f"{reason}; the file is left out")
     for file, tests in found:
         for line in messages(file, [test.source if isinstance(test, Drafted) else test for test in tests]):
@@ -82,13 +82,10 @@ def _begun(
     """Return the tests of one file as a draft takes them; raises `InputError` when it can take none."""
     found: list[Drafted | Unreadable] = []
     for test, all_of_it in zip(tests, whole, strict=True):
-        if isinstance(test, Unreadable) or isinstance(all_of_it, Unreadable):
-            found.append(test if isinstance(test, Unreadable) else all_of_it)  # type: ignore[arg-type]
-            continue
         try:
-            found.append(Drafted.of(file, test, corrections, all_of_it))
+            found.append(Drafted.of(file, sound(test), corrections, sound(all_of_it)))
         except InputError as error:
-            found.append(Unreadable(test.name, error))
+            found.append(test if isinstance(test, Unreadable) else Unreadable(test.name, error))
     unreadable = [test for test in found if isinstance(test, Unreadable)]
     if len(unreadable) == len(found):
         raise next((test for test in unreadable if test.sought), unreadable[0]).error

@@ -21,7 +21,6 @@ SOFTEST = 1e-9  # GPa, chosen: no solid that bears a tip is softer than 1 Pa
 STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
 UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
 HELD = 0.98  # of the largest load, at which a test counts as held
-BERKOVICH = KnownTip()
 
 
 @dataclass(frozen=True)
@@ -48,9 +47,7 @@ class Solid:
     returned: float = math.nan
 
     @classmethod
-    def of(
-        cls, recordings: Sequence[Recording], tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO
-    ) -> Solid:
+    def of(cls, recordings: Sequence[Recording], tip: KnownTip, poisson_ratio: float) -> Solid:
         """Analyse recordings under a tip; raises `InputError` when the tip has not sunk in at the largest load."""
         moduli = [by_unloading(recording, tip, poisson_ratio) for recording in recordings]
         secant = np.median([secant_modulus(recording, tip, poisson_ratio) for recording in recordings])
@@ -75,8 +72,8 @@ def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
 def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> tuple[float, float]:
     """Return modulus and hardness [GPa] by unloading, NaN where it does not give them."""
     with suppress(InputError):
-        area = tip.area_at(float(recording.depth.max()))
-        found = oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=TipConstants(area) if area else None)
+        constants = TipConstants(tip.area_at(float(recording.depth.max())))
+        found = oliver_pharr(recording.load, recording.depth, poisson_ratio, tip=constants)
         return found.modulus, found.hardness
     return math.nan, math.nan
 
@@ -113,7 +110,7 @@ def peak_of(recording: Recording) -> tuple[float, float]:
     return float(recording.load[peak]), depth
 
 
-def secant_modulus(recording: Recording, tip: KnownTip = BERKOVICH, poisson_ratio: float = POISSON_RATIO) -> float:
+def secant_modulus(recording: Recording, tip: KnownTip, poisson_ratio: float = POISSON_RATIO) -> float:
     """Return the modulus [GPa] of an elastic body that is as deep at the largest load."""
     load, depth = peak_of(recording)
     return load / tip.elastic_load(depth, poisson_ratio)
@@ -155,7 +152,7 @@ def check_unit(recording: Recording, tip: KnownTip) -> None:
 def unlike(recordings: Sequence[Recording], tip: KnownTip) -> list[str]:
     """Return a remark when tests of one draft seem to be of different materials, else none.
 
-    Where one begins off contact, its depth is not the body's, and says nothing.
+    Where one begins off contact, its depth is not the body's, and no material is inferred.
     """
     if any(map(begins_off_contact, recordings)):
         return []

@@ -76,7 +76,7 @@ class Stated:
     spring
         Stiffness of the cantilever by which the load was applied [mN/nm].
     control
-        What the instrument held to its course, in the file's word, such as ``Displacement``.
+        What the instrument held to its course, as the file names it, such as ``Displacement``.
     sphere
         Radius of the sphere whose contact area at the contact depth is the one that the vendor evaluated [nm].
     """
@@ -124,7 +124,7 @@ def quantity(
     Parameters
     ----------
     metadata
-        What a file says, by the vendor's names.
+        What a file states, by the vendor's names.
     named
         Matches the names of the quantity.
     units
@@ -156,12 +156,12 @@ def modulus_and_hardness(metadata: Mapping[str, Any], ratio: float) -> tuple[flo
 
 
 def of_instrument(metadata: Mapping[str, Any]) -> list[str]:
-    """Return what a file says of frame, drift and temperature, in its own words."""
-    found = (_said(metadata, named) for named in OF_INSTRUMENT.values())
+    """Return what a file states of frame, drift and temperature, as it is written there."""
+    found = (_entry_with_name(metadata, named) for named in OF_INSTRUMENT.values())
     return [entry for entry in found if entry]
 
 
-def _said(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
+def _entry_with_name(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
     return next(
         (f"{name.strip()} {entry}" for name, entry in metadata.items() if named.match(name.strip()) and entry), ""
     )
@@ -172,8 +172,8 @@ def _entry(metadata: Mapping[str, Any], named: re.Pattern[str]) -> str:
 
 
 def radius_entry(metadata: Mapping[str, Any]) -> str:
-    """Return what a file says of the tip's radius or diameter, as it says it; empty where it says nothing."""
-    return _said(metadata, RADIUS) or _said(metadata, DIAMETER)
+    """Return what a file states of the tip's radius or diameter, as it is written there; empty where it does not."""
+    return _entry_with_name(metadata, RADIUS) or _entry_with_name(metadata, DIAMETER)
 
 
 def _radius(metadata: Mapping[str, Any]) -> float | None:

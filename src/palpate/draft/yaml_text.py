@@ -52,7 +52,7 @@ def study_text(
     tip: KnownTip,
     guessed: Mapping[str, Sequence[float]],
     table: Sequence[Guess],
-    remarks: Sequence[str] = (),
+    remarks: Sequence[str],
 ) -> str:
     """Return the YAML of a study.
 
@@ -71,7 +71,7 @@ def study_text(
     table
         What was taken or guessed, and why, see `palpate.draft.guess_table`.
     remarks
-        What people should know of the draft, a comment each.
+        Remarks on the draft, a comment each.
     """
     rows = {row.what: row for row in table}
     law, ratio = rows["law"].value, rows["Poisson's ratio"]

@@ -14,7 +14,7 @@ from itertools import pairwise, product
 import numpy as np
 
 TIMES = (0.002, 0.005, 0.012, 0.03, 0.07, 0.16)  # of transients, as shares of the fit's duration
-FREEDOM = {"zero": 1e-6, "offset": 1e3, "tilt": 0.5, "drift": 0.5, "cosine": 0.05, "sine": 0.05, "transient": 0.2}
+DEVIATIONS = {"zero": 1e-6, "offset": 1e3, "tilt": 0.5, "drift": 0.5, "cosine": 0.05, "sine": 0.05, "transient": 0.2}
 MOST_CYCLES = 60.0
 FOR_OFFSET, FOR_SLOPE, FOR_CURVE = 3, 6, 30  # points in air, chosen
 BESIDE = (-0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2)  # cycles over the span, about the frequency found
@@ -61,9 +61,9 @@ class Baselines:
         return -float(np.log(16.0) + of_wave + of_start)
 
 
-def freedom(term: Term) -> float:
+def prior_deviation(term: Term) -> float:
     """Return the standard deviation of a term's coefficient before the data, in units of the load's range."""
-    return FREEDOM[term[0].split()[0]]
+    return DEVIATIONS[term[0].split()[0]]
 
 
 def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
@@ -82,16 +82,16 @@ def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
 
 
 def waves_in(
-    rest: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray
+    residual: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray
 ) -> tuple[tuple[str, float], ...]:
-    """Return the strongest wave in what a fit leaves (n,), in depth and in time, with neighbouring frequencies.
+    """Return the strongest wave in the residual of a fit, in depth and in time, with neighbouring frequencies.
 
     A least-squares periodogram (N.R. Lomb, Astrophys. Space Sci. 39 (1976) 447-462) beside a straight line.
 
     Parameters
     ----------
-    rest : ndarray, shape (n,)
-        What the fit leaves.
+    residual : ndarray, shape (n,)
+        Of the fit.
     weight : ndarray, shape (n,)
         One over the standard deviation of each point.
     time, depth : ndarray, shape (n,)
@@ -100,22 +100,22 @@ def waves_in(
     found: list[tuple[str, float]] = []
     for axis, along in (("depth", depth), ("time", time)):
         span = float(np.ptp(along))
-        if len(rest) < 12 or span <= 0:
+        if len(residual) < 12 or span <= 0:
             continue
         straight = np.linalg.qr(weight[:, None] * np.column_stack([np.ones_like(along), along]))[0]
-        frequency = np.arange(0.5, min(MOST_CYCLES, len(rest) / 3), 0.1) / span
+        frequency = np.arange(0.5, min(MOST_CYCLES, len(residual) / 3), 0.1) / span
         phase = 2 * np.pi * along[:, None] * frequency
-        cosine, sine = (_beside(straight, weight[:, None] * wave(phase)) for wave in (np.cos, np.sin))
-        left = _beside(straight, (weight * rest)[:, None])[:, 0]
+        cosine, sine = (_orthogonal(straight, weight[:, None] * wave(phase)) for wave in (np.cos, np.sin))
+        projected = _orthogonal(straight, (weight * residual)[:, None])[:, 0]
         cc, ss, cs = (np.sum(a * b, axis=0) for a, b in ((cosine, cosine), (sine, sine), (cosine, sine)))
-        c, s = left @ cosine, left @ sine
+        c, s = projected @ cosine, projected @ sine
         power = (c**2 * ss + s**2 * cc - 2 * c * s * cs) / np.maximum(cc * ss - cs**2, 1e-12 * cc * ss)
         best = frequency[int(np.argmax(power))]
         found += [(axis, best + step / span) for step in BESIDE]
     return tuple(found)
 
 
-def _beside(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
+def _orthogonal(basis: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """Return columns (n, k) less their part along an orthonormal basis (n, p)."""
     return columns - basis @ (basis.T @ columns)
 

@@ -13,7 +13,7 @@ covariance
 The term in delta represents what every law leaves out; it makes deep points count less, so that no end of the fit has
 to be chosen. The coefficients b have normal priors, k a uniform one about what the load rises by, s the prior 1/s; all
 are integrated out, so that baselines with more terms pay for them. What remains is the evidence of h_0, of law,
-baseline and C, and the posterior of h_0 is its sum over all the others: the interval includes that nobody knows them.
+baseline and C, and the posterior of h_0 is its sum over all the others: the interval includes their uncertainty.
 
 Sources: D.J.C. MacKay, Neural Computation 4 (1992) 415-447 (evidence); M.C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B
 63 (2001) 425-464 (a law's discrepancy as a Gaussian process).
@@ -31,12 +31,12 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import ndtr
 
-from palpate.recordings.baseline import Baselines, Term, correlated, freedom, values
+from palpate.recordings.baseline import Baselines, Term, correlated, prior_deviation, values
 from palpate.recordings.contact_law import Laws
 
 DISCREPANCIES = (0.001, 0.01, 0.05, 0.2)
 STARTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35)
-AMPLITUDES, MEMORIES = (0.1, 0.3, 1.0, 3.0, 10.0), (0.0005, 0.0015, 0.005, 0.015, 0.05, 0.2)
+AMPLITUDES, CORRELATION_TIMES = (0.1, 0.3, 1.0, 3.0, 10.0), (0.0005, 0.0015, 0.005, 0.015, 0.05, 0.2)
 LIKELY, POSSIBLE, COUNTS = 4.0, 10.0, 12.0  # nats below the best: combined with one another, tried again, counted
 EVEN = 400
 MOST = 6  # baselines, and kinds of correlated noise, that are combined
@@ -65,7 +65,7 @@ class Blocks:
 
     @classmethod
     def of(cls, edges: np.ndarray, time: np.ndarray, depth: np.ndarray, load: np.ndarray) -> Blocks:
-        """Average channels between the indices `edges`, from 0 to the number of points that count."""
+        """Average channels (n,) between the indices `edges` (b + 1,), from 0 to the number of points that count."""
         count = np.diff(edges)
         clock, way, force = (np.add.reduceat(c[: edges[-1]], edges[:-1]) / count for c in (time, depth, load))
         between = 0.5 * (time[:-1] + time[1:])[edges[1:-1] - 1]
@@ -80,7 +80,7 @@ class ResidualNoise:
 
     Attributes
     ----------
-    amplitude, memory
+    amplitude, correlation_time
         Correlated noise: standard deviation over that of the white noise of a point, and the time of its correlation.
     discrepancy
         delta.
@@ -91,7 +91,7 @@ class ResidualNoise:
     """
 
     amplitude: float = 0.0
-    memory: float = 0.0
+    correlation_time: float = 0.0
     discrepancy: float = 0.01
     start: float = 0.0
     of_depth: bool = False
@@ -145,7 +145,7 @@ class Evidence:
         self.terms = sorted({term for terms in baselines.combinations() for term in terms})
         self.found: dict[Setting, tuple[float, np.ndarray, np.ndarray]] = {}
         self._products: dict[ResidualNoise, tuple[float, np.ndarray, np.ndarray, np.ndarray]] = {}
-        self._memories: dict[float, np.ndarray] = {}
+        self._correlated: dict[float, np.ndarray] = {}
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -166,17 +166,22 @@ class Evidence:
         """Return C (n, n)."""
         found = np.diag(self.variance) + noise.discrepancy**2 * self.discrepancy
         if noise.amplitude:
-            if noise.memory not in self._memories:
-                self._memories[noise.memory] = correlated(self.blocks.begin, self.blocks.end, noise.memory)
+            time = noise.correlation_time
+            if time not in self._correlated:
+                self._correlated[time] = correlated(self.blocks.begin, self.blocks.end, time)
             level = self.guess.slopes * self.depth_noise if noise.of_depth else np.full(len(found), self.white)
-            found += noise.amplitude**2 * np.outer(level, level) * self._memories[noise.memory]
+            found += noise.amplitude**2 * np.outer(level, level) * self._correlated[time]
         start = int(noise.start * self.free)
         if start:
             found[np.diag_indices(start)] += max(float(np.ptp(self.blocks.load[:start])), self.white) ** 2
         return found
 
     def products(self, noise: ResidualNoise) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-        """Return half of log |C|, and the products of loads and terms, of these with laws, and of laws, over C."""
+        """Return half of log |C|, and products over C.
+
+        Of load and terms with each other (1 + terms, 1 + terms) and with laws (1 + terms, columns), and of each law
+        with itself (columns,).
+        """
         if noise not in self._products:
             covariance = self.covariance(noise)
             covariance[np.diag_indices(len(covariance))] += ROUNDING * covariance.diagonal().max()
@@ -200,7 +205,7 @@ class Evidence:
         """Return the logarithms of the evidence of a setting, and of each contact and law in it, and k (columns,)."""
         half, linear, mixed, laws = self.products(noise)
         chosen = [1 + self.terms.index(term) for term in terms]
-        spread = np.array([freedom(term) for term in terms])
+        spread = np.array([prior_deviation(term) for term in terms])
         factor = np.linalg.cholesky(linear[np.ix_(chosen, chosen)] + np.diag(spread**-2.0))
         along = solve_triangular(
             factor, np.column_stack([linear[chosen, 0], mixed[chosen]]), lower=True, check_finite=False
@@ -210,10 +215,10 @@ class Evidence:
         law = np.maximum(laws - np.einsum("ij,ij->j", of_law, of_law), 1e-10 * laws + 1e-12)
         amplitude = (mixed[0] - of_load @ of_law) / law
         left = np.maximum(load - amplitude**2 * law, 1e-9 * load)
-        freedoms = len(self.blocks.load) - 2
-        error, rise = np.sqrt(left / freedoms / law), self.guess.rise
+        degrees = len(self.blocks.load) - 2
+        error, rise = np.sqrt(left / degrees / law), self.guess.rise
         within = ndtr((2 * rise - amplitude) / error) - ndtr((0.5 * rise - amplitude) / error)
-        score = -half - np.log(np.diag(factor)).sum() - np.log(spread).sum() - 0.5 * freedoms * np.log(left)
+        score = -half - np.log(np.diag(factor)).sum() - np.log(spread).sum() - 0.5 * degrees * np.log(left)
         score = score - 0.5 * np.log(law) + np.log(np.maximum(within, 1e-300))
         score += self.prior + self.baselines.log_prior(terms)
         most = float(score.max())
@@ -237,12 +242,11 @@ class Evidence:
         best = self.try_out([replace(best[0], start=start) for start in STARTS], likely)
         best = self.try_out([replace(best[0], discrepancy=delta) for delta in DISCREPANCIES], likely)
         kept = self.near(LIKELY)
-        memories = _first(MOST, (replace(noise, discrepancy=0.0, start=0.0) for noise, _ in self.near(POSSIBLE)))
+        processes = _first(MOST, (replace(noise, discrepancy=0.0, start=0.0) for noise, _ in self.near(POSSIBLE)))
         deltas = _first(len(DISCREPANCIES), (noise.discrepancy for noise, _ in kept))
         starts = _first(MOST // 2, (noise.start for noise, _ in kept))
         combined = [
-            replace(memory, discrepancy=delta, start=start)
-            for memory, delta, start in product(memories, deltas, starts)
+            replace(noise, discrepancy=delta, start=start) for noise, delta, start in product(processes, deltas, starts)
         ]
         return self.try_out(combined, _first(MOST, (terms for _, terms in kept)))
 
@@ -259,7 +263,7 @@ class Evidence:
         best = int(np.argmax(score))
         _, linear, mixed, _ = self.products(noise)
         chosen = [1 + self.terms.index(term) for term in terms]
-        spread = np.array([freedom(term) for term in terms])
+        spread = np.array([prior_deviation(term) for term in terms])
         rest = linear[chosen, 0] - amplitude[best] * mixed[chosen, best]
         coefficients = np.linalg.solve(linear[np.ix_(chosen, chosen)] + np.diag(spread**-2.0), rest)
         loads = amplitude[best] * self.columns[:, 1 + len(self.terms) + best]

@@ -66,7 +66,7 @@ def noise_of(values: np.ndarray) -> float:
 
 
 def noises_of(values: np.ndarray) -> np.ndarray:
-    """Return the same for channels (..., n); zero where there are too few points."""
+    """Return the same (...,) for channels (..., n); zero where there are too few points."""
     if values.shape[-1] < 5:
         return np.zeros(values.shape[:-1])
     return np.median(np.abs(np.diff(values, 2, axis=-1)), axis=-1) / (0.6745 * np.sqrt(6))
@@ -179,11 +179,18 @@ def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
     duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
     if not (span > 0.0 and way > 0.0):
         return float(depth[0])
-    return float(depth[0] + way * coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way))
+    _, contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
+    return float(depth[0] + way * contact)
 
 
 def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
-    """Return the depth [nm] where a law on a straight baseline begins that fits the loading best, in milliseconds."""
+    """Return the depth [nm] where a law on a straight baseline begins that fits the loading best, in milliseconds.
+
+    Parameters
+    ----------
+    time, load, depth : ndarray, shape (n,)
+        [s], [mN], [nm].
+    """
     first, last = loading(load, depth)
     if last + 1 - first < FEWEST:
         return float(depth[0])
@@ -227,14 +234,19 @@ def _reached(contact: float, time: np.ndarray, depth: np.ndarray, first: int, la
 
 
 def loading(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
-    """Return the first and last index of the first loading: from the farthest retreat to nearly the largest load."""
+    """Return the first and last index of the first loading of loads and depths (n,) [mN], [nm].
+
+    It leads from the farthest retreat to nearly the largest load.
+    """
     risen, peak = _rise(load, depth)
     last = int(np.argmax(risen >= MOSTLY * risen[peak]))
     return int(np.argmin(depth[: last + 1])), last
 
 
 def way_in(load: np.ndarray, depth: np.ndarray) -> tuple[int, int]:
-    """Return the first and last index of the way in: from the farthest retreat to a tenth of the first cycle's load.
+    """Return the first and last index of the way in of loads and depths (n,) [mN], [nm].
+
+    It leads from the farthest retreat to a tenth of the first cycle's load.
 
     Loads count from the least one before the peak, whatever the load reads without contact, and single points that
     stick out do not count. Where fewer than ten points lie between, as in coarse recordings, ten are taken, up to half

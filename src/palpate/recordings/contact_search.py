@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product, starmap
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,7 @@ import pandas as pd
 from palpate.recordings.baseline import Baselines, waves_in
 from palpate.recordings.contact_evidence import (
     AMPLITUDES,
-    MEMORIES,
+    CORRELATION_TIMES,
     Blocks,
     ContactGuess,
     Evidence,
@@ -36,7 +37,7 @@ UNSURE = 0.05  # of the law's load, which is no part of a wave
 AGAIN = 15.0  # nats below the best, with which correlated noise is tried again in the next step
 UPPER = 0.5  # share of the law's largest load up to which it is fitted
 IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
-EVERY_NOISE = (ResidualNoise(), *(ResidualNoise(amplitude, memory) for amplitude in AMPLITUDES for memory in MEMORIES))
+EVERY_NOISE = (ResidualNoise(), *starmap(ResidualNoise, product(AMPLITUDES, CORRELATION_TIMES)))
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,8 @@ def searched(
     approach
         Whether there is one; without, contact may lie before the first point, where the load is zero.
     """
-    guess, contact, _ = _coarse(time, load, depth, approach)
-    reach = float(depth.max() - depth.min())
+    guess, contact, _ = coarse(time, load, depth, approach)
+    reach = float(np.ptp(depth))
     lowest = depth.min() - (0.0 if approach else 0.5 * reach)
     low, high = lowest, depth.min() + 0.98 * reach
     laws, baselines, noises = Laws(), Baselines(), [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
@@ -111,7 +112,8 @@ def searched(
             break
         laws = laws.narrowed(posterior.sum(axis=0))
         likely = [noise for noise, _ in evidence.near(AGAIN)]
-        noises = list(dict.fromkeys(replace(noises[0], amplitude=n.amplitude, memory=n.memory) for n in likely))
+        noises = [ResidualNoise(n.amplitude, n.correlation_time, of_depth=not approach) for n in likely]
+        noises = list(dict.fromkeys(noises))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
 
@@ -127,10 +129,10 @@ def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool
 
     Without one the law begins some points later than the recording, or fits much worse.
     """
-    _, contact, alone = _coarse(time, load, depth, approach=False)
+    _, contact, alone = coarse(time, load, depth, approach=False)
     if np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
         return True
-    return alone > max(MUCH_WORSE * _coarse(time, load, depth, approach=True)[2], WELL**2)
+    return alone > max(MUCH_WORSE * coarse(time, load, depth, approach=True)[2], WELL**2)
 
 
 def earlier_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float | None:
@@ -179,7 +181,7 @@ def _rise(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float,
     if span <= 0.0 or way <= 0.0:
         return float(depth[0]), 0.0, 0.0
     clock, force, shares = (time - time[0]) / duration, load / span, (depth - depth[0]) / way
-    (_, law), contact, left = _coarse(clock, force, shares, approach=True)
+    (_, law), contact, left = coarse(clock, force, shares, approach=True)
     blocks = _even(clock, force, shares)
     line = np.mean((blocks.load - np.polyval(np.polyfit(blocks.depth, blocks.load, 1), blocks.depth)) ** 2)
     edges = np.unique(np.linspace(0, len(load), min(len(load), ENDS) + 1).round().astype(int))[:-1]
@@ -194,23 +196,23 @@ def _even(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Blocks:
     return Blocks.of(np.unique(np.linspace(0, size, min(size, 200) + 1).round().astype(int)), time, depth, load)
 
 
-def coarse(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
-    """Return the contact of the coarse fit on a straight baseline."""
-    return _coarse(time, load, depth, approach=True)[1]
-
-
-def _coarse(
+def coarse(
     time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
     """Return depths and loads of the law, and the contact, that fit the whole loading best on a straight baseline.
 
-    The last value is the mean square that the fit leaves; without an approach the baseline is zero.
+    The last value is the mean square of the residual; without an approach the baseline is zero.
+
+    Parameters
+    ----------
+    time, load, depth, approach
+        As for `searched`.
     """
     blocks = _even(time, load, depth)
     end, start = float(blocks.depth.max()), float(blocks.depth.min())
     contacts = np.unique([*np.linspace(start, end, 60), *blocks.depth[::3]])
     contacts = contacts[contacts < start + 0.97 * (end - start)]
-    laws = Laws(exponents=(1.0, 2.5)).loads(blocks.depth, contacts, end).reshape(len(blocks.load), -1)
+    laws = Laws().loads(blocks.depth, contacts, end).reshape(len(blocks.load), -1)
     straight = np.linalg.qr(np.column_stack([np.ones_like(blocks.depth), blocks.depth]))[0][:, : 2 if approach else 0]
     force = blocks.load - straight @ (straight.T @ blocks.load)
     beside = laws - straight @ (straight.T @ laws)
@@ -218,7 +220,7 @@ def _coarse(
     amplitude = force @ beside / power
     gained = np.where(amplitude > 0, amplitude**2 * power, -np.inf)
     best = int(np.argmax(gained))
-    contact = float(contacts[best // (laws.shape[1] // len(contacts))])
+    contact = float(contacts[best // len(Laws())])
     return (blocks.depth, amplitude[best] * laws[:, best]), contact, float(force @ force - gained[best]) / len(force)
 
 

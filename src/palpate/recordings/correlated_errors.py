@@ -1,4 +1,4 @@
-r"""A coefficient that several series share, when neighbouring errors are correlated, by how much nobody knows.
+r"""A coefficient that several series share, when neighbouring errors are correlated by an unknown amount.
 
     y_s = c x_s + T_s b_s + e_s        e_i = rho e_(i-1) + independent errors of one variance, in each series s
 

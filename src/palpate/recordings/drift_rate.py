@@ -37,19 +37,15 @@ class DriftRate:
     ----------
     rate, lower, upper
         Estimate and 95 % interval [nm/s].
-    start, end
-        The hold it was measured in [s].
     """
 
     rate: float
     lower: float
     upper: float
-    start: float
-    end: float
 
 
 def measured_in(time: np.ndarray, depth: np.ndarray, segments: Iterable[Segment]) -> DriftRate | None:
-    """Return the rate in the longest drift hold of a test, or None where none is long enough.
+    """Return the rate in the longest drift hold of a test, of times and depths (n,) [s], [nm]; None if all are short.
 
     Two points are left off at each end: a segment's ends are known to about that.
     """
@@ -129,4 +125,4 @@ def drift_rate(time: np.ndarray, depth: np.ndarray) -> DriftRate:
     best, size = min(fits, key=lambda fit: fit[1] * penalty - 2 * fit[0].likelihood + VERY_STRONG * (fit[1] > 3))
     likely = [fit for fit, free in fits if free == size and fit.likelihood >= best.likelihood - PROFILE]
     lower, upper = min(fit.value - fit.half for fit in likely), max(fit.value + fit.half for fit in likely)
-    return DriftRate(best.value, lower, upper, float(time[0]), float(time[-1]))
+    return DriftRate(best.value, lower, upper)

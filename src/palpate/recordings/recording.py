@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +12,6 @@ import numpy as np
 from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
-LOAD_HISTORY = "time_s,load_mN"
-DISPLACEMENT_HISTORY = "time_s,displacement_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3
@@ -42,7 +40,7 @@ class Recording:
     load: np.ndarray
     depth: np.ndarray
     name: str = ""
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
     stiffness: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -123,10 +121,10 @@ class Recording:
         text = io.StringIO()
         for note in self.notes:
             text.write(f"# {' '.join(note.split())}\n")
-        channels = [self.time, self.load, self.depth]
-        text.write((HEADER if self.stiffness is None else WITH_STIFFNESS) + "\n")
-        channels += [] if self.stiffness is None else [self.stiffness]
-        digits = [DIGITS if _told_apart(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        header, measured = (HEADER, []) if self.stiffness is None else (WITH_STIFFNESS, [self.stiffness])
+        channels = [self.time, self.load, self.depth, *measured]
+        text.write(header + "\n")
+        digits = [DIGITS if _distinct(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
         np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
         partial = path.with_name(path.name + ".partial")
         partial.write_text(text.getvalue(), encoding="utf-8")
@@ -171,8 +169,8 @@ def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: i
         )
 
 
-def _told_apart(time: np.ndarray) -> bool:
-    """Return whether times (n,) [s] still increase as they are usually written."""
+def _distinct(time: np.ndarray) -> bool:
+    """Return whether times (n,) [s] still increase when they are written to the usual digits."""
     return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
 
 

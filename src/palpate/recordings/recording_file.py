@@ -1,7 +1,7 @@
 """Recordings in CSV files: found in a folder, read and checked.
 
-Files are read by columns, large ones in blocks; what such a reader does not accept is read again line by line, which
-says what is wrong and where.
+Files are read by columns, large ones in blocks; what such a reader does not accept is read again line by line, to
+report what is wrong and where.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def read_recording(path: str | Path) -> Recording:
     return replace(recording, stiffness=measured.stiffness)
 
 
-def read_history(path: Path, control: str = LOAD) -> Recording:
+def read_history(path: Path, control: str) -> Recording:
     """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
 
     A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
@@ -89,7 +89,7 @@ def read_history(path: Path, control: str = LOAD) -> Recording:
             remedy=f"give {alone[control]!r}, or a recording",
             file=path,
         )
-    time, drive = _columns(lines, 2, path)
+    time, drive = _columns(lines, heading, path)
     load, depth = (drive, np.zeros_like(drive)) if control == LOAD else (np.zeros_like(drive), drive)
     try:
         return Recording(time, load, depth, path.stem)
@@ -99,7 +99,7 @@ def read_history(path: Path, control: str = LOAD) -> Recording:
 
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
-    with _told_where_unreadable(path):
+    with _errors_of_reading(path):
         large = path.stat().st_size > LARGE
     return _checked(_numbered(path) if large else _numbered_at_once(path), path, large)
 
@@ -112,19 +112,19 @@ def recording_in(lines: Sequence[str], path: Path) -> Recording:
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     """Yield the lines of a text file with their numbers; raises `InputError`."""
     refuse_special(path)
-    with _told_where_unreadable(path), path.open(encoding="utf-8-sig") as stream:
+    with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
         yield from enumerate(stream, 1)
 
 
 def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:
     """Return the lines of a small text file with their numbers; raises `InputError`."""
     refuse_special(path)
-    with _told_where_unreadable(path):
+    with _errors_of_reading(path):
         return enumerate(path.read_text(encoding="utf-8-sig").split("\n"), 1)
 
 
 @contextmanager
-def _told_where_unreadable(path: Path) -> Iterator[None]:
+def _errors_of_reading(path: Path) -> Iterator[None]:
     """Turn what reading a text file raises into `InputError`."""
     try:
         yield
@@ -147,9 +147,9 @@ def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
     return notes, 0, ""
 
 
-def _columns(lines: Iterable[tuple[int, str]], width: int, path: Path, notes: list[str] | None = None) -> np.ndarray:
-    """Return the numbers (width, n) in numbered lines, less comments; raises `InputError` with the first other line."""
-    numbers = array("d")
+def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: list[str] | None = None) -> np.ndarray:
+    """Return the columns (k, n) of numbers in numbered lines, less comments; raises `InputError` on any other line."""
+    numbers, names = array("d"), header.split(",")
     for number, line in lines:
         if line.startswith("#"):
             if notes is not None:
@@ -159,19 +159,18 @@ def _columns(lines: Iterable[tuple[int, str]], width: int, path: Path, notes: li
             continue
         cells = line.split(",")
         try:
-            row = [float(cell) for cell in cells] if len(cells) == width else []
+            row = [float(cell) for cell in cells] if len(cells) == len(names) else []
         except ValueError:
             row = []
         if not row:
-            named = {2: "time and load", 3: "time, load and depth"}.get(width, "time, load, depth and stiffness")
             raise InputError(
-                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[width - 2]} numbers",
-                remedy=f"write {named} with decimal points",
+                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers",
+                remedy=f"write {', '.join(names[:-1])} and {names[-1]} with decimal points",
                 file=path,
                 place=f"line {number}",
             )
         numbers.extend(row)
-    return np.frombuffer(numbers, dtype=float).reshape(-1, width).T.copy()
+    return np.frombuffer(numbers, dtype=float).reshape(-1, len(names)).T.copy()
 
 
 def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
@@ -200,7 +199,7 @@ def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     names = [str(k) for k in range(width)]
     reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=BLOCK)
     converting = csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()), null_values=[])
-    kept, count, every = list[np.ndarray](), 0, math.ceil((_line_count(path) - header) / MOST)
+    kept, count, every = list[np.ndarray](), 0, max(math.ceil((_line_count(path) - header) / MOST), 1)
     try:
         with csv.open_csv(path, read_options=reading, convert_options=converting) as stream:
             last = np.empty((width, 0))
@@ -245,7 +244,7 @@ def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recor
     rest = lines if large else list(lines)
     try:
         found = _by_columns(path, number, width) if large else _at_once(rest, width)
-        time, load, depth, *stiffness = _columns(rest, width, path, notes) if found is None else found
+        time, load, depth, *stiffness = _columns(rest, header, path, notes) if found is None else found
         return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
     except InputError as error:
         raise error.located(file=path) from None

@@ -3,7 +3,7 @@ r"""The segments of a test, found from load and time alone: approach, loading, h
 The load is brought to :math:`y = \operatorname{arsinh}(P / s)`, linear where noise rules and logarithmic above, so that
 a first cycle to 0.1 mN counts as much as a last one to 50 mN and a loading of constant strain rate is a straight line.
 Its corners (Douglas and Peucker) cut the test into pieces; a piece without a change of load, slow beside what
-surrounds it, is a hold, and the sign of the others' change says the rest.
+surrounds it, is a hold, and the sign of their change distinguishes the others.
 """
 
 from __future__ import annotations

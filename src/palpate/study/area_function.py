@@ -33,13 +33,13 @@ class AreaFunction:
             raise InputError("the area function has no terms", remedy="give C_0 at least", place="coefficients")
 
     def area(self, contact_depth: np.ndarray) -> np.ndarray:
-        """Return the projected area [nm^2] at contact depths [nm]."""
+        """Return the projected area (...,) [nm^2] at contact depths (...,) [nm]."""
         return _terms(np.asarray(contact_depth, dtype=float), len(self.coefficients)) @ np.array(self.coefficients)
 
     def holds_between(self, shallowest: float, deepest: float) -> tuple[float, float]:
         """Return the ends of the longest stretch of depths [nm], by their ratio, where the area is positive and grows.
 
-        A series that was fitted to a calibration says nothing outside the depths of that. Both ends are equal where
+        A series that was fitted to a calibration does not hold outside the depths of that. Both ends are equal where
         there is no such stretch between `shallowest` and `deepest`.
         """
         depth = np.geomspace(shallowest, deepest, DEPTHS)

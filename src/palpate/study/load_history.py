@@ -30,7 +30,7 @@ from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, sampled, trapez
 MAX_LOAD = Parameter("max_load", "P", "mN", 1e-9, 1e6, "largest load")
 HOLD_TIME = Parameter("hold_time", "t_h", "s", 0.0, 1e9, "duration of the hold at the largest load", default=0.0)
 UNLOADING_TIME = Parameter("unloading_time", "t_u", "s", 1e-6, 1e9, "duration of unloading")
-POINTS = Parameter("points", "n", "-", 4, 100000, "number of points on the curve", default=100.0)
+POINTS = Parameter("points", "n", "-", 4, 100000, "number of points on the curve", default=100.0, whole=True)
 LOADING_TIME = Parameter("loading_time", "t_l", "s", 1e-6, 1e9, "duration of loading")
 STRAIN_RATE = Parameter("strain_rate", "r", "1/s", 1e-9, 1e6, "indentation strain rate (dh/dt) / h of loading")
 START_FRACTION = Parameter(
@@ -60,15 +60,15 @@ def protocol_from(values: Mapping[str, Any]) -> Protocol:
     """
     control, compliance, values = control_from(values)
     if {"times", "loads", "displacements"} & set(values):
-        points = _whole(check_values([POINTS], _only(values, "points"), "protocol")["points"])
+        points = int(POINTS.check(values.get("points", POINTS.default)))
         return cycles(*_corners(values, f"{control}s"), points, control, compliance)
     if "strain_rate" in values and control == LOAD:
         checked = check_values(EXPONENTIAL, values, "protocol")
-        points = _whole(checked.pop("points"))
+        points = int(checked.pop("points"))
         return constant_strain_rate(**checked, points=points)
     ramp = check_values(TRAPEZOID if control == LOAD else RAMP, values, "protocol")
     largest, loading_time, hold_time, unloading_time, given = ramp.values()
-    return trapezoid(largest, loading_time, hold_time, unloading_time, _whole(given), control, compliance)
+    return trapezoid(largest, loading_time, hold_time, unloading_time, int(given), control, compliance)
 
 
 def control_from(values: Mapping[str, Any]) -> tuple[str, float, dict[str, Any]]:
@@ -90,7 +90,7 @@ def control_from(values: Mapping[str, Any]) -> tuple[str, float, dict[str, Any]]
                     f"{key} is given, but the load is prescribed", remedy="add drive: displacement", place=key
                 )
         return control, 0.0, rest
-    spring = check_values([SPRING], _only(values, "spring"), "protocol")["spring"] if "spring" in values else np.inf
+    spring = SPRING.check(values["spring"]) if "spring" in values else np.inf
     return control, 1.0 / spring, rest
 
 
@@ -151,12 +151,6 @@ def cycles(
     return Protocol(np.append(0.0, times), np.append(0.0, drive), sampled(times, points), control, compliance)
 
 
-def _whole(points: float) -> int:
-    if points != int(points):
-        raise InputError(f"points = {points:g} is no whole number", remedy="give a whole number", place="points")
-    return int(points)
-
-
 def _corners(values: Mapping[str, Any], drives: str) -> tuple[list[float], list[float]]:
     for key in values:
         if key not in ("times", drives, "points"):
@@ -185,7 +179,3 @@ def _corners(values: Mapping[str, Any], drives: str) -> tuple[list[float], list[
     if not times or not np.all(np.diff([0.0, *times]) > 0.0):
         raise InputError("the times do not increase from zero", remedy="give times after contact in s", place="times")
     return times, drive
-
-
-def _only(values: Mapping[str, Any], key: str) -> dict[str, Any]:
-    return {key: values[key]} if key in values else {}

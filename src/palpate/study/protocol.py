@@ -101,12 +101,12 @@ class Protocol:
         return self.drive_at(self.sample_time)
 
     def drive_at(self, time: np.ndarray) -> np.ndarray:
-        """Drive at any times."""
+        """Drive at any times (n,) [s]."""
         return np.interp(time, self.knot_time, self.knot_drive)
 
     def drive_of(self, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """Return the drive under which an instrument recorded this load [mN] and depth [nm]."""
-        return load if self.control == LOAD else depth + self.compliance * load
+        """Return the drive (n,) under which an instrument recorded this load (n,) [mN] and depth (n,) [nm]."""
+        return drive_of(self.control, self.compliance, load, depth)
 
     @property
     def knot_load(self) -> np.ndarray:
@@ -130,8 +130,13 @@ class Protocol:
         return self.load_at(self.sample_time)
 
     def load_at(self, time: np.ndarray) -> np.ndarray:
-        """Load at any times [mN]; raises `InputError` where it is not prescribed."""
+        """Load at any times (n,) [s] [mN]; raises `InputError` where it is not prescribed."""
         return np.interp(time, self.knot_time, self.knot_load)
+
+
+def drive_of(control: str, compliance: float, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return the drive (n,), see `Protocol`, under which a load (n,) [mN] and a depth (n,) [nm] were recorded."""
+    return load if control == LOAD else depth + compliance * load
 
 
 def trapezoid(
@@ -158,6 +163,11 @@ def trapezoid(
         Number of samples; time zero is not one of them.
     control, compliance
         See `Protocol`.
+
+    Raises
+    ------
+    InputError
+        When a size or a time has the wrong sign, or there are fewer than two points for each segment.
     """
     if largest <= 0 or loading_time <= 0 or unloading_time <= 0 or hold_time < 0:
         raise InputError(

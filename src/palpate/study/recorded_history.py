@@ -17,12 +17,12 @@ from palpate.errors import InputError
 from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
 
 MOST_KNOTS = 500
-TOLERANCE = 1e-3  # of the largest drive
-MOST_NOISE = 0.02
+TOLERANCE = 1e-3  # of the largest drive, by which it may lie from its history
+MOST_NOISE = 0.02  # of the largest drive, likewise where it is noisy
 SHORTEST = 50  # averages at least, that a history is made of
 WILDEST = 0.1  # of the largest drive, the standard deviation of what is averaged away: more is no noise
 MARGIN = 4  # times as many points are averaged as just suffice
-STEPS = 6.0  # standard deviations of an average's noise that the corners leave out
+STEPS = 6.0  # standard deviations of the noise of a drive, or of its average, that the corners leave out
 ONSET = {LOAD: 0.01, DISPLACEMENT: 0.1}  # of the largest drive: a sharp tip carries a hundredth of the load there
 PLACES = {LOAD: "load_mN", DISPLACEMENT: "displacement_nm"}  # in messages
 
@@ -31,7 +31,6 @@ def recorded(
     time: np.ndarray,
     drive: np.ndarray,
     points: int = 100,
-    tolerance: float = TOLERANCE,
     control: str = LOAD,
     compliance: float = 0.0,
 ) -> Protocol:
@@ -42,7 +41,7 @@ def recorded(
     load reaches a hundredth of its maximum, or the displacement a tenth: below, contact lies on too few elements to
     count.
 
-    The history is thinned to the corners that keep it within `tolerance` of the largest drive everywhere, so that a
+    The history is thinned to the corners that keep it within a thousandth of the largest drive everywhere, so that a
     long recording costs no more steps than its shape deserves. Where the drive's own noise is larger, six of its
     standard deviations are allowed instead, up to 2 % of the largest drive; they are estimated from second differences,
     which a smooth history leaves near zero. Where 500 corners do not suffice for that, the drive is averaged first, see
@@ -53,21 +52,19 @@ def recorded(
     time, drive : ndarray, shape (n,)
         Recorded times [s] and loads [mN] or displacements [nm] from contact on. Loads below zero (noise) count as zero,
         and so do displacements before the first that is not below it: the tip has not yet touched.
-    tolerance
-        Largest departure, as a fraction of the largest drive.
     control, compliance
         See `Protocol`.
 
     Raises
     ------
     InputError
-        When the drive is never above zero, the history begins above zero (by more than `tolerance`), or needs more than
+        When the drive is never above zero, the history begins above zero (by more than that), or needs more than
         500 corners however far it is thinned.
     """
-    time, (drive, allowed) = np.asarray(time, dtype=float) - time[0], _begun(drive, tolerance, control)
-    whole, over = drive, averaged_over(time, drive, tolerance)
+    time, (drive, allowed) = np.asarray(time, dtype=float) - time[0], _begun(drive, control)
+    whole, over = drive, averaged_over(time, drive)
     if over > 1:
-        keep = _corners_of_average(time, drive, over, tolerance)
+        keep = _corners_of_average(time, drive, over)
         time, drive = time[keep], _through(time, drive, keep)
     else:
         keep = corners(time, drive, allowed)
@@ -84,7 +81,7 @@ def recorded(
     return Protocol(time, drive, _sampled(time, drive, ONSET[control], points), control, compliance)
 
 
-def _begun(drive: np.ndarray, tolerance: float, control: str) -> tuple[np.ndarray, float]:
+def _begun(drive: np.ndarray, control: str) -> tuple[np.ndarray, float]:
     """Return a drive (n,) that begins at zero, without noise below zero, and how far its history may lie from it."""
     drive = np.array(drive, dtype=float)
     if control == LOAD:
@@ -96,7 +93,7 @@ def _begun(drive: np.ndarray, tolerance: float, control: str) -> tuple[np.ndarra
             remedy=f"turn it (`palpate read --columns ... --units {'load=-mN' if control == LOAD else 'depth=-nm'}`)",
             place=PLACES[control],
         )
-    allowed = _allowed(drive, tolerance)
+    allowed = _allowed(drive)
     if abs(drive[0]) > allowed:
         raise InputError(
             f"the {control} history begins at {drive[0]:.4g} {PLACES[control].rpartition('_')[2]}",
@@ -120,16 +117,16 @@ def _sampled(time: np.ndarray, drive: np.ndarray, onset: float, points: int) -> 
     return np.interp(np.linspace(begin, 1.0, points), progress, time)
 
 
-def averaged_over(time: np.ndarray, drive: np.ndarray, tolerance: float = TOLERANCE) -> int:
+def averaged_over(time: np.ndarray, drive: np.ndarray) -> int:
     """Return over how many points a recorded drive (n,) is averaged before its corners are sought; 1 where it is not.
 
     The number is doubled until 500 corners suffice, with a margin, and is at most a fiftieth of all points.
     """
-    if corners(time, drive, _allowed(drive, tolerance)).sum() <= MOST_KNOTS:
+    if corners(time, drive, _allowed(drive)).sum() <= MOST_KNOTS:
         return 1
     most = _most_averaged(drive)
-    over = min(MARGIN * _enough(time, drive, 2, most, tolerance), most)
-    over = _enough(time, drive, over, most, tolerance)  # averages over few points may need fewer than over more
+    over = min(MARGIN * _enough(time, drive, 2, most), most)
+    over = _enough(time, drive, over, most)  # averages over few points may need fewer than over more
     return over if swing(drive, over) < WILDEST * drive.max() else 1
 
 
@@ -138,9 +135,9 @@ def _most_averaged(drive: np.ndarray) -> int:
     return max(len(drive) // SHORTEST, 2)
 
 
-def _enough(time: np.ndarray, drive: np.ndarray, over: int, most: int, tolerance: float) -> int:
+def _enough(time: np.ndarray, drive: np.ndarray, over: int, most: int) -> int:
     """Return over how many points, `over` or twice, four times ... as many, an average has 500 corners at most."""
-    while over < most and _corners_of_average(time, drive, over, tolerance).sum() > MOST_KNOTS:
+    while over < most and _corners_of_average(time, drive, over).sum() > MOST_KNOTS:
         over = min(2 * over, most)
     return over
 
@@ -166,18 +163,18 @@ def swing(drive: np.ndarray, over: int) -> float:
     return float(np.std(drive - uniform_filter1d(drive, over, mode="nearest")))
 
 
-def _allowed(drive: np.ndarray, tolerance: float) -> float:
+def _allowed(drive: np.ndarray) -> float:
     """Return how far a drive may lie from its history, in its unit, see `recorded`."""
     noise = np.median(np.abs(np.diff(drive, 2))) / (0.6745 * np.sqrt(6)) if len(drive) > 2 else 0.0
-    return float(max(tolerance * drive.max(), min(6 * noise, MOST_NOISE * drive.max())))
+    return float(max(TOLERANCE * drive.max(), min(STEPS * noise, MOST_NOISE * drive.max())))
 
 
-def _corners_of_average(time: np.ndarray, drive: np.ndarray, over: int, tolerance: float) -> np.ndarray:
-    """Return which points (n,) an average must keep to stay within its own noise, at least `tolerance`, everywhere."""
+def _corners_of_average(time: np.ndarray, drive: np.ndarray, over: int) -> np.ndarray:
+    """Return which points (n,) an average must keep to stay within its own noise, at least a thousandth, everywhere."""
     average = uniform_filter1d(drive, over, mode="nearest")
     average[[0, -1]] = drive[[0, -1]]
     noise = swing(drive, over) / np.sqrt(over)
-    return corners(time, average, max(tolerance * average.max(), STEPS * noise))
+    return corners(time, average, max(TOLERANCE * average.max(), STEPS * noise))
 
 
 def _through(time: np.ndarray, drive: np.ndarray, keep: np.ndarray) -> np.ndarray:

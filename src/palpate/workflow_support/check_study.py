@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.configuration.schema import part_of
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
@@ -35,30 +36,27 @@ def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | No
     InputError
         With file, place and remedy, on the first mistake.
     """
-    _check_folders(study)
-    _check_concealed(study)
-    _check_reference(study)
-    _check_surrogate(study)
-    check_given(study, look)
     try:
-        settings_of(study)
+        _check_folders(study)
+        _check_laboratory(study)
+        _check_reference(study)
+        with part_of("surrogate"):
+            _check_surrogate(study)
+        check_given(study, look)
+        with part_of("calibration"):
+            settings_of(study)
+        if study.diagnosis["enabled"]:
+            candidates(study)
     except InputError as error:
-        place = f"calibration.{error.place}"
-        raise InputError(error.problem, remedy=error.remedy, file=study.file, place=place) from None
-    if study.diagnosis["enabled"]:
-        candidates(study)
+        raise error.located(file=study.file) from None
     return study
 
 
 def _check_surrogate(study: Study) -> None:
     """Refuse a surrogate that its snapshots could not be interpolated with; raises `InputError`."""
     cells = np.array([list(cell.values()) for cell in study.cells])
-    if len(cells) > MOST_CHECKED:
-        return
-    try:
+    if len(cells) <= MOST_CHECKED:
         PODRBF(**study.surrogate).check_points(cells)
-    except InputError as error:
-        raise InputError(error.problem, remedy=error.remedy, file=study.file, place="surrogate") from None
 
 
 def _check_folders(study: Study) -> None:
@@ -73,7 +71,6 @@ def _check_folders(study: Study) -> None:
             raise InputError(
                 f"the workflow writes this set and {written[folder.resolve()]} into one folder, {folder}",
                 remedy=f"give it results/{study.name}/recordings/{name}",
-                file=study.file,
                 place=f"recordings.{name}",
             )
         own = results in folder.resolve().parents and "recordings" in folder.resolve().relative_to(results).parts[1:-1]
@@ -81,12 +78,11 @@ def _check_folders(study: Study) -> None:
             raise InputError(
                 f"the workflow writes this set, and would empty {folder} first",
                 remedy=f"give it results/{study.name}/recordings/{name}, or leave out what writes it",
-                file=study.file,
                 place=f"recordings.{name}",
             )
 
 
-def _check_concealed(study: Study) -> None:
+def _check_laboratory(study: Study) -> None:
     """Refuse mechanisms of a virtual laboratory that cannot act; raises `InputError`."""
     for name, settings in study.laboratory.items():
         for condition in study.conditions:
@@ -96,7 +92,7 @@ def _check_concealed(study: Study) -> None:
             except InputError as error:
                 where = ".".join(filter(None, (f"laboratory.{name}", error.place or "mechanisms")))
                 problem = f"{error.problem} ({condition.name})"
-                raise InputError(problem, remedy=error.remedy, file=study.file, place=where) from None
+                raise InputError(problem, remedy=error.remedy, place=where) from None
 
 
 def _check_reference(study: Study) -> None:
@@ -108,6 +104,5 @@ def _check_reference(study: Study) -> None:
             raise InputError(
                 f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
                 remedy="give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm",
-                file=study.file,
                 place="diagnosis.reference.area",
             )

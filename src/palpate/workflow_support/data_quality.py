@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.base.sentences import and_more
+from palpate.configuration.study_file import Condition
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.zero import begins_off_contact
@@ -20,7 +21,7 @@ PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
-def anomalies(study: Study, condition: str, tests: Sequence[Recording]) -> Iterator[str]:
+def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
     """Report the anomalies of the tests of a condition.
 
     Those much deeper or shallower than the others, that begin elsewhere than at contact, or in air, or last longer than
@@ -37,9 +38,9 @@ def anomalies(study: Study, condition: str, tests: Sequence[Recording]) -> Itera
         )
     yield from _jumps(tests)
     yield from _pulled(tests)
-    yield from _averaged(study.condition(condition), tests)
-    if study.condition(condition).follows and not study.condition(condition).own_loads:
-        yield from _cut(tests, float(study.condition(condition).protocol.sample_time[-1]))
+    yield from _averaged(condition, tests)
+    if condition.follows and not condition.own_loads:
+        yield from _cut(tests, float(condition.protocol.sample_time[-1]))
 
 
 def _apart(tests: Sequence[Recording]) -> Iterator[str]:
@@ -67,7 +68,7 @@ def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
         if lasts > LONGER * duration:
             yield (
                 f"{test.name}.csv lasts {lasts:.4g} s, the recorded load that its condition follows ends after "
-                f"{duration:.4g} s: later points are ignored (the first file by name is followed)"
+                f"{duration:.4g} s: later points are ignored (`recorded` follows the first file by name)"
             )
 
 
@@ -76,9 +77,8 @@ def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
     found = {test.name: max(jumps, key=lambda each: each.jump) for test in tests if (jumps := pop_ins(test))}
     if found:
         name, largest = max(found.items(), key=lambda pair: pair[1].jump)
-        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         yield (
-            f"{name}.csv{others}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
+            f"{name}.csv{and_more(found)}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
             f"{largest.load:.3g} mN (a pop-in, a crack, or a tip that slipped); no law describes that"
         )
 
@@ -101,8 +101,7 @@ def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     if found:
         test, drive, over = found[0]
         share, span = averaged_noise(test.time, drive) / drive.max(), over * float(np.median(np.diff(test.time)))
-        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
         yield (
-            f"{test.name}.csv{others}: the {condition.protocol.control} oscillates or is noisy by {share:.1%} of its "
-            f"largest; its average over {span:.3g} s is followed"
+            f"{test.name}.csv{and_more(found)}: the {condition.protocol.control} oscillates or is noisy by "
+            f"{share:.1%} of its largest; its average over {span:.3g} s is followed"
         )

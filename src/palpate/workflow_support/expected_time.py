@@ -47,7 +47,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
 def _cost_of_curve(study: Study) -> float:
     """Return the processor time of one curve of a study [s]."""
     names = [parameter.name for parameter in law_of(study.model).declared({**study.fixed, **study.levels})]
-    cost = PLASTIC if "yield_stress" in names else CREEP if len(names) > len(("modulus", "ratio")) else ELASTIC
+    cost = PLASTIC if "yield_stress" in names else CREEP if len(names) > 2 else ELASTIC  # modulus, ratio
     corners = max(len(condition.protocol.knot_time) for condition in study.conditions) - 4
     return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
 

@@ -24,20 +24,23 @@ def study(snakemake: Any) -> Study:
     return study_from(plain(snakemake.config), CONFIGURATION)
 
 
-def plain(config: Any) -> Any:
+def plain(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of a configuration that describes a study.
 
     Snakemake reads 1e9 as text, where a study's file means a number. What is only for the command line is left out, and
     so is the place of vendors' files where the study at hand has none.
     """
-    if isinstance(config, Mapping):
-        apart = COMMAND_LINE if "source" in config or "study" not in config else (*COMMAND_LINE, "data")
-        return {str(key): plain(value) for key, value in config.items() if key not in apart}
-    if isinstance(config, list | tuple):
-        return [plain(value) for value in config]
-    if isinstance(config, str) and EXPONENT.match(config):
-        return float(config)
-    return config
+    apart = COMMAND_LINE if "source" in config else (*COMMAND_LINE, "data")
+    return {str(key): _with_numbers(value) for key, value in config.items() if key not in apart}
+
+
+def _with_numbers(value: Any) -> Any:
+    """Return a value of a configuration in which all that is written as 1e9 is a number."""
+    if isinstance(value, Mapping):
+        return {str(key): _with_numbers(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_with_numbers(inner) for inner in value]
+    return float(value) if isinstance(value, str) and EXPONENT.match(value) else value
 
 
 @contextmanager
@@ -54,14 +57,15 @@ def logged(path: str | Path) -> Iterator[None]:
     try:
         yield
     except PalpateError as error:
-        _note(log, f"palpate: {error}")
+        note(log, f"palpate: {error}")
         sys.exit(f"palpate: {error}")
     except Exception:
-        _note(log, traceback.format_exc())
+        note(log, traceback.format_exc())
         raise
-    _note(log, f"done in {time.perf_counter() - began:.1f} s")
+    note(log, f"done in {time.perf_counter() - began:.1f} s")
 
 
-def _note(log: Path, text: str) -> None:
-    with log.open("a", encoding="utf-8") as file:
+def note(log: str | Path, text: str) -> None:
+    """Add a line to the log of a job."""
+    with Path(log).open("a", encoding="utf-8") as file:
         print(text, file=file)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import psutil
 
-KEPT = Path(".snakemake")
+KEPT, MARK = Path(".snakemake"), "run_by_palpate_on_"
 
 
 def locks(folder: Path) -> list[Path]:
@@ -24,8 +24,8 @@ def locks(folder: Path) -> list[Path]:
 
 def unlocked(folder: Path) -> bool:
     """Take away the locks of an execution that was killed; return whether there were any and they are gone."""
-    left = locks(folder)
-    if not left or list(_marks(folder)) != [_mark(folder)] or running(folder):
+    left, mark = locks(folder), _mark(folder)
+    if not left or list(mark.parent.glob(f"{MARK}*")) != [mark] or running(folder):
         return False
     for lock in left:
         lock.unlink(missing_ok=True)
@@ -65,9 +65,4 @@ def _names_snakemake(words: Sequence[str] | None) -> bool:
 
 
 def _mark(folder: Path) -> Path:
-    return folder / KEPT / f"run_by_palpate_on_{platform.node()}"
-
-
-def _marks(folder: Path) -> Iterator[Path]:
-    """Return the marks of all machines."""
-    return (folder / KEPT).glob("run_by_palpate_on_*")
+    return folder / KEPT / f"{MARK}{platform.node()}"

@@ -20,7 +20,7 @@ def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> 
     partial.replace(path)
 
 
-def read_json(path: str | Path) -> dict[str, Any]:
+def read_json(path: str | Path) -> Any:
     """Read JSON that the workflow wrote.
 
     Raises

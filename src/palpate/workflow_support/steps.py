@@ -190,18 +190,8 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
 def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:
     """Return the thesis' error table, one row a condition, from the content of a calibration's JSON."""
     rows = [{"condition": name, **entry} for name, entry in calibration["conditions"].items()]
-    found = pd.DataFrame(rows)
-    columns = [
-        "condition",
-        "role",
-        "rmse_nm",
-        "rmse_mN",
-        "r2",
-        "mean_abs_error_nm",
-        "mean_abs_error_mN",
-        "percent_error",
-    ]
-    return found[[name for name in columns if name in found]]
+    errors = ("rmse_nm", "rmse_mN", "r2", "mean_abs_error_nm", "mean_abs_error_mN", "percent_error")
+    return pd.DataFrame(rows).filter(["condition", "role", *errors])
 
 
 def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mapping[str, float] | None) -> pd.DataFrame:

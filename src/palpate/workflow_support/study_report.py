@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -30,7 +29,7 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
     """
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
-    summary = f"<p>{len(index)} snapshots, {failed} failed.</p>"
+    summary = html_report.paragraph(f"{len(index)} snapshots, {failed} failed.")
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
@@ -47,7 +46,7 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
         sections.append((f"Recordings: {recordings}", [*diagnosis, *_calibration(study, found)]))
     if study.source:
         facts = "; ".join(f"{key} {value}" for key, value in study.source.items() if key not in ("file", "recordings"))
-        sections.append(("Source of the recordings", [f"<p>{html.escape(facts)}</p>"]))
+        sections.append(("Source of the recordings", [html_report.paragraph(facts)]))
     sections.append(("Inputs and versions", _origin(made_from)))
     html_report.build(study.title, sections, notes, path)
 
@@ -57,7 +56,7 @@ def _calibration(study: Study, found: Path) -> list[str]:
     calibration, parameters = read_json(found / "calibration.json"), pd.read_csv(found / "parameters.csv")
     parameters.insert(1, "unit", [study.declared[name].unit for name in parameters["parameter"]])
     return [
-        f"<p>{html_report.misfit_sentence(calibration)}</p>",
+        html_report.paragraph(html_report.misfit_sentence(calibration)),
         html_report.paragraph(html_report.search_sentences(calibration)),
         html_report.paragraph(html_report.bound_sentence(calibration)),
         html_report.table(pd.read_csv(found / "errors.csv")),

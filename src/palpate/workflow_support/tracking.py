@@ -12,7 +12,7 @@ import logging
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ LIMITS = {
 }
 
 
-def send(folder: Path, report: Callable[[str], None] = print) -> list[str]:
+def send(folder: Path) -> list[str]:
     """Send all records below a study's folder of records that have not been sent, and return those that could not be.
 
     Anything that goes wrong with the server, the store or the network ends the sending with one line of warning.
@@ -48,10 +48,8 @@ def send(folder: Path, report: Callable[[str], None] = print) -> list[str]:
         try:
             _send(read_json(folder / name))
         except Exception as error:  # a server may answer with anything; results never depend on it
-            problem = _problem(str(error))
-            report(
-                f"tracking: {len(waiting) - number} records stay on disk ({problem}); palpate track --send sends them"
-            )
+            left, problem = len(waiting) - number, _problem(str(error))
+            print(f"tracking: {left} records stay on disk ({problem}); palpate track --send sends them")
             return waiting[number:]
         sent = read_json(ledger) if ledger.is_file() else {}
         write_json(ledger, {**sent, name: checksum(folder / name)})

@@ -1,5 +1,6 @@
 """Diagnose some cases of the trial."""
 
+import functools
 import time
 from pathlib import Path
 
@@ -10,13 +11,13 @@ from studies.blind_trial.trial import diagnose_case
 
 def main(snakemake):
     study = job.study(snakemake)
-    with open(snakemake.log[0], "w", encoding="utf-8", buffering=1) as log:
-        for folder in map(Path, snakemake.input.recordings):
-            begin = time.process_time()
-            print(folder.name, file=log)
-            content, _ = diagnose_case(study, folder, lambda line: print(line, file=log))
-            content["cpu_seconds"] = time.process_time() - begin
-            write_json(Path(snakemake.output[0]) / f"{folder.name}.json", content)
+    report = functools.partial(job.note, snakemake.log[0])
+    for folder in map(Path, snakemake.input.recordings):
+        begin = time.process_time()
+        report(folder.name)
+        content, _ = diagnose_case(study, folder, report)
+        content["cpu_seconds"] = time.process_time() - begin
+        write_json(Path(snakemake.output[0]) / f"{folder.name}.json", content)
 
 
 if "snakemake" in globals():

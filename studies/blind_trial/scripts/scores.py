@@ -1,17 +1,16 @@
 """Open the seal for some cases and score their diagnoses."""
 
-import json
 from pathlib import Path
 
 from palpate.workflow_support import job
-from palpate.workflow_support.result_files import write_json
+from palpate.workflow_support.result_files import read_json, write_json
 from studies.blind_trial.cases import Case
 from studies.blind_trial.trial import score_case
 
 
 def main(snakemake):
     study = job.study(snakemake)
-    truths = json.loads(Path(snakemake.input.truth).read_text(encoding="utf-8"))
+    truths = read_json(snakemake.input.truth)
     rows = []
     for folder in map(Path, snakemake.input.recordings):
         case = Case(**next(truth for truth in truths if truth["name"] == folder.name))

@@ -1,19 +1,14 @@
 """Put the scores of all cases together."""
 
-import json
-
 import pandas as pd
 
 from palpate.workflow_support import job
+from palpate.workflow_support.result_files import read_json
 from studies.blind_trial import power_figure, score
 
 
 def main(snakemake):
-    rows = []
-    for file in snakemake.input:
-        with open(file, encoding="utf-8") as stream:
-            rows += json.load(stream)
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame([row for file in snakemake.input for row in read_json(file)])
     table.to_csv(snakemake.output.cases, index=False)
     score.summary(table).to_csv(snakemake.output.summary, index=False)
     score.reliability(table).to_csv(snakemake.output.reliability)

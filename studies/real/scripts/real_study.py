@@ -1,6 +1,6 @@
 """Diagnose a study of real recordings, draw what was found, and write its page."""
 
-from pathlib import Path
+import functools
 
 from palpate.configuration.study_file import load_study
 from palpate.output import diagnosis_page as page
@@ -12,11 +12,9 @@ from studies.real.diagnose_source import diagnose_source
 
 def main(snakemake):
     study = load_study(snakemake.input.study, data=snakemake.params.data)
-    with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        content, curves = diagnose_source(study, report=lambda line: print(line, file=log, flush=True))
+    content, curves = diagnose_source(study, functools.partial(job.note, snakemake.log[0]))
     write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
-    Path(snakemake.output.figure).parent.mkdir(exist_ok=True)
     figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=False)
     page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, study.title)
 

@@ -1,5 +1,6 @@
 """Bring together the curves of one design of the thesis, from the store or from the solver."""
 
+import functools
 from pathlib import Path
 
 from palpate.configuration.study_file import load_study
@@ -12,8 +13,7 @@ def main(snakemake):
     studies = {Path(file).stem: load_study(file) for file in snakemake.input.studies}
     outcomes = {Path(file).stem: read_json(file) for file in snakemake.input.outcomes}
     runs = thesis.DESIGNS[snakemake.wildcards.design].runs(studies, outcomes)
-    with open(snakemake.log[0], "w", encoding="utf-8") as log:
-        curves = thesis.compute(runs, Path("results/store"), lambda line: print(line, file=log, flush=True))
+    curves = thesis.compute(runs, Path("results/store"), functools.partial(job.note, snakemake.log[0]))
     curves.save(snakemake.output[0])
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.materials.flow.row import BULK, SHEAR
 from palpate.output.export.calculix_deck import material_cards
-from palpate.output.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
+from palpate.output.export.cards import REFERENCE, amplitude_cards, indenter_cards, mesh_cards, step_cards
 from palpate.output.export.format import Format, refuse_mechanisms
 from palpate.output.export.quadratic import RESOLUTIONS, quadratic_mesh
 from palpate.output.export.terms import steady_creep, strength, voigt_elements
@@ -35,7 +35,7 @@ def creeps(specification: Specification) -> bool:
 
 
 def user_constants(specification: Specification) -> np.ndarray:
-    """Return PROPS of the user material: G, K, C_s, m_s, then C_t, m_t and t_eps of each Voigt element."""
+    """Return PROPS (n,) of the user material: G, K, C_s, m_s, then C_t, m_t and t_eps of each Voigt element."""
     row, elements = specification.coefficients, voigt_elements(specification)
     return np.array([row[SHEAR], row[BULK], *steady_creep(specification, PROGRAM), *np.ravel(elements)])
 
@@ -56,18 +56,8 @@ def deck(specification: Specification) -> str:
     mesh = quadratic_mesh(specification, RESOLUTIONS[specification.accuracy])
     material = _user_material(specification) if creeps(specification) else material_cards(specification, PROGRAM)
     friction = specification.indenter.friction
-    sections = [
-        "*MATERIAL, NAME=INDENTER",
-        "*ELASTIC",
-        f"{specification.parameters['youngs_modulus']:.12g}, 0.3",
-        "*SOLID SECTION, ELSET=TIP, MATERIAL=BODY",
-        "*SOLID SECTION, ELSET=RINGS, MATERIAL=BODY",
-        "*SOLID SECTION, ELSET=INDENTER, MATERIAL=INDENTER",
-        "*SURFACE INTERACTION, NAME=CONTACT",
-        *(["*FRICTION", f"{friction:.6g},"] if friction else []),
-        "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
-        "SURFACE, FACE",
-    ]
+    interaction = ["*FRICTION", f"{friction:.6g},"] if friction else []
+    sections = indenter_cards(specification.parameters["youngs_modulus"], interaction)
     return "\n".join(["*HEADING", *mesh_cards(mesh), *material, *sections, *_steps(specification)])
 
 
@@ -82,10 +72,9 @@ def _user_material(specification: Specification) -> list[str]:
 
 def _steps(specification: Specification) -> list[str]:
     protocol = specification.protocol
-    geometry = "YES" if specification.kinematics == "large" else "NO"
-    header = f"*STEP, NLGEOM={geometry}, INC={20 * len(protocol.sample_time) + 1000}"
+    geometry = f", NLGEOM={'YES' if specification.kinematics == 'large' else 'NO'}"
     output = ("*OUTPUT, HISTORY, FREQUENCY=1", f"*NODE OUTPUT, NSET={REFERENCE}", "U2, CF2")
-    return [*amplitude_cards(protocol), *step_cards(protocol, header, "*STATIC", output)]
+    return [*amplitude_cards(protocol), *step_cards(protocol, geometry, "*STATIC", output)]
 
 
 def write(specification: Specification, path: Path) -> None:
@@ -97,4 +86,4 @@ def write(specification: Specification, path: Path) -> None:
         (path / SUBROUTINE).write_bytes(files("palpate.output.export").joinpath(SUBROUTINE).read_bytes())
 
 
-FORMAT = Format("abaqus", "Abaqus/Standard", write)
+FORMAT = Format("abaqus", write)

@@ -17,7 +17,14 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.output.export.cards import REFERENCE, amplitude_cards, friction_cards, mesh_cards, step_cards
+from palpate.output.export.cards import (
+    REFERENCE,
+    amplitude_cards,
+    friction_cards,
+    indenter_cards,
+    mesh_cards,
+    step_cards,
+)
 from palpate.output.export.format import Format, refuse_mechanisms
 from palpate.output.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
 from palpate.output.export.terms import steady_creep, strength, voigt_elements
@@ -90,23 +97,11 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
 
 def contact_cards(specification: Specification, mesh: QuadraticMesh) -> list[str]:
     """Return the sections and the contact between body and indenter."""
-    values = specification.parameters
     pressure = specification.protocol.max_load / (np.pi * mesh.contact_radius**2)
     stiffness = pressure / (PENETRATION * Profile.of(specification.indenter).depth_for(mesh.contact_radius))
-    return [
-        "*MATERIAL, NAME=INDENTER",
-        "*ELASTIC",
-        f"{values['youngs_modulus']:.12g}, 0.3",
-        "*SOLID SECTION, ELSET=TIP, MATERIAL=BODY",
-        "*SOLID SECTION, ELSET=RINGS, MATERIAL=BODY",
-        "*SOLID SECTION, ELSET=INDENTER, MATERIAL=INDENTER",
-        "*SURFACE INTERACTION, NAME=CONTACT",
-        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-        f"{stiffness:.6g}",
-        *friction_cards(specification.indenter.friction, stiffness),
-        "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
-        "SURFACE, FACE",
-    ]
+    behaviour = ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness:.6g}"]
+    friction = friction_cards(specification.indenter.friction, stiffness)
+    return indenter_cards(specification.parameters["youngs_modulus"], [*behaviour, *friction])
 
 
 def sample_cards(protocol: Protocol) -> list[str]:
@@ -116,13 +111,12 @@ def sample_cards(protocol: Protocol) -> list[str]:
 
 def _steps(specification: Specification) -> list[str]:
     protocol = specification.protocol
-    creeps = specification.parameters.get("steady_coefficient", 0.0) > 0
-    header = f"*STEP, INC={20 * len(protocol.sample_time) + 1000}"
+    creeps = steady_creep(specification, "CalculiX")[0] > 0
     output = (f"*NODE PRINT, NSET={REFERENCE}, TIME POINTS=SAMPLES", "U")
     return [
         *amplitude_cards(protocol),
         *sample_cards(protocol),
-        *step_cards(protocol, header, "*VISCO, CETOL=1." if creeps else "*STATIC", output),
+        *step_cards(protocol, "", "*VISCO, CETOL=1." if creeps else "*STATIC", output),
     ]
 
 
@@ -131,4 +125,4 @@ def write(specification: Specification, path: Path) -> None:
     path.write_text(deck(specification), encoding="ascii")
 
 
-FORMAT = Format("calculix", "CalculiX", write)
+FORMAT = Format("calculix", write)

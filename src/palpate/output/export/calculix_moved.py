@@ -58,7 +58,6 @@ def deck(specification: Specification, depth: np.ndarray, mesh: QuadraticMesh) -
         )
     protocol = specification.protocol
     rise = np.maximum(1e-3 * depth - mesh.overlap, 0.0)
-    header = f"*STEP, NLGEOM, INC={20 * len(protocol.sample_time) + 1000}"
     return "\n".join(
         [
             *mesh_cards(mesh, rings="CAX8"),
@@ -66,6 +65,6 @@ def deck(specification: Specification, depth: np.ndarray, mesh: QuadraticMesh) -
             *contact_cards(specification, mesh),
             *amplitude_cards(replace(protocol, knot_drive=rise)),
             *sample_cards(protocol),
-            *step_cards(protocol, header, "*STATIC", OUTPUT, MOVED),
+            *step_cards(protocol, ", NLGEOM", "*STATIC", OUTPUT, MOVED),
         ]
     )

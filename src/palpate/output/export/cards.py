@@ -38,7 +38,7 @@ def mesh_cards(mesh: QuadraticMesh, rings: str = "CAX8R") -> list[str]:
         for element in elements:
             lines.append(f"{number}, " + ", ".join(str(node + 1) for node in element))
             number += 1
-    surface = [mesh.top_triangle + 1, *(mesh.top_quads + len(mesh.triangles) + 1)]
+    surface = [1, *(mesh.top_quads + len(mesh.triangles) + 1)]
     behind = np.arange(len(mesh.indenter)) + len(mesh.triangles) + len(mesh.quads) + 1
     for name, faces in (("SURFACE", surface), ("FACE", behind)):
         lines += [f"*SURFACE, NAME={name}, TYPE=ELEMENT", *(f"{face}, S1" for face in faces)]
@@ -48,6 +48,25 @@ def mesh_cards(mesh: QuadraticMesh, rings: str = "CAX8R") -> list[str]:
     for node in mesh.far[1:]:
         lines += ["*EQUATION", "2", f"{node + 1}, 2, 1., {mesh.far[0] + 1}, 2, -1."]
     return [*lines, "*BOUNDARY", *HELD]
+
+
+def indenter_cards(youngs_modulus: float, interaction: Sequence[str]) -> list[str]:
+    """Return the sections of body and indenter, and the contact between them with the cards of its `interaction`.
+
+    The rigid indenter has the body's Young's modulus [GPa]: it is held at all of its nodes.
+    """
+    return [
+        "*MATERIAL, NAME=INDENTER",
+        "*ELASTIC",
+        f"{youngs_modulus:.12g}, 0.3",
+        "*SOLID SECTION, ELSET=TIP, MATERIAL=BODY",
+        "*SOLID SECTION, ELSET=RINGS, MATERIAL=BODY",
+        "*SOLID SECTION, ELSET=INDENTER, MATERIAL=INDENTER",
+        "*SURFACE INTERACTION, NAME=CONTACT",
+        *interaction,
+        "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE",
+        "SURFACE, FACE",
+    ]
 
 
 def friction_cards(coefficient: float, stiffness: float) -> list[str]:
@@ -62,7 +81,7 @@ def amplitude_cards(protocol: Protocol) -> list[str]:
 
 
 def step_cards(
-    protocol: Protocol, header: str, procedure: str, output: Sequence[str], drive: Sequence[str] = LOADED
+    protocol: Protocol, geometry: str, procedure: str, output: Sequence[str], drive: Sequence[str] = LOADED
 ) -> list[str]:
     """Return the steps: an onset, then one for each segment of the load history.
 
@@ -72,8 +91,10 @@ def step_cards(
     ----------
     protocol
         The load history.
-    header, procedure
-        Cards that begin a step; the onset is always static.
+    geometry
+        What the first card of a step says of large strains, such as ``, NLGEOM``.
+    procedure
+        Card of a step's procedure; the onset is always static.
     output
         Cards that ask for the depth of the reference node.
     drive
@@ -85,7 +106,7 @@ def step_cards(
     for k, duration in enumerate(np.diff(ends)):
         longest = min(1.001 * interval, duration) if k else 0.05 * duration
         lines += [
-            header,
+            f"*STEP{geometry}, INC={20 * len(protocol.sample_time) + 1000}",
             procedure if k else "*STATIC",
             f"{longest:.12g}, {duration:.12g}, {1e-6 * duration:.6g}, {longest:.12g}",
             "*BOUNDARY, OP=NEW",

@@ -18,14 +18,11 @@ class Format:
     ----------
     key
         Name on the command line.
-    title
-        Name for people.
     write
         Writes a specification to a path; raises `InputError` for what the program cannot represent.
     """
 
     key: str
-    title: str
     write: Callable[[Specification, Path], None]
 
 

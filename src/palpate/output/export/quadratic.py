@@ -34,11 +34,10 @@ class QuadraticMesh:
         (r, z) of the body's nodes, then the indenter's.
     triangles : ndarray of int, shape (s, 6)
     quads : ndarray of int, shape (q, 8)
-        Counter-clockwise, corners first; where an element touches the free surface its first edge lies on it.
+        Counter-clockwise, corners first; where an element touches the free surface its first edge lies on it. The
+        first triangle does.
     axis, far : ndarray of int
         Nodes of the body on the axis and on its outer boundary.
-    top_triangle : int
-        Triangle at the free surface.
     top_quads : ndarray of int
         Quads at the free surface.
     indenter : ndarray of int, shape (p, 8)
@@ -52,7 +51,6 @@ class QuadraticMesh:
     quads: np.ndarray
     axis: np.ndarray
     far: np.ndarray
-    top_triangle: int
     top_quads: np.ndarray
     indenter: np.ndarray
     overlap: float
@@ -80,7 +78,6 @@ def quadratic_mesh(specification: Specification, resolution: Resolution) -> Quad
         quads=quads,
         axis=np.concatenate([[0], number[1:, -1]]),
         far=number[-1],
-        top_triangle=0,
         top_quads=np.arange(0, len(quads), resolution.sectors),
         indenter=indenter,
         overlap=overlap,
