@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.draft import Stated
+from palpate.draft.stated import Stated
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
 

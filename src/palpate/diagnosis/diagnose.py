@@ -124,7 +124,7 @@ def _special_cases(
     far behind to first order, whatever the free parameters become, are left out.
     """
     fit, better = accepted.fit, []
-    floor, smaller = fit.log_evidence - search.policy.behind_best, search.neighbours(fit) if fit.explanation[1:] else []
+    floor, smaller = fit.log_evidence - search.policy.behind_set, search.neighbours(fit) if fit.explanation[1:] else []
     hopeless = {each.explanation for each in smaller if each.optimistic_log_evidence < floor}
     for explanation, z in _begun(search, fit):
         if explanation in hopeless:

@@ -35,14 +35,17 @@ SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
     """Return median and 95 % interval of each parameter, as ``key.name``; of one that varies, of its mean."""
-    drawn = pd.DataFrame([flat_amplitudes(fit, z) for z in draws])
-    return {str(name): summary(drawn[name].to_numpy()) for name in drawn}
+    drawn, best = pd.DataFrame([flat_amplitudes(fit, z) for z in draws]), flat_amplitudes(fit, fit.z)
+    return {name: summary(drawn[name].to_numpy(), value) for name, value in best.items()}
 
 
 def material_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
     """Return median and 95 % interval of every free material parameter."""
     free = fit.coordinates.free[: fit.problem.material]
-    return {each.name: summary(each.physical(column)) for each, column in zip(free, draws.T, strict=False)}
+    return {
+        each.name: summary(each.physical(column), float(each.physical(best)))
+        for each, column, best in zip(free, draws.T, fit.z, strict=False)
+    }
 
 
 def material_at(fit: Fit) -> dict[str, float]:
@@ -56,10 +59,13 @@ def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
     return {f"{key}.{name}": value for key, values in found.items() for name, value in values.items()}
 
 
-def summary(values: np.ndarray) -> dict[str, float]:
-    """Return the median of draws and the interval that holds 95 % of them."""
+def summary(values: np.ndarray, best: float) -> dict[str, float]:
+    """Return the median of draws, and the interval that holds 95 % of them and the `best` value.
+
+    A value at a limit lies outside of the quantiles of draws within it.
+    """
     lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
-    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
+    return {"estimate": float(estimate), "lower": float(min(lower, best)), "upper": float(max(upper, best))}
 
 
 def curves(

@@ -12,7 +12,7 @@ ended, and then in parts.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -235,18 +235,17 @@ def run_lanes(
     ends = np.stack([_prolonged(case.times, counts.max()) for case in lanes])
     times = np.column_stack([np.zeros(LANES), ends])
     carries = np.stack([np.resize(case.carries, counts.max()) for case in lanes], axis=1)
-    start, alive, widening = deepcopy(states), np.ones(LANES, dtype=bool), Widening.of(mesh)
+    start, alive = deepcopy(states), np.ones(LANES, dtype=bool)
     depths, loads = np.full((2, 1 + len(others), *ends.shape), np.nan)
-    trend, reasons = Trend.none(len(states.unknowns)), [""] * LANES
+    trend, widening = Trend.none(len(states.unknowns)), Widening.of(mesh, march.drives, times)
+    reasons = [""] * LANES
     for k, (begin, end) in enumerate(pairwise(times.T)):
         start.take(states)
         before = states.unknowns
         alive &= k < counts
         going = alive & (sticking | (k >= unloaded))
-        loading = march.drives.loading(times[:, max(k - 1, 0)]), march.drives.loading(begin), march.drives.loading(end)
         usual = trend.guess(end - begin, carries[k])
-        guess = widening.guess(states, trend.last, loading, usual, going & ~sticking)
-        found = march.step(states, begin, end, guess, going)
+        found = march.step(states, begin, end, widening.guess(k, states, trend.last, usual, going & ~sticking), going)
         if beside:
             neighbours.follow(start, states, begin, end, found)
         lost = going & ~found
@@ -269,17 +268,30 @@ def run_lanes(
     seconds = (clock.perf_counter() - began) / len(cases)
     histories = []
     for lane, case in enumerate(cases):
-        places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
-        depth, load = depths[:, lane, places], loads[:, lane, places]
-        for number, corners in enumerate(neighbours.corners):
-            own = np.array([corners[lane].get(time, time) for time in case.times])
-            moved = own[places] != case.times[places]
-            for found, curve in ((depth, depths), (load, loads)):
-                steps = curve[1 + number, lane, : len(own)]
-                found[1 + number, moved] = np.interp(case.times[places][moved], own, steps)
+        corners = [moved[lane] for moved in neighbours.corners]
+        depth, load = (_at_samples(case, curves[:, lane], corners) for curves in (depths, loads))
         tried, taken = int(march.iterations[lane]), int(march.steps[lane])
         histories.append(History(depth[0], load[0], reasons[lane], seconds, tried, taken, depth[1:], load[1:]))
     return histories
+
+
+def _at_samples(case: Case, curves: np.ndarray, corners: Sequence[Mapping[float, float]]) -> np.ndarray:
+    """Return the values (1 + p, n) at the samples of a case and of its neighbours from those after each step.
+
+    Parameters
+    ----------
+    case
+    curves : ndarray, shape (1 + p, steps)
+    corners
+        For each neighbour the times of steps that it takes elsewhere, and where [s].
+    """
+    places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
+    found = curves[:, places]
+    for values, steps, elsewhere in zip(found[1:], curves[1:], corners, strict=True):
+        own = np.array([elsewhere.get(time, time) for time in case.times])
+        moved = own[places] != case.times[places]
+        values[moved] = np.interp(case.times[places][moved], own, steps[: len(own)])
+    return found
 
 
 def _prolonged(times: np.ndarray, count: int) -> np.ndarray:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.solver.axisymmetric.drive import Drives
 from palpate.solver.axisymmetric.march import States
 from palpate.solver.axisymmetric.mesh import Mesh
 
@@ -22,7 +23,7 @@ SHARP = 1.0, 0.5  # these powers under a sharp tip, taken where no step before t
 
 @dataclass(frozen=True, eq=False)
 class Widening:
-    """The rings of a mesh, along which a solution is widened.
+    """The rings of a mesh, along which a solution is widened, and how the loads grow.
 
     Parameters
     ----------
@@ -30,25 +31,26 @@ class Widening:
         Of the tip's node, which is zero, and of the rings.
     equations : ndarray of int, shape (1 + n, k)
         Of the displacements of the nodes of each.
+    loads : ndarray, shape (1 + m, LANES)
+        Numbers that grow as the loads do, at the beginning and at the end of each step.
     """
 
     radii: np.ndarray
     equations: np.ndarray
+    loads: np.ndarray
 
     @classmethod
-    def of(cls, mesh: Mesh) -> Widening:
-        """Return the rings of a polar mesh."""
+    def of(cls, mesh: Mesh, drives: Drives, times: np.ndarray) -> Widening:
+        """Return the rings of a polar mesh, and what drives tips at the `times` (LANES, 1 + m) [s]."""
         equations = np.where(mesh.equations < 0, mesh.size, mesh.equations)
         rings = len(mesh.surface)
         tip, others = equations[0], equations[1:].reshape(rings, -1)
         radii = np.linalg.norm(mesh.nodes[1:].reshape(rings, -1, 2)[:, 0], axis=1)
-        return cls(np.append(0.0, radii), np.vstack([np.resize(tip, others.shape[1]), others]))
+        loads = np.array([drives.loading(time) for time in times.T])
+        return cls(np.append(0.0, radii), np.vstack([np.resize(tip, others.shape[1]), others]), loads)
 
-    def guess(
-        self, states: States, change: np.ndarray, loads: tuple[np.ndarray, np.ndarray, np.ndarray], usual: np.ndarray,
-        lanes: np.ndarray,
-    ) -> np.ndarray:  # fmt: skip
-        """Return the changes (size + 3, LANES) expected in a step.
+    def guess(self, step: int, states: States, change: np.ndarray, usual: np.ndarray, lanes: np.ndarray) -> np.ndarray:
+        """Return the changes (size + 3, LANES) expected in step number `step`, counted from zero.
 
         Area and depth grow as powers of the load, those of the last step.
 
@@ -58,14 +60,13 @@ class Widening:
             What the last step led to.
         change : ndarray, shape (size + 3, LANES)
             In the last step.
-        loads
-            Numbers (LANES,) that grow as the load: before the last step, now, and after the next one.
         usual : ndarray, shape (size + 3, LANES)
             What is expected otherwise.
         lanes : ndarray of bool, shape (LANES,)
             Where the solution may be widened.
         """
-        before, growth = _growth(loads[0], loads[1]), _growth(loads[1], loads[2])
+        before = _growth(self.loads[max(step - 1, 0)], self.loads[step])
+        growth = _growth(self.loads[step], self.loads[step + 1])
         lanes = lanes & (growth > GROWTH[0]) & (growth < GROWTH[1])
         if not lanes.any():
             return usual
