@@ -10,12 +10,13 @@ from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.diagnosis_result import curves
+from palpate.diagnosis.diagnosis_result import curves, summary
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.search import Search
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.noise import NoiseModel
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.study_scale import longest_rise
@@ -165,3 +166,18 @@ def test_values_that_differ_between_tests_count_in_the_means_where_replicates_ag
         found.append(added[-1] / condition.protocol.sample_time[-1])
         departed.append(0.4 + rates[condition.name] - mean)
     assert np.dot(found, departed) > 0.4 * np.dot(departed, departed)
+
+
+def test_an_interval_reaches_the_limit_at_which_the_best_value_lies():
+    """Draws from half a normal distribution at its limit; the largest density is at zero."""
+    draws = np.abs(np.random.default_rng(0).standard_normal(4000))
+    found = summary(draws, 0.0)
+    assert found["lower"] == 0.0
+    assert found["upper"] == pytest.approx(2.24, abs=0.1)
+
+
+def test_a_condition_has_its_own_noise_and_one_held_out_the_middle_one():
+    noise = NoiseModel(np.array([0.2, 5.0, 0.3]), np.full(3, 0.5), {"site": 0.0}, 0.0, np.eye(7), True)
+    parts = {"site": np.zeros((4, 4)), "unknown": np.eye(4)}
+    found = [np.sqrt(noise.under(["a", "b", "c"], name, parts)[0, 0]) for name in "abcd"]
+    assert found == pytest.approx([0.2, 5.0, 0.3, 0.3], rel=1e-5)

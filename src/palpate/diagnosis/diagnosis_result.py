@@ -111,7 +111,7 @@ def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndar
     parts = components_under(fit.problem, (), condition, item.mean)
     if not fit.problem.replicated:
         parts["site"] = np.zeros_like(parts["site"])
-    return np.diag(fit.errors.noise.typical(parts)) / len(item.response)
+    return np.diag(fit.errors.noise.under(fit.problem.names, condition.name, parts)) / len(item.response)
 
 
 def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:

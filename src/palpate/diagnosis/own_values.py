@@ -120,7 +120,9 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
     count
         Number of recordings.
     """
-    noise = fit.errors.noise.typical(components_under(fit.problem, (), condition, curve))
+    noise = fit.errors.noise.under(
+        fit.problem.names, condition.name, components_under(fit.problem, (), condition, curve)
+    )
     refined = refinement_covariance([fit.problem.refinement(fit.model, condition)])
     common = model_covariance({condition.name: curve}, study.calibration["solver_error"], fit.problem.shares)
     return noise / count + common + refined

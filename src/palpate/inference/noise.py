@@ -64,9 +64,14 @@ class NoiseModel:
         found = {k: 2.0 * points, count + k: slope_by_rho(self.sigma[k], self.autocorrelation[k], size)}
         return found | {2 * count + j: components[name] for j, name in enumerate(self.variances)}
 
-    def typical(self, components: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return K (n, n) of a condition of which only `components` are known, where the model has them [nm^2]."""
-        known = {name: component for name, component in components.items() if name in self.variances}
+    def under(self, names: Sequence[str], name: str, components: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return K (n, n) of a condition with those `components` that the model has [nm^2].
+
+        One that is not among those whose `names` are in the model's order takes the median of sigma and of rho.
+        """
+        known = {key: component for key, component in components.items() if key in self.variances}
+        if name in names:
+            return self.matrix(names.index(name), known)
         return matrix_of(float(np.median(self.sigma)), float(np.median(self.autocorrelation)), self.variances, known)
 
     @classmethod
