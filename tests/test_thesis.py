@@ -39,7 +39,7 @@ def studies():
 def test_every_study_names_designs_and_studies_that_exist(key):
     study = STUDIES[key]
     assert set(study.designs) <= set(DESIGNS)
-    assert set(study.after) <= set(STUDIES)
+    assert {name for design in study.designs for name in DESIGNS[design].after} <= set(STUDIES) - {key}
     assert set(study.recordings) <= set(MATERIALS)
     assert key in page.ORDER
 

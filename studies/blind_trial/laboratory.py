@@ -79,11 +79,14 @@ def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
 
 
 def first_order(points: int, memory: float, rng: np.random.Generator) -> np.ndarray:
-    """Return stationary autoregressive noise of unit variance."""
+    """Return stationary autoregressive noise (points,) of unit variance."""
     return correlated_noise(np.arange(points), 1.0, -1.0 / np.log(memory), rng)
 
 
 def background(time: np.ndarray, rate: float, memory: float, rng: np.random.Generator) -> np.ndarray:
-    """Return the depth that a slowly varying drift adds: its rate is stationary with that deviation and memory."""
+    """Return the depth (n,) [nm] that a slowly varying drift adds at times (n,) [s].
+
+    Its rate is stationary, with the standard deviation `rate` [nm/s] and the correlation time `memory` [s].
+    """
     drift = correlated_noise(np.append(0.0, time), rate, memory, rng)[1:]
     return np.cumsum(drift * np.diff(time, prepend=0.0))

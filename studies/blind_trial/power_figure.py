@@ -1,4 +1,4 @@
-"""The blind trial: answers against the strength of the concealed effect, and whether probabilities keep their word."""
+"""The blind trial: answers against the strength of the concealed effect, and how reliable stated probabilities are."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def answer(row: pd.Series) -> str:
         return "named"
     if row["covered"]:
         return "among several"
-    said = {"adequate": "not noticed", "unexplained": "unexplained", "ambiguous": "without the truth"}
-    return said.get(row["verdict"], "wrong name")
+    others = {"adequate": "not noticed", "unexplained": "unexplained", "ambiguous": "without the truth"}
+    return others.get(row["verdict"], "wrong name")
 
 
 @styled

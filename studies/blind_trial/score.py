@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 STRONG = 3.0
+PROBABILITIES = [0.0, 0.5, 0.8, 0.95, 1.001]  # edges of the groups of answers
 TARGETS = {
     "claims on null cases": ("at most", 0.01),
     "strong single effects covered": ("at least", 0.95),
@@ -121,10 +122,10 @@ def _proportion(name: str, count: float, of: float) -> dict[str, Any]:
     return entry | {"target": f"{words} {bound}".strip()}
 
 
-def reliability(table: pd.DataFrame, edges: Sequence[float] = (0.0, 0.5, 0.8, 0.95, 1.001)) -> pd.DataFrame:
+def reliability(table: pd.DataFrame) -> pd.DataFrame:
     """Return how often the first candidate is right, by its stated probability."""
     answered = table[table["top_probability"].notna()]
-    groups = pd.cut(answered["top_probability"], list(edges), right=False)
+    groups = pd.cut(answered["top_probability"], PROBABILITIES, right=False)
     return answered.groupby(groups, observed=False).agg(
         stated=("top_probability", "mean"), right=("top_right", "mean"), cases=("top_right", "size")
     )

@@ -18,7 +18,7 @@ from palpate.inference.surrogate_forward import Surrogates
 from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
-from studies.thesis.fitted import Fitted
+from studies.thesis.fitted import Fitted, beside_truth
 from studies.thesis.grids import ALUMINIUM
 from studies.thesis.rules import at_most
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
@@ -60,20 +60,7 @@ def run(context: Context) -> Outcome:
             Fitted.surrogate(f"aluminium, {grid} points", surrogate, *snapshots),
             Fitted.of_calibration(f"aluminium, {grid} points", found, study=study.name),
         ]
-        for key, entry in found.parameters.items():
-            parameters.append(
-                {
-                    "snapshots": grid,
-                    "parameter": key,
-                    "truth": truth[key],
-                    "estimate": entry.estimate,
-                    "lower": entry.lower,
-                    "upper": entry.upper,
-                    "identified": entry.identified,
-                    "at_bound": entry.at_bound,
-                    "holds_truth": entry.lower <= truth[key] <= entry.upper,
-                }
-            )
+        parameters += [{"snapshots": grid, **row} for row in beside_truth(found, truth, found.parameters)]
         for source, curve in (("surrogate", found.surrogate_curves[name]), ("finite elements", simulated)):
             errors.append(
                 {

@@ -25,6 +25,7 @@ from studies.thesis.surrogates import epoxy_surrogates
 MODULUS, DURATION = 3.25, 30.0
 SIZES = (32, 64, 96, 128, 192, 256, 384)
 TESTS = 16
+TIMES = (30.0, 240.0)  # s, the fastest and the slowest loading
 NAMES = tuple(EPOXY_SCREENING)
 LOADS = ("P0.50_T030", "P0.75_T045")
 
@@ -44,10 +45,10 @@ def groups(parameters: np.ndarray, duration: np.ndarray) -> np.ndarray:
     )
 
 
-def box(times: tuple[float, float] = (30.0, 240.0)) -> dict[str, tuple[float, float]]:
+def box() -> dict[str, tuple[float, float]]:
     """Return the range of each group over the parameters' ranges and the loading times."""
     levels = {name: (min(values), max(values)) for name, values in EPOXY_SCREENING.items()}
-    corners = np.array(np.meshgrid(*levels.values(), times, indexing="ij")).reshape(7, -1)
+    corners = np.array(np.meshgrid(*levels.values(), TIMES, indexing="ij")).reshape(7, -1)
     values = groups(corners[:6].T, corners[6])
     low, high = values.min(axis=0), values.max(axis=0)
     names = ("log_steady", "steady_exponent", "log_transient", "transient_exponent", "log_retardation")

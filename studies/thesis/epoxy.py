@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.inference.calibration_result import Calibration
 from palpate.inference.study_recordings import observations
 from palpate.workflow_support.steps import calibrate_study
-from studies.thesis.fitted import Fitted
+from studies.thesis.fitted import Fitted, beside_truth
 from studies.thesis.grids import CALIBRATED
 from studies.thesis.rules import Rule, about, at_least
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
@@ -54,7 +53,7 @@ def run(context: Context) -> Outcome:
         }
         for name, row in found.conditions.items()
     ]
-    parameters = parameter_rows(found, truth, study.free_parameters)
+    parameters = beside_truth(found, truth, study.free_parameters)
     return Outcome(
         tables={"errors of every test": errors, "parameters": parameters},
         findings=findings(errors, parameters),
@@ -74,22 +73,6 @@ def run(context: Context) -> Outcome:
             Fitted.of_calibration("epoxy, four loading times", found, study=study.name),
         ],
     )
-
-
-def parameter_rows(found: Calibration, truth, names) -> Rows:
-    """Return estimate, interval and truth of the free parameters."""
-    return [
-        {
-            "parameter": name,
-            "truth": truth[name],
-            "estimate": found.parameters[name].estimate,
-            "lower": found.parameters[name].lower,
-            "upper": found.parameters[name].upper,
-            "identified": found.parameters[name].identified,
-            "holds_truth": found.parameters[name].lower <= truth[name] <= found.parameters[name].upper,
-        }
-        for name in names
-    ]
 
 
 def findings(errors: Rows, parameters: Rows) -> list[Finding]:

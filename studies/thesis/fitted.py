@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,23 @@ from palpate.inference.calibration_result import Calibration
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
 from palpate.workflow_support.run_records import Run, of_calibration
+
+
+def beside_truth(found: Calibration, truth: Mapping[str, float], names: Iterable[str]) -> list[dict[str, Any]]:
+    """Return estimate, interval and truth of some parameters, a row each."""
+    return [
+        {
+            "parameter": name,
+            "truth": truth[name],
+            "estimate": entry.estimate,
+            "lower": entry.lower,
+            "upper": entry.upper,
+            "identified": entry.identified,
+            "at_bound": entry.at_bound,
+            "holds_truth": entry.lower <= truth[name] <= entry.upper,
+        }
+        for name, entry in ((name, found.parameters[name]) for name in names)
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +88,7 @@ class Fitted:
         return cls(name, "calibration", settings=dict(found.settings), calibration=found.to_mapping(**about))
 
     def run(self, folder: Path, thesis_study: str) -> Run:
-        """Return what MLflow is told of it; a surrogate is kept in `folder`."""
+        """Return its record for MLflow; a surrogate is kept in `folder`."""
         tags = {"thesis_study": thesis_study}
         if self.calibration is not None:
             found = of_calibration(self.calibration, self.settings, [])

@@ -74,10 +74,10 @@ def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
 DESIGNS = {"identifiability": Design(runs)}
 
 
-def covariance(time: np.ndarray, depth: np.ndarray, site: float = SITE, noise: float = NOISE) -> np.ndarray:
+def covariance(time: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Return the covariance (n, n) of the mean of one test's replicates [nm^2], as in the virtual laboratory."""
-    points = noise**2 * np.exp(-np.abs(time[:, None] - time) / MEMORY)
-    return (points + site**2 * np.outer(depth, depth)) / REPLICATES + 1e-8 * np.eye(len(time))
+    points = NOISE**2 * np.exp(-np.abs(time[:, None] - time) / MEMORY)
+    return (points + SITE**2 * np.outer(depth, depth)) / REPLICATES + 1e-8 * np.eye(len(time))
 
 
 def slopes(curves: Curves) -> np.ndarray:

@@ -63,7 +63,7 @@ class Held:
         return tried
 
     def learn(self, tried: np.ndarray, residual: np.ndarray) -> None:
-        """Take the point if it is better, and what it says of the Jacobian."""
+        """Take the point if it is better, and bring the Jacobian up to date."""
         if not np.all(np.isfinite(residual)):
             self.damping *= 0.5
             return

@@ -55,9 +55,6 @@ rule thesis_study:
         designs=lambda wildcards: expand(
             f"{THESIS}/designs/{{design}}.npz", design=STUDIES[wildcards.key].designs
         ),
-        outcomes=lambda wildcards: expand(
-            f"{THESIS}/{{study}}.json", study=STUDIES[wildcards.key].after
-        ),
         recordings=lambda wildcards: expand(
             f"{THESIS}/recordings/{{material}}",
             material=STUDIES[wildcards.key].recordings,

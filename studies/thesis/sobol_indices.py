@@ -1,4 +1,4 @@
-"""Sobol indices from a surrogate: shares of the variance with all interactions, which an orthogonal array cannot tell.
+"""Sobol indices from a surrogate: shares of the variance with all interactions, unlike those of orthogonal arrays.
 
 First-order and total indices by Saltelli's estimators as SciPy implements them (Saltelli et al. 2010, Comput. Phys.
 Commun. 181, 259), over parameters that are uniform on their ranges.

@@ -97,13 +97,10 @@ class Context:
         Checked configuration of each material: ``aluminium`` and ``epoxy``.
     curves
         Curves of every design that the study asked for.
-    outcomes
-        Outcome (as a mapping) of every study that it comes after.
     """
 
     studies: Mapping[str, Study]
     curves: Mapping[str, Curves]
-    outcomes: Mapping[str, Mapping[str, Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +117,6 @@ class ThesisStudy:
         From context to outcome.
     designs
         Designs whose curves it needs.
-    after
-        Studies whose outcome it needs.
     recordings
         Materials whose synthetic recordings it needs.
     """
@@ -130,5 +125,4 @@ class ThesisStudy:
     title: str
     run: Callable[[Context], Outcome]
     designs: Sequence[str] = ()
-    after: Sequence[str] = ()
     recordings: Sequence[str] = ()

@@ -76,13 +76,8 @@ class CalibratedStudy(Shown):
 
     def _sentences(self) -> list[str]:
         content = self.calibration.to_mapping()
-        lines = [html_report.misfit_sentence(content), html_report.bound_sentence(content)]
-        if self.calibration.converged is False:
-            lines.append(
-                "The search has not converged: hold parameters constant that the data cannot separate, or narrow the "
-                "ranges."
-            )
-        return [sentence for sentence in lines if sentence]
+        sentences = (html_report.misfit_sentence, html_report.bound_sentence, html_report.convergence_sentence)
+        return [text for sentence in sentences if (text := sentence(content))]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw recorded and simulated curves.
@@ -150,7 +145,7 @@ def calibrate(
     PalpateError
         When too many simulations fail.
     """
-    chosen, report = study_of(study), report or _silent
+    chosen, report = study_of(study), report or silent
     tests = StudyTests.of(chosen, recordings)
     observed = resampled(chosen, tests.by_condition)
     models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
@@ -173,5 +168,5 @@ def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> d
     return models
 
 
-def _silent(line: str) -> None:
+def silent(line: str) -> None:
     """Drop a line on the progress."""

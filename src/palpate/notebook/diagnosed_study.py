@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.study_diagnosis import diagnosed
 from palpate.errors import InputError
-from palpate.notebook.calibrated_study import CalibratedStudy, calibrate
+from palpate.notebook.calibrated_study import CalibratedStudy, calibrate, silent
 from palpate.notebook.notebook_study import NotebookStudy, study_of
 from palpate.notebook.shown import Shown, composed
 from palpate.notebook.study_tests import Given, StudyTests
@@ -155,5 +155,5 @@ def diagnose(
             remedy="give the calibration of this study, or leave it out",
             place="calibration",
         )
-    content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or (lambda line: None))
+    content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or silent)
     return DiagnosedStudy(chosen, tests, content, curves)

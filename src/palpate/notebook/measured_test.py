@@ -13,7 +13,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError
-from palpate.notebook.shown import Shown, axes_for
+from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.recorded_test import COLOURS
 from palpate.recordings.readers import (
     CORRECTIONS,
@@ -90,16 +90,16 @@ class MeasuredTest(Shown):
         return []
 
     def _sentences(self) -> list[str]:
-        peak = int(np.argmax(self.load))
-        lines = [
-            f"{len(self.time)} points in {np.ptp(self.time):.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
-            f"depth is {self.depth[peak]:.4g} nm",
+        parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
+        return [
+            extent(self.load, self.depth, float(np.ptp(self.time))),
+            "; ".join(parts) or "too short to find its segments",
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
+            *self.recording.notes,
+            *self.source.warnings,
+            *self.remarks,
         ]
-        parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
-        lines.insert(1, "; ".join(parts) or "too short to find its segments")
-        return [*lines, *self.recording.notes, *self.source.warnings, *self.remarks]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""

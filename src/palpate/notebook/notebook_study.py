@@ -123,22 +123,20 @@ class NotebookStudy(Shown, Study):
 
     def _sentences(self) -> list[str]:
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
-        lines = [
+        return [
+            f"study: {self.file}",
             f"{len(self.cells)} materials to simulate under each condition of the calibration",
             f"recordings: {sets}",
+            *self.remarks,
         ]
-        return [f"study: {self.file}", *lines, *self.remarks]
 
     def _tables(self) -> list[pd.DataFrame]:
-        rows: list[dict[str, Any]] = [
-            {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(levels), "to": max(levels)}
-            for name, levels in self.levels.items()
-        ]
-        rows += [
-            {"parameter": in_words(name), "unit": self.declared[name].unit, "from": value, "to": value}
-            for name, value in self.fixed.items()
-        ]
-        return [pd.DataFrame(rows), self.to_frame()]
+        declared = self.declared
+        ranges = pd.DataFrame(
+            {"parameter": in_words(name), "unit": declared[name].unit, "from": min(values), "to": max(values)}
+            for name, values in {**self.levels, **{name: (value,) for name, value in self.fixed.items()}}.items()
+        )
+        return [ranges, self.to_frame()]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a condition: name, role, drive with its largest value and unit, duration_s, points."""

@@ -38,7 +38,16 @@ class Shown:
 
 def text_table(frame: pd.DataFrame) -> str:
     """Return a table as text, with numbers and headings as the report writes them."""
-    return frame.astype(object).map(html_report.cell).rename(columns=html_report.heading).to_string(index=False)
+    return html_report.shown(frame).to_string(index=False)
+
+
+def extent(load: np.ndarray, depth: np.ndarray, duration: float) -> str:
+    """Return how long a curve of loads (n,) [mN] and depths (n,) [nm] lasts [s], and its largest load."""
+    peak = int(np.argmax(load))
+    return (
+        f"{len(load)} points in {duration:.4g} s; at the largest load, {load[peak]:.4g} mN, the depth is "
+        f"{depth[peak]:.4g} nm"
+    )
 
 
 def axes_for(ax: Axes | None) -> Axes:

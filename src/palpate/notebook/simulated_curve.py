@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError
-from palpate.notebook.shown import Shown, axes_for
+from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.style import RECORDED
 from palpate.recordings.recording import Recording
 from palpate.solver import simulation
@@ -47,14 +47,13 @@ class SimulatedCurve(Shown):
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
 
     def _sentences(self) -> list[str]:
-        peak, spec = int(np.argmax(self.load)), self.specification
-        lines = [
+        spec = self.specification
+        return [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
-            f"{len(self.time)} points in {self.time[-1]:.4g} s; at the largest load, {self.load[peak]:.4g} mN, the "
-            f"depth is {self.depth[peak]:.4g} nm",
+            extent(self.load, self.depth, float(self.time[-1])),
             f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.3g} s in the solver",
+            *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items()),
         ]
-        return [*lines, *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items())]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm."""

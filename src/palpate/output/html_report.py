@@ -41,8 +41,12 @@ def paragraph(text: str) -> str:
 
 def table(frame: pd.DataFrame) -> str:
     """Return a table; numbers to four digits (a share close to one to six), yes or no, nothing where it is unknown."""
-    shown = frame.astype(object).map(cell).rename(columns=heading)
-    return shown.to_html(index=False, border=0)
+    return shown(frame).to_html(index=False, border=0)
+
+
+def shown(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with cells and headings as they are shown."""
+    return frame.astype(object).map(cell).rename(columns=heading)
 
 
 def heading(name: str) -> str:
@@ -135,7 +139,10 @@ def search_sentences(calibration: Mapping) -> str:
         "The estimate is that of the finite elements themselves, by least squares from the optimum of the genetic "
         "search on surrogates, which is in calibration.json, and from points scattered over the ranges."
     )
-    if calibration["converged"]:
-        return found
+    return " ".join(filter(None, (found, convergence_sentence(calibration))))
+
+
+def convergence_sentence(calibration: Mapping) -> str:
+    """Return what to do where the search has not converged; nothing where it has."""
     remedy = "hold parameters constant that the data cannot separate, or narrow the ranges"
-    return f"{found} The search has not converged: {remedy}."
+    return "" if calibration["converged"] else f"The search has not converged: {remedy}."

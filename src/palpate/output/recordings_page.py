@@ -45,7 +45,7 @@ def write_reading(study: Study, folder: Path) -> None:
             seen = next(surveys)
             pieces.append(f"<h3>{html.escape(condition)}: {html.escape(test.name)}</h3>")
             if isinstance(seen, InputError):
-                pieces.append(f"<p>Not surveyed: {html.escape(seen.problem)}.</p>")
+                pieces.append(html_report.paragraph(f"Not surveyed: {seen.problem}."))
                 continue
             found.append(seen)
             taken.append(decision(test.recording, used.recording))
@@ -53,18 +53,18 @@ def write_reading(study: Study, folder: Path) -> None:
             draw(seen, picture, taken[-1])
             pieces += [
                 html_report.image(picture, test.name),
-                f"<p>Contact taken: {taken[-1][0]}, {taken[-1][1]:.4g} nm.</p>",
+                html_report.paragraph(f"Contact taken: {taken[-1][0]}, {taken[-1][1]:.4g} nm."),
+                *map(html_report.paragraph, used.warnings),
             ]
-            pieces += [f"<p>{html.escape(warning)}</p>" for warning in used.warnings]
     rows = table(found, taken)
     rows.to_csv(folder / "survey.csv", index=False)
     deciders = ", ".join(f"{count} {decider}" for decider, count in Counter(decider for decider, _ in taken).items())
-    facts = f"<p>Corrections in the depth: {in_words(study.source.get('corrections'))}. Contacts taken: {deciders}."
+    facts = f"Corrections in the depth: {in_words(study.source.get('corrections'))}. Contacts taken: {deciders}."
     frame = frame_of([(s.recording.load - s.contact.load, s.recording.depth, s.parts) for s in found])
     if frame is not None:
         facts += (
             f" The initial slopes of {frame.unloadings} unloadings show a frame compliance of {frame.compliance:.3g} "
             f"nm/mN ({frame.lower:.3g} to {frame.upper:.3g}) in the depth, if all tests are on one material."
         )
-    sections = [("What was found", [f"{facts}</p>", html_report.table(rows)]), ("The tests", pieces)]
+    sections = [("What was found", [html_report.paragraph(facts), html_report.table(rows)]), ("The tests", pieces)]
     html_report.build(f"{study.title}: the recordings as read", sections, [], folder / "reading.html")

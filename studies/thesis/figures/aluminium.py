@@ -14,14 +14,13 @@ from palpate.output.figures.style import (
     RECORDED,
     SIMULATED,
     SURROGATE,
-    TRUTH,
     mark_synthetic,
     save,
     styled,
 )
+from studies.thesis.figures.estimates import ALUMINIUM, interval
 
 COLOURS = {"64": SIMULATED, "36": SURROGATE}
-SYMBOLS = {"youngs_modulus": "E [GPa]", "yield_stress": r"$\sigma_Y$ [GPa]", "hardening": "H [GPa]"}
 
 
 @styled
@@ -47,17 +46,14 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     lower.axhline(0, color="0.7", lw=0.6)
     lower.set_xlabel("time [s]")
     lower.set_ylabel("sim. - rec.\n[nm]")
-    for axis, (name, label) in zip(right.subplots(3, 1), SYMBOLS.items(), strict=True):
+    for axis, (name, symbol) in zip(right.subplots(3, 1), ALUMINIUM.items(), strict=True):
         for k, (grid, colour) in enumerate(COLOURS.items()):
             row = next(r for r in rows if (r["snapshots"], r["parameter"]) == (grid, name))
-            face = colour if row["identified"] else "white"
-            axis.plot([row["lower"], row["upper"]], [k, k], color=colour, lw=1.6)
-            axis.plot(row["estimate"], k, "o", color=colour, mfc=face, ms=4.5)
-            axis.axvline(row["truth"], color=TRUTH, ls="--", lw=1)
+            interval(axis, row, k, colour)
         axis.set_yticks([0, 1], [f"{grid} points" for grid in COLOURS])
         axis.set_ylim(1.6, -0.6)
         axis.set_xlim(*series["bounds"][name])
-        axis.set_xlabel(label)
+        axis.set_xlabel(f"{symbol} [GPa]")
     figure.suptitle("bars: 95 % intervals; open: not identified; dashed: truth", fontsize=8)
     mark_synthetic(figure, True)
     save(figure, path)

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled
 from studies.thesis.figures.effects import contributions, main_effects
-
-SYMBOLS = {"youngs_modulus": "E", "yield_stress": r"$\sigma_Y$", "hardening": "H"}
+from studies.thesis.figures.estimates import ALUMINIUM
 
 
 @styled
@@ -19,7 +18,7 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     """Draw contributions on the left, main effects on both responses on the right."""
     figure = Figure(figsize=(DOUBLE_COLUMN, 3.6))
     left, right = figure.subfigures(1, 2, width_ratios=[1, 1.6], squeeze=False)[0]
-    contributions(left.subplots(), outcome["series"], SYMBOLS)
-    main_effects(right.subplots(2, 3, sharey="row"), outcome["series"], SYMBOLS, ("error [-]", "largest depth [nm]"))
+    contributions(left.subplots(), outcome["series"], ALUMINIUM)
+    main_effects(right.subplots(2, 3, sharey="row"), outcome["series"], ALUMINIUM, ("error [-]", "largest depth [nm]"))
     figure.suptitle("Aluminium, modified L16 (error against synthetic recordings)", fontsize=9)
     save(figure, path)

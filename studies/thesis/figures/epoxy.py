@@ -8,15 +8,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from palpate.output.figures.style import DOUBLE_COLUMN, SIMULATED, SURROGATE, TRUTH, mark_synthetic, save, styled
+from palpate.output.figures.style import DOUBLE_COLUMN, SIMULATED, SURROGATE, mark_synthetic, save, styled
+from studies.thesis.figures.estimates import EPOXY, interval
 
-SYMBOLS = {
-    "youngs_modulus": "E [GPa]",
-    "steady_coefficient": "$C_s$",
-    "steady_exponent": "$m_s$",
-    "transient_coefficient": "$C_t$",
-    "transient_exponent": "$m_t$",
-}
+SYMBOLS = {**EPOXY, "youngs_modulus": "E [GPa]"}
 COLOURS = {"calibrate": SIMULATED, "validate": SURROGATE}
 
 
@@ -38,9 +33,7 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
     top.suptitle("misfit at the estimate", fontsize=8)
     top.supylabel("finite elements - recorded [nm]", fontsize=8)
     for axis, row in zip(bottom.subplots(1, len(rows)), rows, strict=True):
-        axis.plot([row["lower"], row["upper"]], [0, 0], color=SIMULATED, lw=1.6)
-        axis.plot(row["estimate"], 0, "o", color=SIMULATED, mfc=SIMULATED if row["identified"] else "white", ms=4.5)
-        axis.axvline(row["truth"], color=TRUTH, ls="--", lw=1)
+        interval(axis, row, 0, SIMULATED)
         axis.set_xlim(*series["levels"][row["parameter"]])
         axis.set_yticks([])
         axis.set_xlabel(SYMBOLS[row["parameter"]])

@@ -11,16 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, save, styled
+from studies.thesis.figures.estimates import EPOXY
 
-SYMBOLS = {
-    "youngs_modulus": "E",
-    "steady_coefficient": "$C_s$",
-    "steady_exponent": "$m_s$",
-    "transient_coefficient": "$C_t$",
-    "transient_exponent": "$m_t$",
-    "retardation_time": r"$t_\epsilon$",
-    "poisson_ratio": r"$\nu$",
-}
+SYMBOLS = {**EPOXY, "poisson_ratio": r"$\nu$"}
 LIMIT = 3.84
 
 

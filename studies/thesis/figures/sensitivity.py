@@ -9,15 +9,8 @@ from typing import Any
 import numpy as np
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
+from studies.thesis.figures.estimates import EPOXY
 
-SYMBOLS = {
-    "youngs_modulus": "E",
-    "steady_coefficient": "$C_s$",
-    "steady_exponent": "$m_s$",
-    "transient_coefficient": "$C_t$",
-    "transient_exponent": "$m_t$",
-    "retardation_time": r"$t_\epsilon$",
-}
 SHADES = ("0.8", "0.6", "0.4", "0.1")
 
 
@@ -33,12 +26,12 @@ def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
         for k, (condition, shade) in enumerate(zip(conditions, SHADES, strict=True)):
             values = [
                 next(row[key] for row in rows if (row["condition"], row["parameter"]) == (condition, name))
-                for name in SYMBOLS
+                for name in EPOXY
             ]
-            places = np.arange(len(SYMBOLS)) + 0.2 * (k - 1.5)
+            places = np.arange(len(EPOXY)) + 0.2 * (k - 1.5)
             axis.bar(places, values, 0.18, color=shade, label=f"{int(condition[-3:])} s")
         axis.axhline(0, color="black", lw=0.6)
-        axis.set_xticks(range(len(SYMBOLS)), SYMBOLS.values())
+        axis.set_xticks(range(len(EPOXY)), EPOXY.values())
         axis.set_title(title)
     axes[0].set_ylabel("change, lowest to highest level [%]")
     axes[1].legend(fontsize=7, title="loading time", title_fontsize=7)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job
-from palpate.workflow_support.result_files import read_json, write_json
+from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import tracked_runs
 from studies import thesis
 
@@ -15,7 +15,6 @@ def main(snakemake):
     context = thesis.Context(
         studies={Path(file).stem: load_study(file) for file in snakemake.input.studies},
         curves={Path(file).stem: thesis.Curves.load_from(file) for file in snakemake.input.designs},
-        outcomes={Path(file).stem: read_json(file) for file in snakemake.input.outcomes},
     )
     fitted = Path(snakemake.output.fitted)
     fitted.mkdir(parents=True, exist_ok=True)

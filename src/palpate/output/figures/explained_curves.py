@@ -12,11 +12,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, save, styled
 
 PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
-CERTAIN = 0.05
 
 
 @styled

@@ -81,9 +81,8 @@ def together(axis: Axes, curves: pd.DataFrame) -> None:
     for (name, curve), colour in zip(curves.groupby("condition", sort=False), cycle(SERIES)):
         unit = unit_of(curve)
         for values, style in ((curve[f"recorded_{unit}"], "o"), (curve[f"simulated_{unit}"], "-")):
-            pair = (values, curve["load_mN"]) if unit == "nm" else (curve["time_s"], values)
             label = str(name) if style == "-" else None
-            axis.plot(*pair, style, color=colour, ms=2.5, mfc="none", mew=0.6, label=label)
+            axis.plot(*_drawn(curve, values), style, color=colour, ms=2.5, mfc="none", mew=0.6, label=label)
     axis.set_xlabel(" or ".join("depth [nm]" if unit == "nm" else "time [s]" for unit in sorted(units)))
     axis.set_ylabel("load [mN]")
     axis.set_title("points: recorded; lines: finite elements")
@@ -95,15 +94,10 @@ def _condition(curve, upper, lower) -> None:
     recorded, simulated, surrogate, spread = (
         curve[f"{name}_{unit}"] for name in ("recorded", "simulated", "surrogate", "spread")
     )
-
-    def draw(values, *style, **more):
-        pair = (values, curve["load_mN"]) if unit == "nm" else (curve["time_s"], values)
-        upper.plot(*pair, *style, **more)
-
-    draw(recorded, "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded")
-    draw(simulated, "-", color=SIMULATED, label="finite elements")
+    upper.plot(*_drawn(curve, recorded), "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded")
+    upper.plot(*_drawn(curve, simulated), "-", color=SIMULATED, label="finite elements")
     if surrogate.notna().any():
-        draw(surrogate, "--", color=SURROGATE, lw=0.8, label="surrogates")
+        upper.plot(*_drawn(curve, surrogate), "--", color=SURROGATE, lw=0.8, label="surrogates")
     error = recorded - simulated
     rmse = np.sqrt(np.mean(error**2))
     shown = f"{rmse:.1f} nm" if unit == "nm" else f"{rmse:.2g} mN"
@@ -118,6 +112,11 @@ def _condition(curve, upper, lower) -> None:
     lower.plot(curve["time_s"], error, color=SIMULATED, lw=0.9)
     lower.set_xlabel("time [s]")
     lower.set_ylabel(f"rec. - sim.\n[{unit}]")
+
+
+def _drawn(curve: pd.DataFrame, response: pd.Series) -> tuple[pd.Series, pd.Series]:
+    """Return what is drawn of a response: the load over a depth, a load over the time."""
+    return (response, curve["load_mN"]) if unit_of(curve) == "nm" else (curve["time_s"], response)
 
 
 def unit_of(curve: pd.DataFrame) -> str:

@@ -30,7 +30,7 @@ def draw(folder: Path, path: str | Path) -> None:
     meshes = [meshio.read(folder / name) for name in table["file"]]
     extent = CONTACT_RADII * max(_contact_radius(mesh) for mesh in meshes)
     solid = any(mesh.cells[0].type == "hexahedron" for mesh in meshes)
-    drawn = [(_sections(mesh), nodal(mesh, "von_mises_GPa")) for mesh in meshes]
+    drawn = [(_sections(mesh), nodal(mesh)) for mesh in meshes]
     largest = max(values[_shown(mesh, extent)].max() for mesh, (_, values) in zip(meshes, drawn, strict=True))
     rows = -(-len(table) // ACROSS)
     columns = min(ACROSS, len(table))
@@ -62,11 +62,11 @@ def draw(folder: Path, path: str | Path) -> None:
     save(figure, path)
 
 
-def nodal(mesh: meshio.Mesh, name: str) -> np.ndarray:
-    """Return a field of the elements averaged at the nodes (n,)."""
+def nodal(mesh: meshio.Mesh) -> np.ndarray:
+    """Return the von Mises stress [GPa] of the elements averaged at the nodes (n,)."""
     elements = mesh.cells[0].data
     total, count = np.zeros(len(mesh.points)), np.zeros(len(mesh.points))
-    np.add.at(total, elements, mesh.cell_data[name][0][:, None])
+    np.add.at(total, elements, mesh.cell_data["von_mises_GPa"][0][:, None])
     np.add.at(count, elements, 1.0)
     return total / count
 

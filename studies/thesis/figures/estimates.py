@@ -1,0 +1,25 @@
+"""Parameters on the axes of figures: their symbols, and an estimate with its interval beside the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from palpate.output.figures.style import TRUTH
+
+ALUMINIUM = {"youngs_modulus": "E", "yield_stress": r"$\sigma_Y$", "hardening": "H"}
+EPOXY = {
+    "youngs_modulus": "E",
+    "steady_coefficient": "$C_s$",
+    "steady_exponent": "$m_s$",
+    "transient_coefficient": "$C_t$",
+    "transient_exponent": "$m_t$",
+    "retardation_time": r"$t_\epsilon$",
+}
+
+
+def interval(axis, row: Mapping[str, Any], place: float, colour: str) -> None:
+    """Draw an estimate, open where the data do not determine it, with its interval at a `place` of the other axis."""
+    axis.plot([row["lower"], row["upper"]], [place, place], color=colour, lw=1.6)
+    axis.plot(row["estimate"], place, "o", color=colour, mfc=colour if row["identified"] else "white", ms=4.5)
+    axis.axvline(row["truth"], color=TRUTH, ls="--", lw=1)
