@@ -8,6 +8,7 @@ from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.covariance import noise_between_replicates, noise_of
+from palpate.inference.noise import NoiseModel
 
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]
@@ -76,3 +77,17 @@ def test_two_conditions_of_four_tested_once_leave_the_noise_assumed():
     whole = problem(recordings(np.random.default_rng(5)))
     once = {name: replace(whole.observed[name], response=whole.observed[name].response[:1]) for name in ("a", "b")}
     assert not replace(whole, recorded=whole.recorded | once).replicated
+
+
+@pytest.mark.parametrize("known", [2, 3, 6])
+def test_the_noise_of_a_condition_tested_once_is_as_uncertain_as_one_more_beside_those_that_are_known(known):
+    """Conditions whose log sigma scatters by 0.4: the mean square error of the middle one is what is stated."""
+    rng, errors, stated = np.random.default_rng(known), [], []
+    for _ in range(3000):
+        logs = 0.4 * rng.standard_normal(known + 1)
+        model = NoiseModel(
+            np.exp(logs[1:]), np.full(known, 0.5), {"site": 1.0}, 0.0, 1e-9 * np.eye(2 * known + 1), True
+        ).spread(range(1, known + 1), known + 1)
+        errors.append((np.log(model.sigma[0]) - logs[0]) ** 2)
+        stated.append(model.covariance[0, 0])
+    assert np.mean(stated) == pytest.approx(np.mean(errors), rel=0.12)

@@ -93,14 +93,18 @@ class NoiseModel:
     def spread(self, places: Sequence[int], count: int) -> NoiseModel:
         """Return the model of `count` conditions of which those at `places` are this one's, in order.
 
-        The others, which were tested once, take the median of sigma and of rho; their scatter is its uncertainty.
+        The others, which were tested once, take the median of sigma and of rho. Their uncertainty is that of one more
+        condition beside those (their variance, times one plus one over their number); beside a single one it is not
+        known, and twice the variance of its own estimate stands for it.
         """
         if len(places) == count:
             return self
         points = np.stack([np.log(self.sigma), logit(self.autocorrelation)])
         whole = np.repeat(np.median(points, axis=1)[:, None], count, axis=1)
         whole[:, list(places)] = points
-        uncertain = np.append(np.repeat(np.var(points, axis=1), count), np.zeros(len(self.variances)))
+        several, own = len(places) > 1, np.diag(self.covariance)[: 2 * len(places)].reshape(2, -1).mean(axis=1)
+        scatter = (1.0 + 1.0 / len(places)) * (np.var(points, axis=1, ddof=1) if several else own)
+        uncertain = np.append(np.repeat(scatter, count), np.zeros(len(self.variances)))
         kept = np.concatenate([np.array(places), count + np.array(places), 2 * count + np.arange(len(self.variances))])
         covariance = np.diag(uncertain)
         covariance[np.ix_(kept, kept)] = self.covariance
