@@ -68,6 +68,12 @@ def internal_force(moment):
     return force
 
 
+def beneath(profile, r, moved, large):
+    """Return f and df/dr over nodes that `moved` outwards from `r`; at small strains f(r + u) = f(r) + f'(r) u."""
+    height, slope, _ = profile(r + moved if large else r)
+    return height if large else height + slope * moved, slope
+
+
 def on_surface(moment, indenter):
     """Return what the tip does to the nodes of the surface off the axis.
 
@@ -81,7 +87,7 @@ def on_surface(moment, indenter):
     """
     nodes = moment.mesh.surface[1:]
     r, moved = moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0]
-    height, slope, _ = Profile.of(indenter).beneath(r, moved, moment.large)
+    height, slope = beneath(Profile.of(indenter), r, moved, moment.large)
     radial, vertical = internal_force(moment)[nodes].T
     gap = height - moment.depth - moment.displacement[nodes, 1]
     return nodes, gap, slope * radial - vertical, radial + slope * vertical

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bodies import on_surface
+from bodies import beneath, on_surface
 
 from palpate.analytic import hertz, jkr
 from palpate.materials import LAWS
@@ -125,7 +125,9 @@ def test_law_holds_at_every_node(friction, large, monkeypatch):
         assert np.all(x < DEEPEST)
         nodes, gap, normal, tangential = on_surface(moment, tip)
         law = attraction(specimen, case.resolution, case.largest, march.units[0] ** 2 * contact.area[1:])
-        steep = 1.0 + Profile.of(tip).beneath(moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0], large)[1] ** 2
+        steep = (
+            1.0 + beneath(Profile.of(tip), moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0], large)[1] ** 2
+        )
         assert gap == pytest.approx(-march.units[0] * x * width, abs=1e-9)
         assert np.all(normal >= -steep * (law.hold + PULL * state.pressure[0] * law.area) - close)
         pressing = np.maximum(normal / steep + law.hold, 0.0)

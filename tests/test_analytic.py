@@ -94,16 +94,29 @@ def test_a_compliance_that_cannot_be_is_refused(change):
         LinearBurgers(**({"shear_modulus": 1.0} | change))
 
 
-def specification():
-    return Specification(
-        "burgers_plasticity", BURGERS, Indenter("cone", 70.3), trapezoid(1.0, 30.0, 5.0, 30.0, points=20)
-    )
+def specification(model="burgers_plasticity", values=BURGERS):
+    return Specification(model, values, Indenter("cone", 70.3), trapezoid(1.0, 30.0, 5.0, 30.0, points=20))
 
 
-def test_stress_and_time_scaling_leave_depths_alone():
-    one = simulate(specification()).depth
-    assert simulate(scaling.stress_scaled(specification(), 3.0)).depth == pytest.approx(one, rel=1e-6)
-    assert simulate(scaling.time_scaled(specification(), 7.0)).depth == pytest.approx(one, rel=1e-6)
+ELASTIC = {"youngs_modulus": 3.0, "poisson_ratio": 0.3}
+EYRING = {"reference_rate": 1e-6, "eyring_stress": 0.01, "pressure_coefficient": 0.1}
+VOCE = {"yield_stress": 0.05, "saturation_stress": 0.15, "saturation_strain": 0.1}
+SPECTRUM = {"spectrum_coefficient": 0.02, "spectrum_exponent": 0.2, "shortest_time": 0.3, "longest_time": 30.0}
+LUDWIK = {"yield_stress": 0.05, "strength": 0.1, "hardening_exponent": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("model", "values"),
+    [
+        ("burgers_plasticity", BURGERS),
+        ("eyring+voce_plasticity", ELASTIC | EYRING | VOCE),
+        ("retardation_spectrum+ludwik_plasticity", ELASTIC | SPECTRUM | LUDWIK | {"elements": 5}),
+    ],
+)
+def test_stress_and_time_scaling_leave_depths_alone(model, values):
+    one = simulate(specification(model, values)).depth
+    assert simulate(scaling.stress_scaled(specification(model, values), 3.0)).depth == pytest.approx(one, rel=1e-6)
+    assert simulate(scaling.time_scaled(specification(model, values), 7.0)).depth == pytest.approx(one, rel=1e-6)
 
 
 def test_load_scaling_is_a_square_root_and_needs_a_sharp_cone():

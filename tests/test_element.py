@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bodies import beneath
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
@@ -36,7 +37,7 @@ def block(radius=1e6):
     nodes = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + np.array([radius, 0.0])
     gradients, volumes = _integration(nodes[None])
     equations = np.arange(8).reshape(4, 2)
-    mesh = Mesh(nodes, np.array([[0, 1, 2, 3]]), equations, np.array([3, 2]), gradients, volumes, 8)
+    mesh = Mesh(nodes, np.array([[0, 1, 2, 3]]), equations, np.array([3, 2]), gradients, volumes)
     return Body.of(mesh), nodes
 
 
@@ -141,7 +142,7 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     near = 16  # nodes; those farther out do not touch
     x = np.where(np.arange(count) < near, rng.uniform(-1.2, 1.2, count), -30.0)
     moved = np.append(0.0, u[held, 0])
-    height = np.array(Profile.of(tip).in_units_of(units[0]).beneath(body.distance, moved, False)[0])
+    height = beneath(Profile.of(tip).in_units_of(units[0]), body.distance, moved, False)[0]
     fit(contact, state, np.full(LANES, 0.1), np.zeros(LANES, dtype=bool))
     width = contact.width[:, 0] * state.rise[0]
     u[body.vertical] = (x * width - depth[0] + height)[:, None]

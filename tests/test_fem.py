@@ -92,7 +92,7 @@ def test_tangent_is_the_derivative_of_the_force(large, key):
 def element_away_from_the_axis(nodes):
     """Return the mesh of one element, none of whose nodes is held."""
     gradients, weights = _integration(nodes[None])
-    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights, 8)
+    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights)
 
 
 def test_large_strain_does_not_feel_a_rigid_rotation():

@@ -98,6 +98,12 @@ def test_asking_for_fields_changes_no_step():
     assert [each.depth for each in fields] == pytest.approx(plain.depth, rel=1e-14)
 
 
+def test_a_sampling_time_may_be_asked_for_to_rounding():
+    specification = specification_from(SPEC)
+    (fields,) = fields_at(specification, [float(np.nextafter(specification.protocol.sample_time[0], 0.0))])
+    assert fields.time == pytest.approx(specification.protocol.sample_time[0], rel=1e-12)
+
+
 def test_nodes_that_touch_reach_as_far_as_the_contact_of_a_cone():
     """Sneddon's contact radius a = (2 / pi) h tan(angle), to a ring of nodes; the surface under it follows the tip."""
     values = {"material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34}}

@@ -75,6 +75,19 @@ def test_a_given_folder_that_cannot_be_written_is_named(read_only, tmp_path):
     assert f"NUMBA_CACHE_DIR is {given}, which cannot be written; set" in found.stderr.splitlines()[-1]
 
 
+def test_a_given_folder_holds_one_for_each_state_of_the_sources(monkeypatch, tmp_path):
+    monkeypatch.setenv(kernel_cache.VARIABLE, str(tmp_path / "given"))
+    monkeypatch.setattr(kernel_cache, "PACKAGE", tmp_path)
+    (tmp_path / "materials").mkdir()
+    found = []
+    for source in ("x = 1", "x = 2", "x = 1"):
+        (tmp_path / "materials/law.py").write_text(source)
+        kernel_cache.choose()
+        found.append(Path(os.environ[kernel_cache.VARIABLE]))
+    assert {folder.parent for folder in found} == {tmp_path / "given"}
+    assert found[0] == found[2] != found[1]
+
+
 @pytest.fixture
 def nowhere_else(monkeypatch, tmp_path):
     """Leave the folder for temporary files alone: a file is where the package's and the user's own should be."""

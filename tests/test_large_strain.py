@@ -24,7 +24,7 @@ def block(radius=1e6):
     """Return the mesh of a unit square far from the axis, none of whose nodes is held."""
     nodes = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + np.array([radius, 0.0])
     gradients, weights = _integration(nodes[None])
-    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights, 8)
+    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights)
 
 
 def forces_on(mesh, displacement):

@@ -14,6 +14,7 @@ from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
+from palpate.solver.variation import applied_to_body
 from palpate.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
@@ -187,6 +188,17 @@ def test_a_mechanism_that_cannot_act_says_so():
     late = BASE | {"mechanisms": {"controller_lag": {"lag": 500.0}}}
     with pytest.raises(InputError, match="lag = 500 s is not shorter than the test"):
         simulate(specification_from(late))
+
+
+def test_a_lag_too_short_to_be_resolved_is_none_and_a_corner_that_it_moves_to_the_end_is_the_end():
+    base = specification_from(BASE)
+    unloading = BASE["protocol"]["unloading_time"]
+    none, late = (
+        applied_to_body(replace(base, mechanisms={"controller_lag": {"lag": lag}})).protocol
+        for lag in (1e-9, unloading * (1.0 - 1e-9))
+    )
+    assert none is base.protocol
+    assert late.knot_drive == pytest.approx([0.0, 0.0, 1.0, 1.0])
 
 
 def test_a_size_effect_beside_a_low_yield_stress_begins_under_the_first_node():

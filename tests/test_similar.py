@@ -7,7 +7,7 @@ import pytest
 
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
-from palpate.solver.axisymmetric.similar import indent_distinct
+from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio
 from palpate.solver.simulation import simulate, simulate_batch
 from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter
@@ -117,6 +117,12 @@ def test_neighbours_with_a_length_are_solved_for_each_size(simulated, own, other
     for number, history in enumerate(found):
         (alone,) = indent_batch(cases[number : number + 1], beside[number : number + 1])
         assert history.depths_beside == pytest.approx(alone.depths_beside, rel=1e-9, nan_ok=True)
+
+
+def test_given_rings_do_not_grow_with_the_contact():
+    sizes = [case(load) for load in (1.0, 4.0)]
+    assert length_ratio(*sizes) == pytest.approx(0.5)
+    assert length_ratio(*(replace(each, rings=sizes[0].radii) for each in sizes)) is None
 
 
 def test_neighbours_that_differ_otherwise_are_solved_for_each_case(simulated):

@@ -1,11 +1,11 @@
 """The exact scaling laws of indentation: pairs of tests whose curves must be related, whatever the solver.
 
     load    h(t; k P) = sqrt(k) h(t; P)                     a sharp cone has no length
-    stress  all stresses and P by c, C_s by c^-(2 m_s + 1), C_t by c^-(2 m_t + 1): h unchanged
-    time    time by b, C_s by 1/b, t_eps by b: h unchanged as a function of t/b
+    stress  all stresses and P by c, compliances by 1/c, C_s by c^-(2 m_s + 1), C_t by c^-(2 m_t + 1): h unchanged
+    time    times by b, rates and C_s by 1/b: h unchanged as a function of t/b
 
 Each holds for every law of the radial family, small and large strains, with and without friction, loading and
-unloading.
+unloading. Which parameter is a stress, a compliance, a time or a rate, its unit says.
 
 Source: Y.-T. Cheng & C.-M. Cheng, Mater. Sci. Eng. R 44 (2004) 91-149, for the load; the others by dimensional
 analysis.
@@ -16,10 +16,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import InputError
+from palpate.materials import law_of
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-
-STRESSES = ("youngs_modulus", "yield_stress", "hardening")
 
 
 def load_scaled(specification: Specification, factor: float) -> tuple[Specification, float]:
@@ -42,22 +41,24 @@ def load_scaled(specification: Specification, factor: float) -> tuple[Specificat
 def stress_scaled(specification: Specification, factor: float) -> Specification:
     """Return the test of a material with `factor` times all stresses, whose depths are those of the given test."""
     values = dict(specification.parameters)
-    for name in values:
-        if name in STRESSES:
-            values[name] *= factor
-        elif "coefficient" in name:
-            values[name] *= factor ** -(2 * values[name.replace("coefficient", "exponent")] + 1)
+    for parameter in law_of(specification.model).declared(values):
+        power = {"GPa": 1.0, "1/GPa": -1.0}.get(parameter.unit, 0.0)
+        if parameter.unit.startswith("GPa^-(2m"):
+            power = -(2 * values[parameter.name.replace("coefficient", "exponent")] + 1)
+        values[parameter.name] *= factor**power
     return replace(specification, parameters=values, protocol=_protocol(specification.protocol, load=factor))
 
 
 def time_scaled(specification: Specification, factor: float) -> Specification:
     """Return the test `factor` times as long on a material as much slower, whose depths are those of the given test."""
     values = dict(specification.parameters)
-    for name in values:
-        if name == "steady_coefficient":
-            values[name] /= factor
-        elif name.startswith("retardation_time"):
-            values[name] *= factor
+    for parameter in law_of(specification.model).declared(values):
+        if parameter.unit.endswith("/s"):
+            values[parameter.name] /= factor
+        elif parameter.unit == "s":
+            values[parameter.name] *= factor
+    if "spectrum_coefficient" in values:  # the compliance at a time of 1 s, whatever the factor
+        values["spectrum_coefficient"] *= factor ** -values["spectrum_exponent"]
     return replace(specification, parameters=values, protocol=_protocol(specification.protocol, time=factor))
 
 

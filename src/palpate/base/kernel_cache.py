@@ -3,8 +3,8 @@
 numba notices a change of the file that a kernel is in, but not of kernels that it calls from other files. So the cache
 bears the hash of all sources that hold kernels, and an update of the package never meets machine code of the old one.
 
-It lies in the package, or else in the user's own cache, or else in the folder for temporary files. There it is the
-user's alone, because numba executes what it finds.
+It lies where ``NUMBA_CACHE_DIR`` says, or else in the package, or else in the user's own cache, or else in the folder
+for temporary files. There it is the user's alone, because numba executes what it finds.
 """
 
 from __future__ import annotations
@@ -20,18 +20,28 @@ from palpate.errors import InputError
 
 PACKAGE = Path(__file__).parents[1]
 SOURCES = ("solver/axisymmetric", "solver/pyramid", "materials", "materials/flow")
-VARIABLE = "NUMBA_CACHE_DIR"
+VARIABLE, PREFIX = "NUMBA_CACHE_DIR", "kernels-"
 
 
 def choose() -> None:
-    """Point numba, before it is imported, at the first folder that can be written; ``NUMBA_CACHE_DIR`` overrules it."""
-    if VARIABLE not in os.environ:
-        digest = hashlib.sha256()
-        for folder in SOURCES:
-            for file in sorted((PACKAGE / folder).glob("*.py")):
-                digest.update(file.read_bytes())
-        if found := kept(f"kernels-{digest.hexdigest()[:12]}"):
-            os.environ[VARIABLE] = str(found)
+    """Point numba, before it is imported, at the folder of these sources: where it is told, or else can be written.
+
+    A process inherits the variable from the one that began it, which may have other sources.
+    """
+    digest = hashlib.sha256()
+    for folder in SOURCES:
+        for file in sorted((PACKAGE / folder).glob("*.py")):
+            digest.update(file.read_bytes())
+    name = f"{PREFIX}{digest.hexdigest()[:12]}"
+    if given := os.environ.get(VARIABLE):
+        os.environ[VARIABLE] = str(_place(Path(given)) / name)
+    elif found := kept(name):
+        os.environ[VARIABLE] = str(found)
+
+
+def _place(given: Path) -> Path:
+    """Return where folders of kernels lie, given that place or one of them."""
+    return given.parent if given.name.startswith(PREFIX) else given
 
 
 def kept(name: str) -> Path | None:
@@ -55,7 +65,7 @@ def require() -> None:
             f"compiled kernels can be kept in none of {tried}: they are read-only, or another user's", remedy=remedy
         )
     if not _usable(Path(given)):
-        raise InputError(f"{VARIABLE} is {given}, which cannot be written", remedy=remedy)
+        raise InputError(f"{VARIABLE} is {_place(Path(given))}, which cannot be written", remedy=remedy)
 
 
 def _parents() -> Iterator[Path]:

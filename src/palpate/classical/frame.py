@@ -26,16 +26,16 @@ from palpate.errors import InputError
 from palpate.recordings.correlated_errors import Series, shared_coefficient
 from palpate.recordings.segments import Segment
 
-LOWEST = 0.01
-STARTS = (0.0, 0.05, 0.1, 0.2)
-MAIN = 0.05
-SPAN = 3.0
-FEWEST = 4
-MANY = 6
-POINTS = 8
-TOP = 0.95
-ROUNDS = 3
-LEVELS = 24
+LOWEST = 0.01  # of the largest load, below which no stiffness of an oscillation is taken; chosen, like all that follow
+STARTS = (0.0, 0.05, 0.1, 0.2)  # of a test's largest load, below which unloadings are left out
+MAIN = 0.05  # the one of them that gives the estimate
+SPAN = 3.0  # least ratio of the loads of a test
+FEWEST = 4  # unloadings, or loads, of a test
+MANY = 6  # tests, from which on single slopes are combined: Wilcoxon's 95 % interval takes six
+POINTS = 8  # of an unloading above a quarter of its load
+TOP = 0.95  # of the highest load so far, from which an unloading counts
+ROUNDS = 3  # in which the frame's deflection is taken off and found anew
+LEVELS = 24  # equal steps of sqrt(P)
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from palpate.classical.creep import corrected_stiffness
 from palpate.errors import InputError
 from palpate.study.area_function import AreaFunction
 
-EPSILON = 0.75
-BETA = 1.034
-DIAMOND = (1141.0, 0.07)
+EPSILON = 0.75  # of a paraboloid of revolution (Oliver & Pharr 1992)
+BETA = 1.034  # of a flat triangular punch (King, Int. J. Solids Struct. 23 (1987) 1657-1664)
+DIAMOND = (1141.0, 0.07)  # E_i [GPa] and nu_i (Oliver & Pharr 1992)
 LOWEST, HIGHEST = (-10.0, 1e-9, 1.0), (2.0, 20.0, 8.0)  # of h_f and the recovery, in largest depths, and of m
 
 

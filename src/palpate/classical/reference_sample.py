@@ -21,8 +21,8 @@ from palpate.classical.frame import FrameCompliance
 from palpate.classical.oliver_pharr import BETA, EPSILON, fit_unloading, last_at_peak
 from palpate.study.area_function import AreaFunction
 
-ROUNDS = 12
-NORMAL_95 = 1.96
+ROUNDS = 12  # in which the frame's deflection is taken off and found anew; chosen
+NORMAL_95 = 1.96  # half of a 95 % interval in standard deviations
 
 
 @dataclass(frozen=True)

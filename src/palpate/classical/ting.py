@@ -21,7 +21,7 @@ from palpate.errors import InputError
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 
-STEPS = 400
+STEPS = 400  # equal intervals of a test; chosen
 
 
 def relaxation(compliance: Compliance, step: float, count: int) -> np.ndarray:

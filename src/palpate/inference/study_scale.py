@@ -11,7 +11,7 @@ from palpate.configuration.study_file import Study
 from palpate.mechanisms import Scale
 from palpate.recordings.contact_interval import joint_interval
 from palpate.recordings.recording import Recording
-from palpate.solver.axisymmetric.contact_size import contact_range, expected_load, mean_pressure
+from palpate.solver.axisymmetric.contact_size import contact_range, expected_load, loaded_time, mean_pressure
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.protocol import Protocol
 from palpate.study.specification import of_equivalent_cone
@@ -37,12 +37,12 @@ def scale_of(study: Study) -> Scale:
     slope = slope if np.isfinite(slope) else radius / (1e-3 * tip.radius)
     return Scale(
         depth=1.2e3 * radius * slope,
-        load=expected_load(specification.specimen, tip, largest.protocol),
+        load=expected_load(specification.specimen.coefficients, tip, largest.protocol),
         modulus=specification.parameters["youngs_modulus"],
         duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
         loading_time=min(longest_rise(c.protocol) for c in conditions),
         half_angle=tip.half_angle,
-        pressure=mean_pressure(specification.coefficients, slope, 0.6 * float(largest.protocol.knot_time[-1])),
+        pressure=mean_pressure(specification.coefficients, slope, loaded_time(largest.protocol)),
         stated=study.diagnosis["ranges"],
     )
 

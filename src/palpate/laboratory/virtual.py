@@ -26,7 +26,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.quantity import Quantity
 from palpate.study.specification import Specification
 
-DENSER = 4
+DENSER = 4  # samples in place of each of a snapshot
 SHIFTS = (0.5, 1 / 6, 5 / 6)  # of a ring's spacing, off the mesh of a fit; the further ones where plasticity fails
 
 

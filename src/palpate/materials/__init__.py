@@ -34,7 +34,7 @@ def law_of(model: object) -> Law:
             )
     parts = [part for name in names for part in LAWS[name].parts if part != ELASTIC.key] or [ELASTIC.key]
     twice = next((part for part in parts if parts.count(part) > 1), None)
-    if twice and twice != ELASTIC.key:
+    if twice:
         raise InputError(f"{model} holds {twice} twice", remedy="name it once", place="model")
     known = {law.parts: law for law in LAWS.values()}
     return known.get(tuple(sorted(parts))) or joined([LAWS[part] for part in parts])

@@ -22,9 +22,9 @@ FLOW = (
     Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "stress that balances a unit of pressure"),
 )
 ROOT3 = math.sqrt(3.0)
-STEEPEST = 200.0  # of the exponent of a rate: above it the fluidity stays; far above what any solution reaches
+STEEPEST = 200.0  # of the exponent of a rate: above it its slope counts as none; far above what any solution reaches
 TENSION, COMPRESSION = -100.0, 500.0  # bounds of mu p / sigma_0
-SMALL = 0.5
+SMALL = 0.5  # z, below which sinh(z) / z is a series
 
 
 @fluidity

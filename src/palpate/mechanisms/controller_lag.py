@@ -14,22 +14,27 @@ from palpate.errors import InputError
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
+from palpate.study.protocol import LEAST_STEP
 from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Delay the history and sample it when the recording does; raises `InputError` where the test ends before."""
+    """Delay the history and sample it when the recording does; raises `InputError` where the test ends before.
+
+    A lag that no history can resolve counts as none.
+    """
     lag, protocol = values["lag"], specification.protocol
-    if lag == 0.0:
-        return specification
     end = protocol.knot_time[-1]
+    if lag < LEAST_STEP * end:
+        return specification
     if lag >= end:
         raise InputError(
             f"lag = {lag:g} s is not shorter than the test, which lasts {end:g} s",
             remedy="give a lag that is shorter than every test",
             place="mechanisms.controller_lag.lag",
         )
-    inside = protocol.knot_time[(protocol.knot_time > 0) & (protocol.knot_time + lag < end)] + lag
+    late = protocol.knot_time[1:] + lag
+    inside = late[late < end * (1.0 - LEAST_STEP)]
     knots = np.concatenate([[0.0, lag], inside, [end]])
     drive = protocol.drive_at(np.maximum(knots - lag, 0.0))
     return replace(specification, protocol=replace(protocol, knot_time=knots, knot_drive=drive))

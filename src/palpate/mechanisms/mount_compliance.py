@@ -6,21 +6,11 @@ over a void in the glue or on a thin part of the specimen it is larger.
 
 from __future__ import annotations
 
-import numpy as np
-
 from palpate.base.parameters import Parameter
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.draws import signed
-from palpate.mechanisms.mechanism import Mechanism, Range, Values
-
-
-def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
-    """Add compliance * load.
-
-    Arguments are those of `palpate.mechanisms.mechanism.unchanged_depth`.
-    """
-    return depth + values["compliance"] * load
-
+from palpate.mechanisms.frame_compliance import record
+from palpate.mechanisms.mechanism import Mechanism, Range
 
 MECHANISM = Mechanism(
     key="mount_compliance",

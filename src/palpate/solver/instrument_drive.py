@@ -21,8 +21,8 @@ from palpate.mechanisms import Mechanism
 from palpate.mechanisms.mechanism import Values, unchanged_depth
 from palpate.study.protocol import Protocol
 
-LINEAR = 1e-9
-AT_ONCE = 0.2  # of the time to the first sample
+LINEAR = 1e-9  # relative and absolute [nm], within which what is added counts as linear
+AT_ONCE = 0.2  # of the time to the first sample; chosen
 
 
 def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values) -> Protocol:

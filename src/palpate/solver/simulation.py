@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -230,13 +230,8 @@ def differentiated(
 
 def _same_body(solid: Specification, other: Specification) -> bool:
     """Return whether two indentations differ in nothing that the body feels."""
-    return solid.protocol is other.protocol and all(
-        getattr(solid, name) == getattr(other, name)
-        for name in (
-            "model", "parameters", "indenter", "kinematics", "film_thickness", "substrate_modulus", "size_length",
-            "adhesion",
-        )
-    )  # fmt: skip
+    felt = [f.name for f in fields(Specification) if f.init and f.name not in ("protocol", "mechanisms")]
+    return solid.protocol is other.protocol and all(getattr(solid, name) == getattr(other, name) for name in felt)
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
@@ -296,7 +291,8 @@ def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[S
             remedy="give times above zero, up to its end",
             place="time",
         )
-    samples = np.union1d(protocol.sample_time, wanted)
+    others = [time for time in protocol.sample_time if not _among(time, wanted)]
+    samples = np.union1d(others, wanted)
     return replace(solid, protocol=replace(protocol, sample_time=samples)), wanted
 
 

@@ -18,7 +18,7 @@ from palpate.errors import InputError
 from palpate.surrogate.kernels import KERNELS
 
 TRIALS = 100  # of lengths, for each parameter
-WORST = 1e3
+WORST = 1e3  # in place of the logarithm of an error, where a system is too badly conditioned
 
 
 class ConditionError(InputError):

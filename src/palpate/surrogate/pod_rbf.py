@@ -24,7 +24,7 @@ from palpate.surrogate.leave_one_out import (
 )
 from palpate.surrogate.pod import pod
 
-NEAR = 0.05
+NEAR = 0.05  # of a parameter's range, outside which a prediction comes with a warning; chosen
 
 
 class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -99,10 +99,7 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         X, y = validate_data(self, X, y, multi_output=True, y_numeric=True, ensure_min_samples=2, dtype=float)
         self.single_output_ = y.ndim == 1
         curves = np.asarray(y, dtype=float).reshape(len(X), -1)
-        self.lower_, self.upper_ = X.min(axis=0), X.max(axis=0)
-        self.varies_ = self.upper_ > self.lower_
-        if not self.varies_.any():
-            raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
+        self.lower_, self.upper_, self.varies_ = _ranges(X)
         self.pod_ = pod(curves, energy=self.energy, n_modes=self.n_modes)
         self.n_modes_, self.energy_ = len(self.pod_.modes), self.pod_.energy
         self.lengths_ = np.ones(self.varies_.sum())
@@ -137,10 +134,7 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
             As `fit` would once the snapshots are there.
         """
         self._check_parameters()
-        low, high = X.min(axis=0), X.max(axis=0)
-        varies = high > low
-        if not varies.any():
-            raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
+        low, high, varies = _ranges(X)
         points = (X[:, varies] - low[varies]) / (high - low)[varies]
         length = shortest(points) if isinstance(self.shape, str) else float(self.shape)
         self._solvable(points, length, length)
@@ -206,3 +200,11 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
             raise InputError(f"energy is {self.energy!r}", remedy="give a fraction in (0, 1]", place="energy")
         if self.n_modes is not None and self.n_modes < 1:
             raise InputError(f"n_modes is {self.n_modes!r}", remedy="give a positive number", place="n_modes")
+
+
+def _ranges(X: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the least and the largest value of each parameter (d,), and whether it varies, as one of them must."""
+    low, high = X.min(axis=0), X.max(axis=0)
+    if not (high > low).any():
+        raise InputError("no parameter varies among the snapshots", remedy="give one of them at least two levels")
+    return low, high, high > low

@@ -15,7 +15,7 @@ from palpate.output.export.wedge import INCREMENTS, deck
 from palpate.solver.axisymmetric.discretisation import mesh_radii
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import SIXTH
+from palpate.solver.pyramid.newton_3d import WEDGES
 from palpate.solver.pyramid.shell import shell
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
@@ -81,7 +81,7 @@ def depth_at_one(
     counts = part >= COUNTS_FROM
     if not np.any(part >= 1.0):
         raise PalpateError("CalculiX did not reach the depth under the pyramid")
-    values = guess * part[counts] / np.sqrt(-SIXTH * force[counts])
+    values = guess * part[counts] / np.sqrt(-WEDGES * force[counts])
     return float(values.mean()), float(np.ptp(values) / values.mean())
 
 

@@ -107,7 +107,7 @@ def _plain(row: Row) -> dict[str, Any]:
 
 
 def write(result: dict[str, Any], folder: Path) -> None:
-    """Write verification.json, figures/*.png and html_report.html to `folder`."""
+    """Write verification.json, figures/*.png and report.html to `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     plain = json.loads(json.dumps(result), parse_constant=lambda _: None)
     (folder / "verification.json").write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -12,7 +12,7 @@ from numba import njit
 
 from palpate.solver.axisymmetric.lanes import load, root, store
 
-PANEL = 4
+PANEL = 4  # columns that are eliminated together
 
 
 @njit(cache=True)

@@ -18,7 +18,8 @@ from palpate.study.protocol import LOAD, Protocol
 from palpate.study.specimen import Specimen
 
 GPA_UM = 1e-6  # one mJ/m^2
-RADII = 81
+RADII = 81  # contact radii, over eight decades, at which depth and load are estimated
+LOADED = 0.6  # of a test, after which the contact is about largest where a body creeps; chosen
 SOFTEST = 1e-12  # share of an elastic body's pressure, below which none is sought
 
 
@@ -60,10 +61,10 @@ def _contact_range(
     coefficients: np.ndarray, work: float, indenter: Indenter, protocol: Protocol
 ) -> tuple[float, float]:
     radius, profile = indenter.radius * 1e-3, Profile.of(indenter)
-    duration = _duration(protocol)
+    duration = loaded_time(protocol)
     slope = indenter.slope
     loads = _expected_loads(coefficients, indenter, protocol)
-    most = expected_load_on(coefficients, indenter, protocol)
+    most = expected_load(coefficients, indenter, protocol)
     least = LEAST_LOAD * most
     smallest_load = loads[loads > least].min(initial=most)
     rising = loads[: int(np.argmax(loads)) + 1]
@@ -87,13 +88,8 @@ def _contact_range(
     return contact_radius(smallest_load), contact_radius(most)
 
 
-def expected_load(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
-    """Return the largest load [mN]; under displacement control an estimate, for the size of the mesh and tolerances."""
-    return expected_load_on(specimen.coefficients, indenter, protocol)
-
-
-def expected_load_on(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> float:
-    """Return the largest load [mN] on a body of the law `coefficients`, see `expected_load`."""
+def expected_load(coefficients: np.ndarray, indenter: Indenter, protocol: Protocol) -> float:
+    """Return the largest load [mN] on a body of a law; under displacement control an estimate, for mesh and scale."""
     if protocol.control == LOAD:
         return protocol.max_load
     return float(_loads_at(np.array([protocol.largest_drive]), coefficients, indenter, protocol)[0])
@@ -112,7 +108,7 @@ def _loads_at(displacement: np.ndarray, coefficients: np.ndarray, indenter: Inde
     The depth is taken as 1.2 times what the tip's slope at the edge of contact makes of the contact radius: a cone's is
     1 (full plasticity without pile-up) to pi/2 times as much (Sneddon).
     """
-    duration, slope, cap = _duration(protocol), indenter.slope, 1e-3 * indenter.radius
+    duration, slope, cap = loaded_time(protocol), indenter.slope, 1e-3 * indenter.radius
     radius = np.geomspace(1e-8, 1.0, RADII) * max(0.1 * protocol.largest_drive, cap)
     local = np.full(RADII, slope)
     if indenter.area:
@@ -130,8 +126,9 @@ def _loads_at(displacement: np.ndarray, coefficients: np.ndarray, indenter: Inde
     return np.where(displacement > 0.0, found, 0.0)
 
 
-def _duration(protocol: Protocol) -> float:
-    return float(protocol.knot_time[-1] * 0.6)
+def loaded_time(protocol: Protocol) -> float:
+    """Return how long a body is taken to have crept when its contact is largest [s]."""
+    return LOADED * float(protocol.knot_time[-1])
 
 
 def plane_strain_modulus(coefficients: np.ndarray) -> float:

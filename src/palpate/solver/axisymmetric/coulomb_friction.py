@@ -20,7 +20,8 @@ Arguments of the functions:
 - `contact`, `state`: see `palpate.solver.axisymmetric.contact`
 - `k`, `lane`: number of a surface node, and of a lane
 - `place`: distance R of the node from the axis
-- `share`, `density`, `width`: share of the node that touches, its density and the width of `contact`
+- `share`, `density`, `width`: share of the node that touches, its derivative by x = g / w, and the width w of
+  `palpate.solver.axisymmetric.contact`
 - `done` (LANES,): lanes that are left as they are
 """
 
@@ -28,7 +29,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from palpate.solver.axisymmetric.lanes import LANES
@@ -49,7 +49,7 @@ def anchored(state, place, share, k, lane):
 
 @njit(cache=True, error_model="numpy")
 def friction_ratio(contact, state, place, share, density, width, k, lane):
-    """Return m with its derivatives by the distance from the axis, and by the gap, whose share is Phi(g / width)."""
+    """Return m with its derivatives by the distance from the axis, and by the gap."""
     mu, slip_length, before = contact.friction[lane], contact.slip[k, lane], state.share[k, lane]
     if share < LEAST_SHARE:
         return 0.0, 0.0, 0.0
@@ -96,8 +96,3 @@ def turn_back(setup, trial, shares, slips, changed, done):
             if (abs(slip) > SLIPPING) != (abs(past) > SLIPPING):
                 changed[lane] = True
             slips[k, lane] = slip
-
-
-def no_slips(count: int) -> np.ndarray:
-    """Return the slips (count, LANES) at the start of a step."""
-    return np.zeros((count, LANES))

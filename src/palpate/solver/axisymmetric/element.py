@@ -19,9 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.materials.flow.radial import NOTHING, solve_radial
+from palpate.materials.flow.row import BULK, PRESSED, YIELD
 from palpate.solver.axisymmetric.banded import PANEL
 from palpate.solver.axisymmetric.lanes import LANES, load, root, splat, store, where_less
-from palpate.solver.axisymmetric.law_lanes import BULK, NOTHING, PRESSED, YIELD, region_of, solve_radial
+from palpate.solver.axisymmetric.law_lanes import region_of
 from palpate.solver.axisymmetric.linear import fixed_matrices
 from palpate.solver.axisymmetric.mesh import Mesh
 

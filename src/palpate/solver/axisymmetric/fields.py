@@ -2,9 +2,9 @@
 
 At small strains the deviator is a state variable, and the pressure follows from the mean dilatation of each element. At
 large strains the state holds the law's stress T, turned to r and z. With the squared stretches l_a along the axes of
-the right stretch, d = (ln l_1 - ln l_2) / (2 (l_1 - l_2)) and the mean J of the element,
+the right stretch, the divided differences f_ab of (1/2) ln l and the mean J of the element,
 
-    S_aa = T_aa / l_a,   S_12 = 2 d T_12,   sigma = (J / det F) F S F^T.
+    S_ab = 2 f_ab T_ab,   sigma = (J / det F) F S F^T.
 
 Source: Miehe, Apel & Lambrecht, Comput. Methods Appl. Mech. Engrg. 191 (2002) 5383-5425, section 3; for J see
 `palpate.solver.axisymmetric.hencky`.
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from palpate.solver.axisymmetric.march import States
 
 COMPONENTS = ("rr", "zz", "tt", "rz")
+PLANE = np.array([[0, 3], [3, 1]])  # of each entry of a tensor in r and z among the components
+CLOSE = 1e-6  # relative distance of squared stretches below which their divided difference is its limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +159,9 @@ def cauchy_stress(moment: Moment) -> np.ndarray:
     deformation = np.eye(2) + gradient
     volume_ratio = np.linalg.det(deformation) * (1.0 + hoop)
     mean = np.average(np.log(volume_ratio), axis=1, weights=moment.mesh.weights)
-    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None])
+    spread = volume_ratio / np.exp(mean)[:, None]
+    plane = pushed_forward(stress[..., PLANE], deformation, spread)
+    return np.stack([plane[..., 0, 0], plane[..., 1, 1], stress[..., 2] / spread, plane[..., 0, 1]], axis=-1)
 
 
 def touching(mesh: Mesh, stress: np.ndarray) -> np.ndarray:
@@ -177,17 +181,12 @@ def displacement_gradient(mesh: Mesh, displacement: np.ndarray) -> tuple[np.ndar
     return gradient, np.einsum("ea,ega->eg", u[:, :, 0], mesh.gradients[:, :, 2])
 
 
-def _pushed(conjugate: np.ndarray, deformation: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """Return the Cauchy stress (..., 4) of the law's stress, given as rr, zz, hoop, rz; `spread` is det F / J."""
+def pushed_forward(stress: np.ndarray, deformation: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Return the Cauchy stress of the law's `stress` (..., n, n), n = 2 or 3; `spread` (...,) is det F / J."""
     squared, axes = np.linalg.eigh(np.swapaxes(deformation, -1, -2) @ deformation)
-    plane = conjugate[..., [0, 3, 3, 1]].reshape(*conjugate.shape[:-1], 2, 2)
-    one, two = squared[..., 0], squared[..., 1]
-    apart = np.abs(two - one) > 1e-6 * one
-    difference = np.where(apart, np.log(two / one) / np.where(apart, 2.0 * (two - one), 1.0), 1.0 / (one + two))
-    scale = np.empty_like(plane)
-    scale[..., 0, 0], scale[..., 1, 1] = 1.0 / one, 1.0 / two
-    scale[..., 0, 1] = scale[..., 1, 0] = 2.0 * difference
-    turned = np.swapaxes(axes, -1, -2) @ plane @ axes
-    second = axes @ (scale * turned) @ np.swapaxes(axes, -1, -2)
-    cauchy = deformation @ second @ np.swapaxes(deformation, -1, -2) / spread[..., None, None]
-    return np.stack([cauchy[..., 0, 0], cauchy[..., 1, 1], conjugate[..., 2] / spread, cauchy[..., 0, 1]], axis=-1)
+    one, other = squared[..., :, None], squared[..., None, :]
+    apart = np.abs(one - other) > CLOSE * one
+    difference = np.where(apart, np.log(one / other) / np.where(apart, one - other, 1.0), 2.0 / (one + other))
+    turned = np.swapaxes(axes, -1, -2) @ stress @ axes
+    second = axes @ (difference * turned) @ np.swapaxes(axes, -1, -2)
+    return deformation @ second @ np.swapaxes(deformation, -1, -2) / spread[..., None, None]

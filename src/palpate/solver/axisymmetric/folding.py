@@ -5,7 +5,8 @@ large strains a body that yields flows out along the tip, from under a sharp ape
 the end is many times as far as these elements are wide. Where it hardly hardens all that stretch is within the
 innermost element. Its neighbours are pushed together, stiffen the body by up to 5 %, and turn inside out. With the
 rings merged once the law of cones, depth / sqrt(load) = const, holds within 1 % again; merging disturbs the first
-samples alone. A body that yields is therefore not pursued in ever smaller steps while its rings may still be merged.
+samples alone. A body at large strains is therefore not pursued in ever smaller steps while its rings may still be
+merged.
 """
 
 from __future__ import annotations

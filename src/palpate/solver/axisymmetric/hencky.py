@@ -33,12 +33,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from palpate.materials.flow.radial import NOTHING, UNKNOWN, solve_radial
+from palpate.materials.flow.row import BULK, PRESSED, YIELD
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
-from palpate.solver.axisymmetric.law_lanes import BULK, NOTHING, PRESSED, UNKNOWN, YIELD, region_of, solve_radial
+from palpate.solver.axisymmetric.law_lanes import region_of
 
 # What `stretch` writes of a Gauss point: displacement gradient with 1, m, h, c, and alpha and beta with derivatives.
 RR, RZ, ZR, ZZ, TT, MEAN, HALF, SHEAR, ALPHA, BETA, BETA_S, BETA_SS, INVERSE_Q, HOOP, PARTS = range(15)
-SMALL = 0.01
+SMALL = 0.01  # y, below which the derivatives of A are series
 
 
 @njit(cache=True)

@@ -32,7 +32,7 @@ from palpate.materials.flow.arithmetic import (
 LANES = 8
 __all__ = [
     "LANES", "VECTOR", "Vector", "exponential", "greatest", "load", "log_of_one_plus", "magnitude", "root",
-    "rough_log", "scale_by_two_to", "splat", "store", "where_less",
+    "rough_log", "splat", "store", "where_less",
 ]  # fmt: skip
 
 _DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
@@ -63,7 +63,7 @@ class _VectorModel(PrimitiveModel):
 
 
 def _instruction(generator: Callable[..., Any]) -> Any:
-    """Make an intrinsic of a function that types and generates an instruction."""
+    """Make an intrinsic of a function that types and generates an instruction; type checkers see no more."""
     return intrinsic(generator)
 
 
@@ -200,7 +200,7 @@ def _where_less(typing_context, a, b, then, otherwise):
 
 
 @_instruction
-def scale_by_two_to(typing_context, value, shifted):
+def _scaled_by_two_to(typing_context, value, shifted):
     """Return value * 2^n, where `shifted` is n added to the constant `_ROUND`."""
 
     def generate(context, builder, signature, arguments):
@@ -234,7 +234,7 @@ def _exponential(x):
     p = f * _INVERSE_FACTORIALS[12] + _INVERSE_FACTORIALS[11]
     for k in range(10, -1, -1):
         p = p * f + _INVERSE_FACTORIALS[k]
-    return scale_by_two_to(p, shifted)
+    return _scaled_by_two_to(p, shifted)
 
 
 @njit(cache=True)
@@ -251,7 +251,7 @@ def _log_of_one_plus(x):
     """Return ln(1 + x) for x > -1 to rounding, and so all digits of a small x; a power of two is taken out of 1 + x."""
     shifted = rough_log(1.0 + x) * (-_LOG2_E) + _ROUND
     whole = shifted - _ROUND
-    scale = scale_by_two_to(splat(1.0), shifted)
+    scale = _scaled_by_two_to(splat(1.0), shifted)
     z = (scale * x + (scale - 1.0)) / (scale * x + (scale + 1.0))
     return _log_of_ratio(z) - whole * (_LN2_HIGH + _LN2_LOW)
 
@@ -260,7 +260,7 @@ def _logarithm(x):
     """Return ln(x) of a normal positive number to rounding; a power of two is taken out."""
     shifted = rough_log(x) * (-_LOG2_E) + _ROUND
     whole = shifted - _ROUND
-    mantissa = scale_by_two_to(x, shifted)
+    mantissa = _scaled_by_two_to(x, shifted)
     return _log_of_ratio((mantissa - 1.0) / (mantissa + 1.0)) - whole * (_LN2_HIGH + _LN2_LOW)
 
 

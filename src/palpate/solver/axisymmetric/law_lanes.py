@@ -16,9 +16,8 @@ from numba import njit
 
 from palpate.materials.flow.arithmetic import whole
 from palpate.materials.flow.dispatch import fluidity_of
-from palpate.materials.flow.radial import NOTHING, UNKNOWN, compliance, solve_radial, threshold
+from palpate.materials.flow.radial import UNKNOWN, compliance, threshold
 from palpate.materials.flow.row import (
-    BULK,
     CLOSING,
     CREEP,
     DECAY,
@@ -33,26 +32,12 @@ from palpate.materials.flow.row import (
     OPENING,
     PER_TERM,
     PLASTIC,
-    PRESSED,
     SHARE,
     SIZE,
     YIELD,
 )
 from palpate.solver.axisymmetric.lanes import LANES, greatest, load, magnitude, splat, store, where_less
 
-__all__ = [
-    "BULK",
-    "NOTHING",
-    "PRESSED",
-    "UNKNOWN",
-    "YIELD",
-    "Points",
-    "give_back",
-    "keep",
-    "region_of",
-    "solve_radial",
-    "turn",
-]
 STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
 FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
 
@@ -102,7 +87,7 @@ class Points(NamedTuple):
 
 
 @njit(cache=True)
-def keep(points, solved, lane):
+def save_solution(points, solved, lane):
     """Note the solution of the radial equation in one lane: it is found again while others go on, but for rounding."""
     for p in range(points.log_q.shape[0]):
         solved[0, p, lane], solved[1, p, lane] = points.log_q[p, lane], points.secant[p, lane]
@@ -110,8 +95,8 @@ def keep(points, solved, lane):
 
 
 @njit(cache=True)
-def give_back(points, solved, lanes):
-    """Write to the points what `keep` noted of some lanes (LANES,)."""
+def restore_solution(points, solved, lanes):
+    """Write to the points what `save_solution` noted of some lanes (LANES,)."""
     for lane in range(LANES):
         if lanes[lane]:
             for p in range(points.log_q.shape[0]):
@@ -147,8 +132,8 @@ def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
 
 
 @njit(cache=True, nogil=True)
-def turn(points, laws, done, following):
-    """Close a step of `laws` and weights `done` at all points and open the one of weights `following`.
+def commit_and_begin(points, laws, done, following):
+    """Commit a step of `laws` and weights `done` at all points, and begin the one of weights `following`.
 
     Both halves of a rate are parallel to the stress that the two steps share, and so is plastic flow.
     """

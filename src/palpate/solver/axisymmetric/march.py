@@ -1,7 +1,7 @@
 """From one time to the next in SIMD lanes, each lane in as many steps as its convergence asks for.
 
-What does not converge is halved. Lanes that had found equilibrium keep it
-meanwhile, so that no lane depends on its neighbours.
+What does not converge is halved. Lanes that had found equilibrium keep it meanwhile, so that no lane depends on its
+neighbours.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import ContactState, begin_step, end_step
 from palpate.solver.axisymmetric.drive import Drives
-from palpate.solver.axisymmetric.law_lanes import Points, turn
+from palpate.solver.axisymmetric.law_lanes import Points, commit_and_begin
 from palpate.solver.axisymmetric.newton import advance
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.solver.axisymmetric.trial_state import Material, Prescribed, Setup, Trial
@@ -163,7 +163,7 @@ class March:
         begin_step(self.setup, states.trial)
         midway = np.array(list(map(halfway, states.depth, self.drives.loading(begin), self.drives.loading(end))))
         resisting, following = self.bodies.at(1e3 * self.units * midway, end - begin)
-        turn(states.points, states.laws, states.weights, following)
+        commit_and_begin(states.points, states.laws, states.weights, following)
         states.laws, states.weights = resisting, following
 
     def _stride(self, states: States, change: np.ndarray) -> np.ndarray:

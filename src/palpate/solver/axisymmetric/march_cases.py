@@ -23,7 +23,7 @@ import numpy as np
 from palpate.materials.flow.row import structure
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
 from palpate.solver.axisymmetric.bordered import System
-from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load
+from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, loaded_time
 from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times
 from palpate.solver.axisymmetric.drive import NO_LOAD, Drives
 from palpate.solver.axisymmetric.element import Body
@@ -331,7 +331,7 @@ def begun(
     bodies = Specimens.of(specimens, mesh, units)
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
     sticking = [attraction(c.specimen, resolution, host.largest, area) for c, host in zip(lanes, hosts, strict=True)]
-    expected = [expected_load(c.specimen, c.indenter, c.protocol) for c in hosts]
+    expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
     protocols = [case.protocol for case in lanes]
     drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
@@ -345,7 +345,7 @@ def begun(
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
-        profiles, specimens, [float(p.knot_time[-1]) for p in protocols], body.distance, smallest,
+        profiles, specimens, list(map(loaded_time, protocols)), body.distance, smallest,
         np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)

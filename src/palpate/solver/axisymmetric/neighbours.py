@@ -3,10 +3,10 @@
 The equations of equilibrium hold at every value of a parameter p. Their total derivative by p is linear in that of the
 displacements, with the tangent of Newton's method, so that a converged step whose matrix is factored already costs one
 more solution for each parameter (Michaleris, Tortorelli & Vidal, Int. J. Numer. Meth. Engng 37 (1994) 2471-2499,
-section 3). Here the right-hand side is not derived term by term: a neighbour, whose parameter is changed by a
-ten-thousandth, has a history of its own, and its residual where its host has just arrived is that right-hand side
-times the change. Newton's correction with the factor of the host then brings it to its own equilibrium. Whatever a
-law, a tip, a film, friction, adhesion or the drive does, its derivative follows without a line of its own.
+section 3). Here the right-hand side is not derived term by term. A neighbour, whose parameter is changed a little
+(`palpate.solver.variation.STEP`), has a history of its own, and its residual where its host has just arrived is that
+right-hand side times the change. Newton's correction with the factor of the host then brings it to its own equilibrium.
+Whatever a law, a tip, a film, friction, adhesion or the drive does, its derivative follows without a line of its own.
 
 A neighbour keeps the mesh and the steps of its host, so its curve is that of the same discretisation. Only a step that
 ends at a corner of the host's load history ends at that of the neighbour's own, where the parameter moves it: between

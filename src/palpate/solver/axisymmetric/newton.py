@@ -38,17 +38,17 @@ from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, sh
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
-from palpate.solver.axisymmetric.law_lanes import give_back, keep
+from palpate.solver.axisymmetric.law_lanes import restore_solution, save_solution
 from palpate.solver.axisymmetric.rows import as_vector, copy_rows
 from palpate.solver.axisymmetric.trial_state import Direction, Residual
 
 ITERATIONS = 60
 TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls below
+TIGHT = 1e-10  # likewise, where neighbours are carried along
 LESS = 10.0  # times less closely the load that the area of contact would bear is met
 LARGEST_CHANGE = 0.5  # of the area in one iteration
 CALM = 0.3  # share of the force of the contact, up to which what is unbalanced lets the area change
 APART = 0.1  # of the area, by which it differs from that of the nodes: then its change may unbalance calm forces
-TIGHT = 1e-10  # likewise, where neighbours are carried along
 EXACT = 100.0  # times as closely a prescribed displacement is met
 REUSES = 3  # iterations with one factor of the matrix
 PATIENT = 7  # iterations, after which each has a factor of its own
@@ -117,7 +117,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
                 move(trial, direction, lane, -fraction[lane])
             elif max(imbalance, unlike * push / scale / LESS) < prescribed.tolerance:
                 done[lane] = True
-                keep(points, solved, lane)
+                save_solution(points, solved, lane)
             elif (
                 searching[lane]
                 and not (calm and unlike > APART)
@@ -154,7 +154,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
                 shorten(direction, lane, farthest[lane])
                 move(trial, direction, lane, 1.0)
     alive &= done
-    give_back(points, solved, alive)
+    restore_solution(points, solved, alive)
 
 
 @njit(cache=True)
@@ -306,8 +306,7 @@ def direct(system, prescribed, residual, forward, solving, direction):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 
     Depth and area are eliminated from the bordered system. The area changes by no more than its limit, and the rest
-    with it. Where the matrix is not positive definite, the work is
-    NaN.
+    with it. Where the matrix is not positive definite, the work is NaN.
     """
     size = forward.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling

@@ -32,16 +32,6 @@ class Profile:
         """Return f, df/dr and d2f/dr2 at distances `r` [um]."""
         raise NotImplementedError
 
-    def beneath(self, r: np.ndarray, moved: np.ndarray, large: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return f, df/dr and d2f/dr2 for nodes that were at `r` and `moved` outwards [um], at small or large strains.
-
-        At small strains f(r + u) = f(r) + f'(r) u.
-        """
-        if large:
-            return self(r + moved)
-        height, slope, _ = self(r)
-        return height + slope * moved, slope, np.zeros_like(r)
-
     def depth_for(self, r: float) -> float:
         """Return f at one distance [um]."""
         return float(self(np.array([r]))[0][0])

@@ -16,7 +16,7 @@ import numpy as np
 
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
 from palpate.solver.axisymmetric.contact import FARTHEST, SLIP, Contact, ContactState
-from palpate.solver.axisymmetric.contact_size import contact_range, mean_pressure, plane_strain_modulus
+from palpate.solver.axisymmetric.contact_size import contact_range, loaded_time, mean_pressure, plane_strain_modulus
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.axisymmetric.tip import Tip
@@ -37,7 +37,7 @@ def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -
     if not indenter.sharp:
         largest = contact_range(specimen, indenter, protocol)[1]
         slope = min(slope, 0.7 * Profile.of(indenter).slope_for(largest))
-    pressure = mean_pressure(specimen.coefficients, slope, 0.6 * float(protocol.knot_time[-1]))
+    pressure = mean_pressure(specimen.coefficients, slope, loaded_time(protocol))
     return 0.5 * slope * plane_strain_modulus(specimen.coefficients) / pressure
 
 
@@ -109,7 +109,7 @@ def first_contact(
     Parameters
     ----------
     profiles, specimens, durations
-        Of each lane; lengths in its unit, durations in s.
+        Of each lane; lengths in its unit, durations in s, see `palpate.solver.axisymmetric.contact_size.loaded_time`.
     distance : ndarray, shape (k,)
         Of the surface nodes from the axis.
     smallest : ndarray, shape (LANES,)
@@ -120,12 +120,12 @@ def first_contact(
     radius = smallest.copy()
     for lane, (profile, specimen, load) in enumerate(zip(profiles, specimens, loads, strict=True)):
         for _ in range(ROUNDS if load > 0.0 else 0):
-            mean = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), 0.6 * durations[lane])
+            mean = mean_pressure(specimen.coefficients, profile.slope_for(radius[lane]), durations[lane])
             radius[lane] = 0.5 * (radius[lane] + math.sqrt(load / (math.pi * mean)))
     slope = np.array([p.slope_for(a) for p, a in zip(profiles, radius, strict=True)])
     height = np.array([p.depth_for(a) for p, a in zip(profiles, radius, strict=True)])
     pressure = np.array(
-        [mean_pressure(b.coefficients, f, 0.6 * t) for b, f, t in zip(specimens, slope, durations, strict=True)]
+        [mean_pressure(b.coefficients, f, t) for b, f, t in zip(specimens, slope, durations, strict=True)]
     )
     rise, places = 0.5 * slope * (1.0 + radius * slope / height), np.repeat(distance[:, None], LANES, axis=1)
     area, stiffness, none = np.asarray(np.pi * radius**2), np.asarray(STIFFNESS * pressure), np.zeros(LANES)

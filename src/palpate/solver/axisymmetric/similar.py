@@ -3,8 +3,8 @@
 A sharp tip and a body without a length of its own know no size but that of the contact. Under histories whose loads are
 in proportion at all times, depths go with the root of the load: depth / sqrt(load) cannot depend on the largest load
 (Y.-T. Cheng and C.-M. Cheng, Mater. Sci. Eng. R 44 (2004) 91-149, section 3). Under given displacements loads go with
-their square, where the transducer's compliance falls with them. The mesh grows with the contact, so that
-this holds for the simulated curves as it does for the exact ones.
+their square, where the transducer's compliance falls with them. The mesh grows with the contact, so that this holds for
+the simulated curves as it does for the exact ones; where its rings are given, it does not grow.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch
 from palpate.study.protocol import LOAD
 
-CLOSE = 1e-12
+CLOSE = 1e-12  # relative, within which histories are in proportion
 
 
 def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
@@ -94,8 +94,8 @@ def length_ratio(case: Case, other: Case) -> float | None:
 
 
 def _without_length(case: Case) -> bool:
-    body = case.specimen
-    return case.indenter.sharp and not (body.size_length or body.adhesion) and math.isinf(body.film_thickness)
+    body, free = case.specimen, case.rings is None
+    return free and case.indenter.sharp and not (body.size_length or body.adhesion) and math.isinf(body.film_thickness)
 
 
 def _alike(case: Case, other: Case) -> bool:

@@ -20,13 +20,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from palpate.solver.pyramid.contact_3d import Contact3D
-from palpate.solver.pyramid.linear_system import LinearSystem
+from palpate.solver.pyramid.linear_system import Factored, LinearSystem
 
-ACCURACY = 1e-6
+ACCURACY = 1e-6  # relative, of GMRES: an error of the direction alone
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +115,7 @@ def _bent(contact: Contact3D, touching: np.ndarray, force: np.ndarray) -> np.nda
 def coupled_direction(work: LinearSystem, coupling: Coupling3D, forces: np.ndarray, corner: float) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
-    None where K is not positive definite or GMRES does not converge.
+    None where the symmetric part is not positive definite or GMRES does not converge.
 
     Parameters
     ----------
@@ -129,23 +128,13 @@ def coupled_direction(work: LinearSystem, coupling: Coupling3D, forces: np.ndarr
     corner
         Diagonal entry of the depth.
     """
-    factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
-    if failed:
+    system = Factored.of(work, corner)
+    if system is None or system.stiffness <= 0.0:
         return None
-    border = work.border[:, 0]
-    sideways = lapack.dpbtrs(factor, border, lower=1)[0]
-    stiffness = corner - border @ sideways
-    if stiffness <= 0.0:
-        return None
-
-    def solve(right: np.ndarray) -> np.ndarray:
-        forward = lapack.dpbtrs(factor, right[:-1], lower=1)[0]
-        change = (right[-1] - border @ forward) / stiffness
-        return np.append(forward - change * sideways, change)
 
     def respond(pressed: np.ndarray) -> np.ndarray:
-        return pressed + coupling.pressed(solve(coupling.forces(pressed)))
+        return pressed + coupling.pressed(system.solve(coupling.forces(pressed)))
 
-    alone, count = solve(-forces), len(coupling.rows)
+    alone, count = system.solve(-forces), len(coupling.rows)
     pressed, failed = gmres(LinearOperator((count, count), respond), coupling.pressed(alone), rtol=ACCURACY, restart=60)
-    return None if failed else alone - solve(coupling.forces(pressed))
+    return None if failed else alone - system.solve(coupling.forces(pressed))

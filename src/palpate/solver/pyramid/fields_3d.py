@@ -1,8 +1,6 @@
 """Stress in the wedge at one moment, as the axisymmetric `fields`, with six components along x, y and z.
 
-At large strains, with the squared stretches l_a along the axes of the right stretch and the divided differences f_ab of
-(1/2) ln l (`palpate.solver.pyramid.hencky_3d`), the law's stress T gives S_ab = 2 f_ab T_ab and sigma = (J / det F) F S
-F^T.
+The law's stress becomes Cauchy's as there.
 """
 
 from __future__ import annotations
@@ -11,13 +9,12 @@ import numpy as np
 
 from palpate.materials.flow.point import STRESS
 from palpate.materials.flow.row import BULK
-from palpate.solver.axisymmetric.fields import Fields
+from palpate.solver.axisymmetric.fields import Fields, pushed_forward
 from palpate.solver.pyramid.hencky_3d import PLACE
 from palpate.solver.pyramid.linear_3d import COMPONENTS
 from palpate.solver.pyramid.newton_3d import Problem3D, State
 
 NAMES = ("xx", "yy", "zz", "xy", "yz", "zx")
-CLOSE = 1e-6  # relative distance of squared stretches below which their divided difference is its limit
 
 
 def fields_of(problem: Problem3D, state: State) -> Fields:
@@ -50,17 +47,7 @@ def cauchy_stress(problem: Problem3D, state: State) -> np.ndarray:
     mean = np.average(trace, axis=1, weights=mesh.weights)
     stress = state.material[..., STRESS : STRESS + COMPONENTS].copy()
     stress[..., :3] += (problem.coefficients[problem.region, BULK] * mean)[:, None, None]
-    return _pushed(stress, deformation, volume_ratio / np.exp(mean)[:, None]) if problem.large else stress
-
-
-def _pushed(conjugate: np.ndarray, deformation: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """Return the Cauchy stress (..., 6) of the law's stress; `spread` is det F / J."""
-    squared, axes = np.linalg.eigh(np.swapaxes(deformation, -1, -2) @ deformation)
-    one, other = squared[..., :, None], squared[..., None, :]
-    apart = np.abs(one - other) > CLOSE * one
-    difference = np.where(apart, np.log(one / other) / np.where(apart, one - other, 1.0), 2.0 / (one + other))
-    turned = np.swapaxes(axes, -1, -2) @ conjugate[..., PLACE] @ axes
-    second = axes @ (difference * turned) @ np.swapaxes(axes, -1, -2)
-    cauchy = deformation @ second @ np.swapaxes(deformation, -1, -2) / spread[..., None, None]
-    rows, columns = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]
-    return cauchy[..., rows, columns]
+    if not problem.large:
+        return stress
+    cauchy = pushed_forward(stress[..., PLACE], deformation, volume_ratio / np.exp(mean)[:, None])
+    return cauchy[..., [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]

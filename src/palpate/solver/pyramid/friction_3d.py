@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-ELASTIC_SLIP = 3e-4
+ELASTIC_SLIP = 3e-4  # of the indenter's height, that precedes the limit of friction; chosen
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS
 
 PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])  # of each entry of a tensor among its components
 CLOSE_PAIR, CLOSE_TRIPLE = 1e-3, 1e-2  # relative distance below which divided differences are series
-SWEEPS = 12
+SWEEPS = 12  # at most: Jacobi's rotations converge quadratically
 
 
 @njit(cache=True)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.linalg import lapack
 
 from palpate.errors import ConvergenceError
-from palpate.solver.pyramid import banded_3d
+from palpate.solver.axisymmetric.newton import LESS_WORK, SHORTEST, TRIES
 
 
 class LinearSystem(Protocol):
@@ -19,42 +20,65 @@ class LinearSystem(Protocol):
     border: np.ndarray
 
 
-def newton_direction(
-    work: LinearSystem, bandwidth: int, forces: np.ndarray, corner: float, definite: bool
-) -> np.ndarray | None:
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """A symmetric system whose band has a Cholesky factor.
+
+    Attributes
+    ----------
+    factor : ndarray, shape (bandwidth + 1, size)
+    border, sideways : ndarray, shape (size,)
+        Derivatives of the residual by the depth, and the solution for them.
+    stiffness
+        Diagonal entry of the depth once the displacements are eliminated.
+    """
+
+    factor: np.ndarray
+    border: np.ndarray
+    sideways: np.ndarray
+    stiffness: float
+
+    @classmethod
+    def of(cls, work: LinearSystem, corner: float) -> Factored | None:
+        """Factor the band in place, `corner` being the entry of the depth; None where it is not positive definite."""
+        factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
+        if failed:
+            return None
+        border = work.border[:, 0]
+        sideways = lapack.dpbtrs(factor, border, lower=1)[0]
+        return cls(factor, border, sideways, corner - border @ sideways)
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Return the displacements and the depth (size + 1,) for a right-hand side (size + 1,)."""
+        forward = lapack.dpbtrs(self.factor, right[:-1], lower=1)[0]
+        change = (right[-1] - self.border @ forward) / self.stiffness
+        return np.append(forward - change * self.sideways, change)
+
+
+def newton_direction(work: LinearSystem, forces: np.ndarray, corner: float, definite: bool) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
-    None where the matrix cannot be factored, or ought to be positive definite (`definite`) and is not.
+    None where the band is not positive definite, or the whole matrix ought to be (`definite`) and is not.
 
     Parameters
     ----------
     work
-        The linear system.
-    bandwidth
-        Number of entries beside the diagonal.
+        The linear system; its band is overwritten.
     forces : ndarray, shape (size + 1,)
         Residual of displacements and depth.
     corner
         Diagonal entry of the depth.
     """
-    right = np.column_stack([work.residual, work.border[:, 0]])
-    solution = banded_3d.solve(work.band, bandwidth, right, definite)
-    if solution is None:
-        return None
-    forward, sideways = solution.T
-    row = work.border[:, 1]
-    stiffness = corner - row @ sideways
-    if definite and stiffness <= 0.0:
-        return None
-    change = (row @ forward - forces[-1]) / stiffness
-    return np.append(-forward - change * sideways, change)
+    system = Factored.of(work, corner)
+    return None if system is None or (definite and system.stiffness <= 0.0) else system.solve(-forces)
 
 
 @dataclass
 class Search3D:
     """A line search for the zero of the work of the residual along Newton's direction, by the secant.
 
-    Without friction and large strains there is an incremental potential; its minimum is where that work vanishes.
+    Without friction and large strains there is an incremental potential; its minimum is where that work vanishes. Its
+    limits are those of `palpate.solver.axisymmetric.newton`.
     """
 
     direction: np.ndarray
@@ -75,7 +99,7 @@ class Search3D:
     def shorten(self, forces: np.ndarray) -> float:
         """Return how far to move along the direction again (negative: back), or zero to accept the point."""
         work = float(self.direction @ forces)
-        if self.tries >= 5 or work * self.start > 0.0 or abs(work) < 0.8 * abs(self.start):
+        if self.tries >= TRIES or work * self.start > 0.0 or abs(work) < LESS_WORK * abs(self.start):
             return 0.0
         self.tries += 1
         fraction = self.fraction * max(0.1, self.start / (self.start - work))
@@ -91,6 +115,6 @@ def retreat(search: Search3D | None, time: float) -> np.ndarray:
     ConvergenceError
         When there is no way back.
     """
-    if search is None or search.fraction < 0.01:
+    if search is None or search.fraction < SHORTEST:
         raise ConvergenceError("an element turned inside out", time=time)
     return search.halve() * search.direction

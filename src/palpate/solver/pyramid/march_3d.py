@@ -9,9 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from palpate.errors import ConvergenceError
+from palpate.solver.axisymmetric.march_cases import HALVINGS
 from palpate.study.protocol import Protocol
-
-HALVINGS = 6
 
 State = TypeVar("State", bound=Any)
 
@@ -22,7 +21,6 @@ def march_by(
     state: State,
     before: State | None,
     target: float,
-    follow: Callable[[State, State, State, State | None], None] | None = None,
 ) -> tuple[State, State, int]:
     """March to `target`, halving what does not converge.
 
@@ -36,8 +34,6 @@ def march_by(
         Where to begin, and the state before that, if the guess may carry the last change on.
     target
         Where to end [s].
-    follow
-        Called after each step with the state before it, the guess, the state after it, and the one before both.
 
     Returns
     -------
@@ -47,7 +43,7 @@ def march_by(
     Raises
     ------
     ConvergenceError
-        When steps of 2^-6 of the way do not converge either.
+        When steps of 2^-`HALVINGS` of the way do not converge either.
     """
     shortest = (target - state.time) / 2**HALVINGS
     length, taken = target - state.time, 0
@@ -55,15 +51,12 @@ def march_by(
         end = target if state.time + 1.5 * length > target else state.time + length
         load = float(protocol.load_at(np.array(end)))
         try:
-            guess = extrapolate(state, before, end)
-            after = step(state, end, load, guess)
+            after = step(state, end, load, extrapolate(state, before, end))
         except ConvergenceError:
             if before is None and 0.5 * length < shortest:
                 raise
             length, before = max(0.5 * length, shortest), None
             continue
-        if follow:
-            follow(state, guess, after, before)
         state, before, taken = after, state, taken + 1
         if end == target:
             return state, before, taken

@@ -10,8 +10,8 @@ from palpate.errors import ConvergenceError
 from palpate.materials.flow.point import state_size
 from palpate.materials.flow.row import step_weights
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
+from palpate.solver.axisymmetric.march import STRIDE
 from palpate.solver.axisymmetric.regions import laws_of
-from palpate.solver.pyramid import banded_3d
 from palpate.solver.pyramid.adhesion_3d import attract
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.coupled import Coupling3D, coupled_direction
@@ -33,11 +33,10 @@ from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.tip_3d import Tip
 from palpate.study.specimen import Specimen, halfway
 
-ITERATIONS = 40
+ITERATIONS = 40  # of a step; chosen
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
-TOLERANCE = 1e-7
-STRIDE = 2.0  # of the reach of adhesion, the farthest that one iteration moves a node
-SIXTH = 6.0  # of the load acts on the wedge
+TOLERANCE = 1e-7  # of the largest load on the wedge, which every unbalanced force falls below
+WEDGES = 6.0  # of the body, which share the load
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +127,7 @@ class State:
     @property
     def load(self) -> float:
         """What the indenter presses with [mN], on the whole body."""
-        return -SIXTH * float(self.force[:, 2].sum())
+        return -WEDGES * float(self.force[:, 2].sum())
 
     @classmethod
     def initial(cls, problem: Problem3D) -> State:
@@ -163,7 +162,7 @@ class Workspace:
         slot = np.full(len(mesh.nodes), -1)
         slot[mesh.surface] = np.arange(k)
         return cls(
-            banded_3d.allocate(mesh.size, mesh.bandwidth, symmetric=True),
+            np.empty((mesh.size, mesh.bandwidth + 1)),
             np.empty(mesh.size),
             np.empty((mesh.size, 2)),
             np.empty((m, 8, COMPONENTS)),
@@ -215,7 +214,7 @@ def advance(
     ConvergenceError
         When the iteration limit is reached, an element turns inside out or the stiffness is not positive definite.
     """
-    mesh, share, part = problem.mesh, load / SIXTH, scale / SIXTH
+    mesh, share, part = problem.mesh, load / WEDGES, scale / WEDGES
     midway = halfway(state.depth, state.load, load)
     coefficients = problem.coefficients
     weights = step_weights(coefficients, time - state.time, problem.specimen.resistance(1e3 * midway))
@@ -244,7 +243,6 @@ def advance(
             continue
         if problem.adhesion is not None:
             corner += attract(problem.adhesion, contact, work, force, geometric)
-        work.border[:, 1] = work.border[:, 0]
         if problem.friction > 0.0:
             coupling = Coupling3D.add(contact, force, work.pressing, work.band, work.residual)
         pulled = contact.pulled(force, TOLERANCE * part)
@@ -264,7 +262,7 @@ def advance(
             depth += shorter * search.direction[-1]
             continue
         if coupling is None:
-            direction = newton_direction(work, mesh.bandwidth, forces, corner, definite=geometric and delicate)
+            direction = newton_direction(work, forces, corner, definite=geometric and delicate)
         else:
             direction = coupled_direction(work, coupling, forces, corner)
         if direction is None:
