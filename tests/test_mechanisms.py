@@ -87,7 +87,7 @@ def test_what_is_planted_is_diagnosed_as_itself(key):
     assert (found.verdict, [each.fit.explanation for each in found.accepted]) == ("identified", [(key,)])
 
 
-@pytest.mark.parametrize("pair", itertools.combinations(VISIBLE, 2), ids="+".join)
+@pytest.mark.parametrize("pair", list(itertools.combinations(VISIBLE, 2)), ids="+".join)
 def test_pairs_run(pair):
     depth({key: VISIBLE[key] for key in pair})
 
@@ -237,3 +237,12 @@ def test_a_sample_right_behind_a_lag_is_resolved():
         load = base.protocol.load_at(np.maximum(found.time[:6] - first + behind, 0.0))
         ratio = found.depth[:6] / np.sqrt(load)
         assert ratio == pytest.approx(np.full(6, ratio[-1]), rel=5e-3)
+
+
+@pytest.mark.parametrize("key", [key for key, each in MECHANISMS.items() if each.assumed])
+def test_what_the_tip_has_without_a_mechanism_changes_nothing(key):
+    plain = specification_from(BASE)
+    specification = replace(plain, indenter=replace(plain.indenter, half_angle=65.0, friction=0.25))
+    assumed = MECHANISMS[key].assumed(specification)
+    assert MECHANISMS[key].simulate(specification, assumed).indenter == specification.indenter
+    assert MECHANISMS[key].simulate(specification, MECHANISMS[key].neutral).indenter != specification.indenter

@@ -63,4 +63,4 @@ def test_a_file_becomes_a_diagnosis(study):
 def test_a_study_without_a_file_says_so(study):
     object.__setattr__(study, "source", {})
     with pytest.raises(InputError, match="no vendor's file"):
-        diagnose_source(study)
+        diagnose_source(study, report=print)

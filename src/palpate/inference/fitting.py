@@ -268,10 +268,10 @@ class Fitter:
         problem, found = self.problem, {}
         for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
             places = problem.places(explanation)[key]
-            if len(places) == 1 and self._is_absent(key, end.u[: problem.material]):
-                ((name, neutral),) = MECHANISMS[key].neutral.items()
+            if len(places) == 1:
+                ((name, assumed),) = self._assumed(key, end.u[: problem.material]).items()
                 value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
-                found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - neutral) / slope
+                found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - assumed) / slope
                 continue
             smaller, rest = problem.without(explanation, end.u, key)
             (without,) = problem.model(smaller).curves([rest])
@@ -279,10 +279,12 @@ class Fitter:
                 found[key] = problem.stacked(end.curves) - problem.stacked(without)
         return found
 
-    def _is_absent(self, key: str, z: np.ndarray) -> bool:
-        """Return whether the tip of the base model, at coordinates z (k,), has nothing of a mechanism."""
-        body = self.problem.forward.specification(z, self.problem.conditions[0])
-        return MECHANISMS[key].simulate(body, MECHANISMS[key].neutral).indenter == body.indenter
+    def _assumed(self, key: str, z: np.ndarray) -> Mapping[str, float]:
+        """Return the values of a mechanism that the base model assumes, at coordinates z (k,)."""
+        mechanism = MECHANISMS[key]
+        if mechanism.assumed is None:
+            return mechanism.neutral
+        return mechanism.assumed(self.problem.forward.specification(z, self.problem.conditions[0]))
 
     def _with_own_values(self, fit: Fit) -> Fit:
         """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""

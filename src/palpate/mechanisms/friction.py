@@ -31,4 +31,5 @@ MECHANISM = Mechanism(
     concealed=lambda rng: {"coefficient": log_uniform(rng, 0.02, 0.5)},
     simulate=simulate,
     solver_scatter=0.08,
+    assumed=lambda s: {"coefficient": s.indenter.friction},
 )

@@ -125,6 +125,8 @@ class Mechanism:
     solver_scatter
         Relative error of its simulated effect, common to the whole effect: root mean square difference of `standard`
         and `fine` accuracy, over some materials and amplitudes.
+    assumed
+        Gives the values that a study's tip has without it; by default these are the neutral ones.
     background
         Standard deviation between recordings of an amplitude that every instrument has, in the amplitude's unit: so
         much counts as noise, not as the effect.
@@ -158,6 +160,7 @@ class Mechanism:
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
+    assumed: Callable[[Specification], Values] | None = None
     background: float = 0.0
     breaks: frozenset[Assumption] = frozenset()
     unidentifiable_at_one_load: bool = False

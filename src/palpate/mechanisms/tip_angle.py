@@ -31,5 +31,6 @@ MECHANISM = Mechanism(
     concealed=lambda rng: {"half_angle": 70.3 + signed(rng, 0.2, 2.5)},
     simulate=simulate,
     solver_scatter=0.001,
+    assumed=lambda s: {"half_angle": s.indenter.half_angle},
     of_the_tip=True,
 )
