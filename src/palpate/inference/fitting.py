@@ -281,10 +281,8 @@ class Fitter:
 
     def _assumed(self, key: str, z: np.ndarray) -> Mapping[str, float]:
         """Return the values of a mechanism that the base model assumes, at coordinates z (k,)."""
-        mechanism = MECHANISMS[key]
-        if mechanism.assumed is None:
-            return mechanism.neutral
-        return mechanism.assumed(self.problem.forward.specification(z, self.problem.conditions[0]))
+        assumed, first = MECHANISMS[key].assumed, self.problem.conditions[0]
+        return assumed(self.problem.forward.specification(z, first)) if assumed else MECHANISMS[key].neutral
 
     def _with_own_values(self, fit: Fit) -> Fit:
         """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
