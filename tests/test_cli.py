@@ -142,6 +142,25 @@ def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     assert "A_2.csv begins at a depth of 400 nm, not at contact" in said
     assert "A_3.txt is not read" in said
     assert "A_2.csv lasts 40 s, the recorded load that its condition follows ends after 30 s" in said
+    assert "(the first file by name is followed)" in said
+
+
+def test_check_reports_no_oscillation_of_a_load_that_is_not_followed(tmp_path, capsys):
+    """The condition follows a file of its own, and its recording is noisy and outlasts it."""
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "load.csv").write_text("time_s,load_mN\n0,0\n20,1\n40,0\n")
+    time = np.linspace(0.0, 45.0, 9001)
+    load = np.maximum(np.minimum(time / 20.0, 2.0 - time / 20.0), 0.0)
+    noisy = load + 0.02 * np.random.default_rng(1).standard_normal(len(time)) * (load > 0.0)
+    Recording(time, noisy, 400.0 * np.sqrt(load)).write(tmp_path / "lab/A_1.csv")
+    condition = {"name": "A", "load_history": str(tmp_path / "load.csv")}
+    study = ELASTIC | {"conditions": [condition], "recordings": {"lab": str(tmp_path / "lab")}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    assert main(["check", str(tmp_path / "study.yaml")]) == 0
+    said = capsys.readouterr().out
+    assert "oscillates" not in said
+    assert "A_1.csv lasts 45 s, the recorded load that its condition follows ends after 40 s" in said
+    assert f"({condition['load_history']} is followed)" in said
 
 
 def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):

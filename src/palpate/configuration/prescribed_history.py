@@ -15,6 +15,8 @@ from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
 from palpate.study.protocol import LOAD, Protocol, drive_of
 from palpate.study.recorded_history import recorded
 
+RECORDED = "recorded"  # a load history: that of the condition's first recording
+
 
 @dataclass(frozen=True)
 class Histories:
@@ -52,7 +54,7 @@ class Histories:
 
     def _recording(self, entry: Mapping[str, Any]) -> Recording:
         """Return the recording whose load or displacement a condition follows."""
-        if entry["load_history"] != "recorded":
+        if entry["load_history"] != RECORDED:
             return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
         if entry["name"] in self.source.get("conditions", [self.source.get("condition")]):
             return self.tests()[entry["name"]][0].recording

@@ -42,7 +42,8 @@ class Condition:
     protocol
         What is prescribed, and sampling times.
     follows
-        Whether the history was taken from a recording.
+        What the history was taken from, `palpate.configuration.prescribed_history.RECORDED` or a file; empty where
+        numbers prescribe it.
     own_loads
         Whether recordings of it reach loads of their own, as under depth or strain-rate control.
     """
@@ -50,7 +51,7 @@ class Condition:
     name: str
     role: str
     protocol: Protocol
-    follows: bool = False
+    follows: str = ""
     own_loads: bool = False
 
 
@@ -265,7 +266,7 @@ def _check_laboratories(study: Study) -> None:
 def _condition(index: int, entry: Mapping[str, Any], histories: Histories) -> Condition:
     with part_of(f"conditions[{index}] ({entry['name']})"):
         protocol = histories.protocol(entry)
-    follows, own_loads = "load_history" in entry, entry.get("own_loads", False)
+    follows, own_loads = entry.get("load_history", ""), entry.get("own_loads", False)
     return Condition(entry["name"], entry.get("role", "calibrate"), protocol, follows, own_loads)
 
 

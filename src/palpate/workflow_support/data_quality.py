@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.base.sentences import and_more
+from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.readers.in_air import air_at_start, suspects
@@ -40,7 +41,7 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     yield from _pulled(tests)
     yield from _averaged(condition, tests)
     if condition.follows and not condition.own_loads:
-        yield from _cut(tests, float(condition.protocol.sample_time[-1]))
+        yield from _cut(condition, tests)
 
 
 def _apart(tests: Sequence[Recording]) -> Iterator[str]:
@@ -61,14 +62,16 @@ def passed_over(folder: Path) -> Iterator[str]:
         yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 
-def _cut(tests: Sequence[Recording], duration: float) -> Iterator[str]:
-    """Report tests that last longer than the load history of their condition, of a `duration` [s]."""
+def _cut(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
+    """Report tests that last longer than the load history that their condition follows."""
+    duration = float(condition.protocol.sample_time[-1])
+    which = "the first file by name" if condition.follows == RECORDED else condition.follows
     for test in tests:
         lasts = float(test.from_contact().time[-1])
         if lasts > LONGER * duration:
             yield (
                 f"{test.name}.csv lasts {lasts:.4g} s, the recorded load that its condition follows ends after "
-                f"{duration:.4g} s: later points are ignored (`recorded` follows the first file by name)"
+                f"{duration:.4g} s: later points are ignored ({which} is followed)"
             )
 
 
@@ -93,9 +96,7 @@ def _pulled(tests: Sequence[Recording]) -> Iterator[str]:
 
 def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
     """Report the tests of whose load or displacement an average is followed."""
-    if not condition.follows:
-        return
-    followed = tests if condition.own_loads else tests[:1]
+    followed = tests if condition.own_loads else tests[:1] if condition.follows == RECORDED else ()
     drives = [(test, condition.protocol.drive_of(test.load, test.depth)) for test in followed]
     found = [(test, drive, over) for test, drive in drives if (over := averaged_over(test.time, drive)) > 1]
     if found:
