@@ -3,10 +3,11 @@
 Under a sharp cone, meshes for different homogeneous materials differ by a factor on all lengths alone, and so do not
 differ at all once each is measured in a unit of its own; nor do two meshes for one indentation, whatever it is.
 
-Where the load history has a corner, and how many steps it takes, may differ from lane to lane. At large strains each
-step of the graded onset, and the one after it, begins where the last one ended: carried on, it could turn an element
-inside out. A lane that finds no equilibrium from where its last change carried it tries again from where the last step
-ended, and then in parts.
+Where the load history has a corner, and how many steps it takes, may differ from lane to lane. A step begins where the
+last change carries it; where the load grows by much, at the last solution made wider and deeper
+(`palpate.solver.axisymmetric.widening`). At large strains the last change is not carried on at the graded onset, nor in
+the step after it: it could turn an element inside out. A lane that finds no equilibrium from there tries again from
+where the last step ended, and then in parts.
 """
 
 from __future__ import annotations
