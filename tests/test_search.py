@@ -1,6 +1,7 @@
 """The search among explanations, with fits that are given."""
 
 from dataclasses import replace
+from threading import Event
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,7 @@ from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_o
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate
-from palpate.diagnosis.side_by_side import SideBySide
+from palpate.diagnosis.side_by_side import Prospect, SideBySide
 from palpate.errors import PalpateError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import MECHANISMS
@@ -154,7 +155,7 @@ def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [
     """
     asked, failed, proves = [], {}, proves or {}
 
-    def joined(fit, key):
+    def joined(fit, key, stop):
         asked.append(key)
         if isinstance(proves.get(key), str):
             raise PalpateError(proves[key])
@@ -176,6 +177,25 @@ def searching(promises, **methods):
 
     screen = SimpleNamespace(keys=list(promises), gain=gain)
     return SimpleNamespace(screen=screen, study=SimpleNamespace(diagnosis={"significance": LEVEL}), **methods)
+
+
+def test_a_fit_begun_ahead_ends_with_the_search():
+    """Nothing runs on that nobody will ask for."""
+    begun, ended = Event(), Event()
+
+    def joined(fit, key, stop):
+        if key == "friction":
+            assert begun.wait(60.0)
+            return fit
+        begun.set()
+        assert stop.wait(60.0)
+        ended.set()
+
+    asked, ahead = (Prospect(candidate("", 0.0).fit, key, 0.0) for key in ("friction", "adhesion"))
+    with SideBySide(SimpleNamespace(policy=SearchPolicy(threads=2), joined=joined)) as fits:
+        assert fits.fitted(asked, [ahead]) is asked.fit
+        assert not ended.is_set()
+    assert ended.is_set()
 
 
 FAR = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}
@@ -232,7 +252,7 @@ def test_an_explanation_that_cannot_be_fitted_is_recorded_and_others_go_on():
 
 
 def test_what_failed_among_sets_is_recorded_by_all_its_mechanisms():
-    def joined(fit, key):
+    def joined(fit, key, stop):
         raise PalpateError("no convergence")
 
     search, failed = searching({"adhesion": 5.0}, policy=POLICY, joined=joined, examined=None), {}

@@ -99,10 +99,10 @@ def test_what_is_found_does_not_depend_on_the_number_of_threads():
 
     def told(threads):
         class Failing(Search):
-            def joined(self, fit, key):
+            def joined(self, fit, key, stop):
                 if key == "zero_offset":
                     raise PalpateError("lost contact")
-                return super().joined(fit, key)
+                return super().joined(fit, key, stop)
 
         both = lambda c, r: frame(c, r) + (0.3 + 0.05 * r) * c.protocol.sample_time  # noqa: E731
         task, policy, lines = problem(recordings(np.random.default_rng(5), both)), SearchPolicy(threads=threads), []
@@ -117,10 +117,10 @@ def test_what_is_found_does_not_depend_on_the_number_of_threads():
 
 def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():
     class Failing(Search):
-        def joined(self, fit, key):
+        def joined(self, fit, key, stop):
             if key == "zero_offset":
                 raise PalpateError("lost contact")
-            return super().joined(fit, key)
+            return super().joined(fit, key, stop)
 
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
     eager = SearchPolicy(behind_best=np.inf, behind_adequate=np.inf)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from threading import Event
 
 import numpy as np
 
@@ -97,10 +98,10 @@ class Search:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
         return self._fitter.fitted(explanation, starts, depth)
 
-    def joined(self, fit: Fit, key: str) -> Fit:
-        """Fit an explanation and one more mechanism, with the references of the smaller one; raises as `fitted`."""
+    def joined(self, fit: Fit, key: str, stop: Event | None = None) -> Fit:
+        """Fit an explanation and one more mechanism, with the references of the smaller one, see `fitted`."""
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
-        return self._fitter.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve, model)
+        return self._fitter.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve, model, stop)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

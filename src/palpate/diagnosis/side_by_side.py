@@ -1,8 +1,8 @@
 """Fits side by side: those that may be asked for next are begun where a core would be idle.
 
 A search asks for one fit after another, and each answer decides whether the next one is worth its time. With several
-threads the most likely ones are begun meanwhile; one that is not asked for is dropped, so that the answers do not
-depend on the number of threads. Compiled kernels run without the interpreter's lock.
+threads the most likely ones are begun meanwhile; one that is not asked for is stopped at the end and dropped, so that
+the answers do not depend on the number of threads. Compiled kernels run without the interpreter's lock.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from threading import Event
 from typing import Self
 
 from palpate.diagnosis.search import Search
@@ -50,12 +51,14 @@ class SideBySide:
     def __init__(self, search: Search):
         self.search, self._pool = search, ThreadPoolExecutor(search.policy.threads)
         self._begun: dict[Prospect, Future[Fit]] = {}
+        self._stop = Event()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(wait=False, cancel_futures=True)  # what runs still, unasked for, delays nothing
+        self._stop.set()
+        self._pool.shutdown(cancel_futures=True)
 
     def fitted(self, way: Prospect, likely: Sequence[Prospect]) -> Fit:
         """Fit a prospect.
@@ -74,5 +77,5 @@ class SideBySide:
         """
         for each in (way, *likely[: self.search.policy.threads - 1]):
             if each not in self._begun:
-                self._begun[each] = self._pool.submit(self.search.joined, each.fit, each.key)
+                self._begun[each] = self._pool.submit(self.search.joined, each.fit, each.key, self._stop)
         return self._begun.pop(way).result()

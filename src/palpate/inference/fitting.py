@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from threading import Event
 
 import numpy as np
 from scipy.stats import qmc
@@ -18,14 +19,15 @@ from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.covariance import Errors, errors, noise_of
+from palpate.inference.descent import Descent
+from palpate.inference.effects import effects_at
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import LEAST_STEPS, Descent, descend, resumed
-from palpate.mechanisms import MECHANISMS
+from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
 
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
 LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
@@ -84,7 +86,12 @@ class Fitter:
         return list(qmc.Sobol(self.problem.material, seed=rng).random(self.policy.scattered))
 
     def fitted(
-        self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray, model: Forward | None = None
+        self,
+        explanation: Explanation,
+        starts: Sequence[np.ndarray],
+        depth: np.ndarray,
+        model: Forward | None = None,
+        stop: Event | None = None,
     ) -> Fit:
         """Fit an explanation.
 
@@ -96,11 +103,13 @@ class Fitter:
             Curves that lie near [nm].
         model
             Forward model of the explanation; by default with the references of the base model.
+        stop
+            Ends the fit once it is set.
 
         Raises
         ------
         PalpateError
-            When the forward model fails at all starts.
+            When the forward model fails at all starts, or the fit was stopped.
         """
         problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
@@ -108,23 +117,23 @@ class Fitter:
         begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
-            end = self._searched(misfit, model, begun, depth, limit)
-        effects = self._effects(explanation, end)
+            end = self._searched(misfit, model, begun, depth, limit, stop)
+        effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
         fit = self._with_own_values(self._fit(explanation, model, end, weighed))
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, exact=False)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, False, stop)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         fit = replace(fit, errors=replace(fit.errors, refinements=problem.refinements(record)))
         goal = self._without_discrepancy(fit) if self.near(fit) else misfit
         if record is model:
-            end = descend(goal, model, [end], limit, tolerance, exact=False)
+            end = descend(goal, model, [end], limit, tolerance, False, stop)
         else:
-            end = resumed(goal, record, end, limit, tolerance)
+            end = resumed(goal, record, end, limit, tolerance, stop)
         return self._fit(explanation, record, end, fit.errors)
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
@@ -191,6 +200,7 @@ class Fitter:
         starts: Sequence[np.ndarray | Descent],
         depth: np.ndarray,
         limit: int,
+        stop: Event | None,
     ) -> Descent:
         """Return where searches from some coordinates (k,) lead, further ones while no end is as good as what was.
 
@@ -205,11 +215,13 @@ class Fitter:
             Curves from which they come [nm].
         limit
             Largest number of iterations.
+        stop
+            Ends the search once it is set.
 
         Raises
         ------
         PalpateError
-            When the forward model fails at all of them.
+            When the forward model fails at all of them, or the search was stopped.
         """
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
         room = model.together(places[0]) if len(places) > 1 else 1
@@ -222,7 +234,7 @@ class Fitter:
             if len(some) > most:
                 some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
             try:
-                end = descend(misfit, model, some, limit, self.policy.first_tolerance)
+                end = descend(misfit, model, some, limit, self.policy.first_tolerance, stop=stop)
             except PalpateError as error:
                 failed = str(error)
                 continue
@@ -257,32 +269,6 @@ class Fitter:
             return departures(self.laws, problem.amplitudes(explanation, z))
 
         return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
-
-    def _effects(self, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
-        """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
-
-        The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once
-        the surface sticks, that is another curve than the effect itself. Where the study's own tip has some of it
-        already, as friction of its own, the effect is what the mechanism changes.
-        """
-        problem, found = self.problem, {}
-        for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:
-            places = problem.places(explanation)[key]
-            if len(places) == 1:
-                ((name, assumed),) = self._assumed(key, end.u[: problem.material]).items()
-                value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
-                found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - assumed) / slope
-                continue
-            smaller, rest = problem.without(explanation, end.u, key)
-            (without,) = problem.model(smaller).curves([rest])
-            if not isinstance(without, str):
-                found[key] = problem.stacked(end.curves) - problem.stacked(without)
-        return found
-
-    def _assumed(self, key: str, z: np.ndarray) -> Mapping[str, float]:
-        """Return the values of a mechanism that the base model assumes, at coordinates z (k,)."""
-        assumed, first = MECHANISMS[key].assumed, self.problem.conditions[0]
-        return assumed(self.problem.forward.specification(z, first)) if assumed else MECHANISMS[key].neutral
 
     def _with_own_values(self, fit: Fit) -> Fit:
         """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""

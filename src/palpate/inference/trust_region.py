@@ -17,69 +17,23 @@ is given up.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from threading import Event
 
 import numpy as np
 
 from palpate.errors import PalpateError
+from palpate.inference.damped_steps import Steps
+from palpate.inference.descent import LARGEST_STEP, Descent
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
-LARGEST_STEP, SHORTEST_STEP = 1.0, 1e-3  # of the range of a parameter
+SHORTEST_STEP = 1e-3  # of the range of a parameter
 GROWTH = 2.0  # of the length of the next steps over that of the last
 LEAST_STEPS = 2  # tried at once by each search
-BENDINGS = 3  # times that a bent step is found from the last one
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
-
-
-@dataclass(eq=False)
-class Descent:
-    """One search.
-
-    Attributes
-    ----------
-    u : ndarray, shape (k,)
-        Where it is.
-    curves, slopes
-        Of each condition there, in the unit of the response, and their derivatives by the coordinates.
-    exact
-        Whether the slopes are the model's derivatives there, and not updated by secants.
-    last
-        The last step (k,) that was tried, and the departure of the curves there from their linear prediction; None
-        before.
-    length
-        Length of the longest step that it tries next.
-    converged
-        Whether its predicted or actual decrease of chi^2 has fallen below the tolerance.
-    path
-        Where it was before (k,).
-    active
-        Whether it goes on.
-    """
-
-    u: np.ndarray
-    curves: Curves
-    slopes: Curves
-    exact: bool = True
-    last: tuple[np.ndarray, Curves] | None = None
-    length: float = LARGEST_STEP
-    converged: bool = False
-    active: bool = True
-    path: list[np.ndarray] = field(default_factory=list)
-
-    def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
-        """Return the step to coordinates u (k,), and the departure of the curves there from their linear prediction."""
-        step = u - self.u
-        return step, {name: curves[name] - self.curves[name] - slopes @ step for name, slopes in self.slopes.items()}
-
-    def move(self, u: np.ndarray, curves: Curves) -> None:
-        """Take a step to coordinates u (k,) with these curves, and correct the slopes by its secant."""
-        step, departure = self.departed(u, curves)
-        self.slopes = {n: slopes + np.outer(departure[n], step) / (step @ step) for n, slopes in self.slopes.items()}
-        self.path.append(self.u)
-        self.u, self.curves, self.exact = u, curves, False
 
 
 def descend(
@@ -89,6 +43,7 @@ def descend(
     iterations: int,
     tolerance: float,
     exact: bool = True,
+    stop: Event | None = None,
 ) -> Descent:
     """Return the search that ends at the least misfit.
 
@@ -106,13 +61,16 @@ def descend(
         Change of chi^2 below which a search has converged.
     exact
         Whether it converges only with exact derivatives.
+    stop
+        Ends the search once it is set.
 
     Raises
     ------
     PalpateError
-        When the model fails at all starts.
+        When the model fails at all starts, or the search was stopped.
     """
     searches = [replace(s, length=LARGEST_STEP, converged=False, active=True) for s in starts if isinstance(s, Descent)]
+    _check(stop)
     points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
     outcomes = model.tangents(points) if points else []
     searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
@@ -123,6 +81,7 @@ def descend(
         going = [search for search in searches if search.active]
         if not going or (iteration >= iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
             break
+        _check(stop)
         _advance(misfit, model, going, tolerance, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least.append(min(rms.values()))
@@ -132,7 +91,9 @@ def descend(
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
-def resumed(misfit: Misfit, model: Forward, way: Descent, iterations: int, tolerance: float) -> Descent:
+def resumed(
+    misfit: Misfit, model: Forward, way: Descent, iterations: int, tolerance: float, stop: Event | None = None
+) -> Descent:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
     At its end it goes on with the derivatives of the model before; it may converge with derivatives that are not exact.
@@ -141,19 +102,25 @@ def resumed(misfit: Misfit, model: Forward, way: Descent, iterations: int, toler
     ----------
     way
         The search that ended.
-    misfit, model, iterations, tolerance
+    misfit, model, iterations, tolerance, stop
         See `descend`, as the errors that are raised.
     """
     (outcome,) = model.curves([way.u])
     if not isinstance(outcome, str):
-        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact=False)
+        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, False, stop)
     failed = outcome
     for start in reversed(way.path):
         try:
-            return descend(misfit, model, [start], iterations, tolerance, exact=False)
+            return descend(misfit, model, [start], iterations, tolerance, False, stop)
         except PalpateError as error:
             failed = str(error)
     raise PalpateError(failed)
+
+
+def _check(stop: Event | None) -> None:
+    """Raise `PalpateError` once a search is to end."""
+    if stop and stop.is_set():
+        raise PalpateError("stopped")
 
 
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
@@ -209,97 +176,6 @@ def _renew(model: Forward, searches: Sequence[Descent]) -> None:
             search.active = search.length >= SHORTEST_STEP
         else:
             search.curves, search.slopes = found
-
-
-@dataclass(frozen=True, eq=False)
-class Steps:
-    """Steps of several lengths from one place.
-
-    Parameters
-    ----------
-    misfit
-    u : ndarray, shape (k,)
-    weights : ndarray, shape (n, n)
-        Matrix that whitens curves.
-    residual, slopes : ndarray, shape (n + k + m,) and (n + k + m, k)
-        Weighted; they include those of the prior and of independent measurements.
-    """
-
-    misfit: Misfit
-    u: np.ndarray
-    weights: np.ndarray
-    residual: np.ndarray
-    slopes: np.ndarray
-
-    @classmethod
-    def of(cls, misfit: Misfit, search: Descent) -> Steps:
-        """Return the steps from where a search is."""
-        weights = misfit.weights(misfit.discrepancy(misfit.residual(search.curves)))
-        residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
-        slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
-        return cls(misfit, search.u, weights, residual, slopes)
-
-    def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
-        """Return `count` places (k,) to try, and the lengths of the steps there.
-
-        For each length a linear step, and one with the second-order correction from the last step.
-        """
-        lengths = search.length * 0.5 ** np.arange(count if search.last is None else -(-count // 2))
-        places = [(self.end(length), length) for length in lengths]
-        if search.last is None:
-            return places
-        step, departure = search.last
-        weighed = self.weights @ self.misfit.stacked(departure)
-        bent = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
-        return [p for end, length in places for p in ((end, length), (self._followed(bent, step, end, length), length))]
-
-    def _followed(self, bent: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
-        """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""
-        for _ in range(BENDINGS):
-            end = self.end(length, (step @ (end - self.u)) ** 2 * bent)
-        return end
-
-    def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
-        """Return the coordinates (k,) at the end of the step of this length, within the limits.
-
-        Parameters
-        ----------
-        departure : ndarray, shape (n + k + m,)
-            Of the weighted curves there from their linear prediction.
-        """
-        least, largest = self.misfit.coordinates.limits
-        free = np.ones(len(self.u), dtype=bool)
-        while True:
-            step = np.zeros(len(self.u))
-            step[free] = _limited(self.slopes[:, free], self.residual + departure, length)
-            held = free & (((self.u <= least) & (step < 0.0)) | ((self.u >= largest) & (step > 0.0)))
-            if not held.any():
-                return np.clip(self.u + step, least, largest)
-            free &= ~held
-            if not free.any():
-                return self.u
-
-    def predicted_decrease(self, end: np.ndarray) -> float:
-        """Return the decrease of chi^2 that the linear model predicts for a step to coordinates (k,)."""
-        left = self.residual + self.slopes @ (end - self.u)
-        return float(self.residual @ self.residual - left @ left)
-
-
-def _limited(slopes: np.ndarray, residual: np.ndarray, length: float) -> np.ndarray:
-    """Return the damped step (k,) none of whose components exceeds the length."""
-    values, directions = np.linalg.eigh(slopes.T @ slopes)
-    pull, largest = directions.T @ (-slopes.T @ residual), max(float(values[-1]), 1e-300)
-
-    def step(damping: float) -> np.ndarray:
-        return directions @ (pull / (np.maximum(values, 0.0) + damping))
-
-    low, high = 1e-10 * largest, 1e10 * largest
-    if np.abs(step(low)).max() <= length:
-        return step(low)
-    for _ in range(60):
-        middle = np.sqrt(low * high)
-        low, high = (middle, high) if np.abs(step(middle)).max() > length else (low, middle)
-    return step(high)
 
 
 def _inside(misfit: Misfit, u: np.ndarray) -> np.ndarray:

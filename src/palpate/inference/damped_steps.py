@@ -1,0 +1,103 @@
+"""Damped steps of least squares from one place, of several lengths, straight ones and bent ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.inference.descent import Descent
+from palpate.inference.least_squares import Misfit
+
+BENDINGS = 3  # times that a bent step is found from the last one
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Steps of several lengths from one place.
+
+    Parameters
+    ----------
+    misfit
+    u : ndarray, shape (k,)
+    weights : ndarray, shape (n, n)
+        Matrix that whitens curves.
+    residual, slopes : ndarray, shape (n + k + m,) and (n + k + m, k)
+        Weighted; they include those of the prior and of independent measurements.
+    """
+
+    misfit: Misfit
+    u: np.ndarray
+    weights: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+
+    @classmethod
+    def of(cls, misfit: Misfit, search: Descent) -> Steps:
+        """Return the steps from where a search is."""
+        weights = misfit.weights(misfit.discrepancy(misfit.residual(search.curves)))
+        residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
+        slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
+        return cls(misfit, search.u, weights, residual, slopes)
+
+    def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
+        """Return `count` places (k,) to try, and the lengths of the steps there.
+
+        For each length a linear step, and one with the second-order correction from the last step.
+        """
+        lengths = search.length * 0.5 ** np.arange(count if search.last is None else -(-count // 2))
+        places = [(self.end(length), length) for length in lengths]
+        if search.last is None:
+            return places
+        step, departure = search.last
+        weighed = self.weights @ self.misfit.stacked(departure)
+        bent = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
+        return [p for end, length in places for p in ((end, length), (self._followed(bent, step, end, length), length))]
+
+    def _followed(self, bent: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
+        """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""
+        for _ in range(BENDINGS):
+            end = self.end(length, (step @ (end - self.u)) ** 2 * bent)
+        return end
+
+    def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
+        """Return the coordinates (k,) at the end of the step of this length, within the limits.
+
+        Parameters
+        ----------
+        departure : ndarray, shape (n + k + m,)
+            Of the weighted curves there from their linear prediction.
+        """
+        least, largest = self.misfit.coordinates.limits
+        free = np.ones(len(self.u), dtype=bool)
+        while True:
+            step = np.zeros(len(self.u))
+            step[free] = _limited(self.slopes[:, free], self.residual + departure, length)
+            held = free & (((self.u <= least) & (step < 0.0)) | ((self.u >= largest) & (step > 0.0)))
+            if not held.any():
+                return np.clip(self.u + step, least, largest)
+            free &= ~held
+            if not free.any():
+                return self.u
+
+    def predicted_decrease(self, end: np.ndarray) -> float:
+        """Return the decrease of chi^2 that the linear model predicts for a step to coordinates (k,)."""
+        left = self.residual + self.slopes @ (end - self.u)
+        return float(self.residual @ self.residual - left @ left)
+
+
+def _limited(slopes: np.ndarray, residual: np.ndarray, length: float) -> np.ndarray:
+    """Return the damped step (k,) none of whose components exceeds the length."""
+    values, directions = np.linalg.eigh(slopes.T @ slopes)
+    pull, largest = directions.T @ (-slopes.T @ residual), max(float(values[-1]), 1e-300)
+
+    def step(damping: float) -> np.ndarray:
+        return directions @ (pull / (np.maximum(values, 0.0) + damping))
+
+    low, high = 1e-10 * largest, 1e10 * largest
+    if np.abs(step(low)).max() <= length:
+        return step(low)
+    for _ in range(60):
+        middle = np.sqrt(low * high)
+        low, high = (middle, high) if np.abs(step(middle)).max() > length else (low, middle)
+    return step(high)

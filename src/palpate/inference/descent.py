@@ -1,0 +1,59 @@
+"""The state of one search for the least misfit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.inference.forward import Curves
+
+LARGEST_STEP = 1.0  # of the range of a parameter
+
+
+@dataclass(eq=False)
+class Descent:
+    """One search.
+
+    Attributes
+    ----------
+    u : ndarray, shape (k,)
+        Where it is.
+    curves, slopes
+        Of each condition there, in the unit of the response, and their derivatives by the coordinates.
+    exact
+        Whether the slopes are the model's derivatives there, and not updated by secants.
+    last
+        The last step (k,) that was tried, and the departure of the curves there from their linear prediction; None
+        before.
+    length
+        Length of the longest step that it tries next.
+    converged
+        Whether its predicted or actual decrease of chi^2 has fallen below the tolerance.
+    path
+        Where it was before (k,).
+    active
+        Whether it goes on.
+    """
+
+    u: np.ndarray
+    curves: Curves
+    slopes: Curves
+    exact: bool = True
+    last: tuple[np.ndarray, Curves] | None = None
+    length: float = LARGEST_STEP
+    converged: bool = False
+    active: bool = True
+    path: list[np.ndarray] = field(default_factory=list)
+
+    def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
+        """Return the step to coordinates u (k,), and the departure of the curves there from their linear prediction."""
+        step = u - self.u
+        return step, {name: curves[name] - self.curves[name] - slopes @ step for name, slopes in self.slopes.items()}
+
+    def move(self, u: np.ndarray, curves: Curves) -> None:
+        """Take a step to coordinates u (k,) with these curves, and correct the slopes by its secant."""
+        step, departure = self.departed(u, curves)
+        self.slopes = {n: slopes + np.outer(departure[n], step) / (step @ step) for n, slopes in self.slopes.items()}
+        self.path.append(self.u)
+        self.u, self.curves, self.exact = u, curves, False
