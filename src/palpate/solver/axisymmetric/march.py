@@ -61,8 +61,9 @@ class States:
 
     def take(self, other: States, lanes: np.ndarray | None = None) -> None:
         """Become what the `other` is, in all lanes or in some (LANES,)."""
-        for mine, theirs in zip(self._arrays(), other._arrays(), strict=True):
-            np.copyto(mine, theirs, where=True if lanes is None else lanes)
+        if lanes is None or lanes.any():
+            for mine, theirs in zip(self._arrays(), other._arrays(), strict=True):
+                np.copyto(mine, theirs, where=True if lanes is None else lanes)
 
     @property
     def unknowns(self) -> np.ndarray:
