@@ -4,8 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, problem, recordings, search_of
+from test_diagnosis import CONDITIONS, RECORD_ONLY, problem, recordings, search_of
 
+from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.own_values import recording_values
 from palpate.mechanisms import MECHANISMS
 
@@ -63,6 +64,18 @@ def test_a_weak_one_is_found_from_where_least_squares_put_its_amplitudes():
     assert amplitude == pytest.approx(6.0, abs=2.5)
     assert abs(begun - fit.z[place]) * slope < 6.0
     assert search.examined(fit).p_value > 0.01
+
+
+@pytest.mark.parametrize(("seed", "compliance"), [(1, 2.0), (2, 4.0)])
+def test_a_steady_drift_beside_a_compliant_frame_does_not_pass_for_it(seed, compliance):
+    """Both pairs of effects have as many parameters; the steady drift alone leaves more than noise."""
+
+    def effect(condition, replicate):
+        return compliance * condition.protocol.sample_load + (0.1 + 0.01 * replicate) * condition.protocol.sample_time
+
+    observed = recordings(np.random.default_rng(seed), effect)
+    found = diagnose(search_of(problem(observed), [*RECORD_ONLY, KEY]), lambda said: None)
+    assert [set(each.fit.explanation) for each in found.accepted] == [{"thermal_drift", "frame_compliance"}]
 
 
 def test_its_time_is_told_within_its_interval(found):

@@ -110,6 +110,19 @@ def without_redundant(accepted: list[Candidate]) -> list[Candidate]:
     return [candidate for candidate in accepted if not any(redundant(candidate.fit, other) for other in fits)]
 
 
+def included_in(accepted: list[Candidate], tried: list[Candidate]) -> list[Candidate]:
+    """Return those tried that have a mechanism's special case in place of a mechanism of an accepted explanation.
+
+    What such a mechanism adds to its special case may be the effect of another mechanism.
+    """
+    sets = [each.fit.explanation for each in accepted]
+    return [
+        each
+        for each in tried
+        if any(len(s) == len(each.fit.explanation) and is_special_case(each.fit.explanation, s) for s in sets)
+    ]
+
+
 def is_special_case(explanation: Explanation, other: Explanation) -> bool:
     """Return whether an explanation is another one with fewer mechanisms, or with some that those of the other include.
 

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.diagnosis.accepted import (
+    CLOSE,
     accepted_of,
     best_first,
     closest_first,
+    included_in,
     is_special_case,
     likeliest_of_each,
     may_be_named,
@@ -62,9 +64,10 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
     tried, so that a single accepted one should be wrong in less than one case of a hundred. As long as none is
     accepted, sets with one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``.
-    Larger sets than the accepted ones are fitted where their optimistic log evidence is far larger. One that
-    contradicts an exact law is never accepted. A single accepted explanation is identified where the recordings
-    suffice, see `may_be_named` and `zero_on_average`; else it is suspected.
+    Larger sets than the accepted ones are fitted where their optimistic log evidence is far larger; those that hold a
+    special case of an accepted mechanism in its place, also where it is about as large. One that contradicts an exact
+    law is never accepted. A single accepted explanation is identified where the recordings suffice, see `may_be_named`
+    and `zero_on_average`; else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -108,8 +111,11 @@ def _accepted(
             special = _special_cases(search, accepted[0], tried, report)
             larger: list[Candidate] = []
             if number + 1 < largest:
-                likelier = max(each.fit.log_evidence for each in special + accepted) + policy.behind_adequate
+                best = max(each.fit.log_evidence for each in special + accepted)
+                likelier, as_likely = best + policy.behind_adequate, best - CLOSE
                 larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
+                included = included_in(accepted, tried)
+                larger += _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
             tried = likeliest_of_each(larger + special + tried)
             return without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level)), tried
     return [], closest_first(tried)
