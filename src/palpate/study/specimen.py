@@ -64,6 +64,12 @@ def root_growth(before: float, load: float) -> float:
     return math.sqrt(load / before) if load > before > 0.0 else 1.0
 
 
+def plane_strain_modulus(coefficients: np.ndarray) -> float:
+    """Return E / (1 - nu^2) of a law [GPa]."""
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    return float(4.0 * shear * (3.0 * bulk + shear) / (3.0 * bulk + 4.0 * shear))
+
+
 def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
     """Return the law of an elastic substrate of Young's modulus `modulus` [GPa] and the film's Poisson's ratio."""
     shear, bulk = coefficients[SHEAR], coefficients[BULK]
@@ -86,10 +92,8 @@ def under_tip(coefficients: np.ndarray, compliance: float) -> np.ndarray:
     Source: K.L. Johnson, Contact Mechanics (1985), equation (4.6), for elastic bodies; M. Dao et al., Acta Mater. 49
     (2001) 3899-3918, section 2, for elastic-plastic ones.
     """
-    shear, bulk = coefficients[SHEAR], coefficients[BULK]
-    plane_strain = 4.0 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
     lowered = coefficients.copy()
-    lowered[[SHEAR, BULK]] /= 1.0 + plane_strain * compliance
+    lowered[[SHEAR, BULK]] /= 1.0 + plane_strain_modulus(coefficients) * compliance
     return lowered
 
 
