@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from palpate.classical.reference_sample import NORMAL_95
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
 
-NORMAL_95 = 1.96
-LEAST = 1e-9
+LEAST = 1e-9  # in the parameter's unit, the narrowest side of an interval: none is so narrow, and none divides by zero
 
 
 @dataclass(frozen=True)
