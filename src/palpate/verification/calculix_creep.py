@@ -23,7 +23,7 @@ from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import STEADY_CREEP
 
 CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
-POINTS = 25
+POINTS = 25  # of a test, then twice as many for its own error
 
 
 def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
