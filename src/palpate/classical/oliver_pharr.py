@@ -106,6 +106,11 @@ def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: flo
         [mN], [nm].
     upper, lower
         Fractions of the largest load between which the unloading is taken.
+
+    Raises
+    ------
+    InputError
+        When fewer than four points lie between them.
     """
     last = last_at_peak(load)
     load, depth = load[last:], depth[last:]

@@ -85,7 +85,7 @@ class AmplitudeConstraint:
 
 
 def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
-    """Return the departures [standard deviations] of amplitudes from each law; zero where a law does not apply.
+    """Return the departures (n_laws,) [standard deviations] of amplitudes from each law; zero where it does not apply.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """

@@ -199,7 +199,7 @@ def _even(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Blocks:
 def coarse(
     time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
-    """Return depths and loads of the law, and the contact, that fit the whole loading best on a straight baseline.
+    """Return depths and loads (n,) of the law, and the contact, that fit the loading best on a straight baseline.
 
     The last value is the mean square of the residual; without an approach the baseline is zero.
 

@@ -33,7 +33,7 @@ KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
 
 
 def specification_from(values: Mapping[str, Any]) -> Specification:
-    """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`."""
+    """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`; raises `InputError` with the place."""
     if not isinstance(values, Mapping):
         raise InputError("the specification is not a table of keys", remedy=f"give {', '.join(SECTIONS)}")
     for key in values:

@@ -71,7 +71,7 @@ def plane_strain_modulus(coefficients: np.ndarray) -> float:
 
 
 def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
-    """Return the law of an elastic substrate of Young's modulus `modulus` [GPa] and the film's Poisson's ratio."""
+    """Return the law (c,) of an elastic substrate of modulus E = `modulus` [GPa] and the film's Poisson's ratio."""
     shear, bulk = coefficients[SHEAR], coefficients[BULK]
     youngs = 9 * bulk * shear / (3 * bulk + shear)
     substrate = coefficients.copy()
@@ -98,7 +98,7 @@ def under_tip(coefficients: np.ndarray, compliance: float) -> np.ndarray:
 
 
 def without_flow(coefficients: np.ndarray) -> np.ndarray:
-    """Return the elastic part of a law, in the same layout."""
+    """Return the elastic part (c,) of a law (c,), in the same layout."""
     elastic = coefficients.copy()
     elastic[SHARE] = 0.0
     return elastic

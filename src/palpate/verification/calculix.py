@@ -85,7 +85,7 @@ def table(pattern: re.Pattern[str], text: str) -> np.ndarray:
 
 
 def run_deck(program: Path, specification: Specification, resolution: Resolution) -> np.ndarray:
-    """Run CalculiX and return the depth [nm] at the samples, NaN after the time that it reached.
+    """Run CalculiX and return the depth (n,) [nm] at the samples, NaN after the time that it reached.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def compared(name: str, specification: Specification, theirs: np.ndarray, own_er
 
 
 def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
-    """Return which samples count."""
+    """Return which samples (n,) count: those under enough load that CalculiX has reached."""
     protocol = specification.protocol
     return (protocol.sample_load >= LOADED_FROM * protocol.max_load) & np.isfinite(theirs)
 

@@ -27,7 +27,7 @@ POINTS = 25  # of a test, then twice as many for its own error
 
 
 def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
-    """Return the depth [nm] on the fine mesh at no time step, and its refinement error in mesh and step."""
+    """Return the depth (n,) [nm] on the fine mesh at no time step, and its refinement error in mesh and step."""
     tests = [CREEP.specification(points, friction=friction) for points in (POINTS, 2 * POINTS)]
     long, short = (run_deck(program, test, RESOLUTIONS["standard"]) for test in tests)
     fine = run_deck(program, tests[0], RESOLUTIONS["fine"])
