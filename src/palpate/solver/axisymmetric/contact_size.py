@@ -48,9 +48,9 @@ def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) ->
     """Estimate the smallest contact radius that counts and the largest one [um].
 
     The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
-    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (K. L.
-    Johnson, K. Kendall and A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313). All meshes of one indentation ask
-    for the same.
+    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (K. L. Johnson,
+    K. Kendall and A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313). All meshes of one indentation ask for the
+    same.
     """
     smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
     if specimen.substrate is None:

@@ -62,8 +62,14 @@ def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False)
 
 
 def steps_of_samples(ends: np.ndarray, protocol: Protocol) -> np.ndarray:
-    """Return the number (n,) of the step, among those with such `ends` (m,) [s], after which each sample is taken."""
-    return np.searchsorted(ends, protocol.sample_time - SAME * protocol.knot_time[-1])
+    """Return the number (n,) of the step, among those with such `ends` (m,) [s], that ends at each sample.
+
+    That is the one that ends nearest to it: exactly there, or at the corner beside which it lies.
+    """
+    sample = protocol.sample_time
+    after = np.minimum(np.searchsorted(ends, sample), len(ends) - 1)
+    before = np.maximum(after - 1, 0)
+    return np.where(sample - ends[before] < ends[after] - sample, before, after)
 
 
 def onset_of(protocol: Protocol) -> float:
