@@ -176,7 +176,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
 
 @njit(cache=True)
 def flow(rho, unyielding, least, alpha, pressure, law, step):
-    """Return what `solve_radial` does, from its solution without plastic flow, `unyielding`; flow begins at `least` q."""
+    """Return what `solve_radial` does, from its `unyielding` solution; plastic flow begins at `least` q."""
     q, log_q, order, push = unyielding
     nothing = constant(rho, 0.0)
     total, _, _, _ = compliance(least, logarithm(least), pressure, law, step)
