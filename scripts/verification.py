@@ -1,6 +1,5 @@
 """Verify the solver and write the report."""
 
-import shutil
 from pathlib import Path
 
 from palpate.verification import runner
@@ -9,10 +8,8 @@ from palpate.workflow_support import job
 
 
 def main(snakemake):
-    parameters = snakemake.params
-    program = None if parameters.quick else shutil.which("ccx")
-    reference = Path(parameters.reference) if parameters.reference else None
-    settings = Settings(bool(parameters.quick), Path(program) if program else None, reference)
+    reference = snakemake.params.reference
+    settings = Settings.found(bool(snakemake.params.quick), Path(reference) if reference else None)
     runner.write(runner.run(settings, print), Path(snakemake.output.report).parent)
 
 

@@ -7,6 +7,7 @@ from palpate.solver.axisymmetric import assembly
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
+from palpate.solver.axisymmetric.mesh import Mesh, _integration
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter
@@ -35,6 +36,13 @@ def depth(coefficients, protocol, resolution=STANDARD, indenter=CONE, large=Fals
     return outcome.depth
 
 
+def square(radius=1e6):
+    """Return the mesh of a unit square far from the axis, none of whose nodes is held."""
+    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + np.array([radius, 0.0])
+    gradients, volumes = _integration(nodes[None])
+    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([3, 2]), gradients, volumes)
+
+
 def case_of(specification):
     """Return the indentation that a specification asks for."""
     solid = applied_to_body(specification)
@@ -50,11 +58,13 @@ def moments(case):
     return found
 
 
-def internal_force(moment):
-    """Return the force (n, 2) [mN] that the stresses ask for at the nodes, by the principle of virtual work."""
-    mesh, stress = moment.mesh, cauchy_stress(moment)
-    gradient, hoop = displacement_gradient(mesh, moment.displacement)
-    if not moment.large:
+def internal_force(mesh, stress, displacement, large):
+    """Return the force (n, 2) [mN] that the stresses ask for at the nodes, by the principle of virtual work.
+
+    The displacements (n, 2) are in um; at large strains the body is the deformed one.
+    """
+    gradient, hoop = displacement_gradient(mesh, displacement)
+    if not large:
         gradient, hoop = 0 * gradient, 0 * hoop
     deformation = np.eye(2) + gradient
     shape = np.einsum("egja,egji->egia", mesh.gradients[:, :, :2], np.linalg.inv(deformation))
@@ -88,6 +98,7 @@ def on_surface(moment, indenter):
     nodes = moment.mesh.surface[1:]
     r, moved = moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0]
     height, slope = beneath(Profile.of(indenter), r, moved, moment.large)
-    radial, vertical = internal_force(moment)[nodes].T
+    force = internal_force(moment.mesh, cauchy_stress(moment), moment.displacement, moment.large)
+    radial, vertical = force[nodes].T
     gap = height - moment.depth - moment.displacement[nodes, 1]
     return nodes, gap, slope * radial - vertical, radial + slope * vertical

@@ -58,11 +58,14 @@ def law(depth: np.ndarray, tip: str, cap: float) -> np.ndarray:
 
 def correlated(rng: np.random.Generator, size: int, memory: float) -> np.ndarray:
     """Return noise (n,) of variance one whose correlation falls to 1/e over `memory` points; white for 0."""
+    return autoregressive(rng, size, float(np.exp(-1 / memory)) if memory > 0 else 0.0)
+
+
+def autoregressive(rng: np.random.Generator, size: int, rho: float) -> np.ndarray:
+    """Return noise (n,) of variance one, neighbours of which are correlated by `rho`."""
     noise = rng.standard_normal(size)
-    if memory > 0:
-        rho = np.exp(-1 / memory)
-        for k in range(1, size):
-            noise[k] = rho * noise[k - 1] + np.sqrt(1 - rho**2) * noise[k]
+    for k in range(1, size):
+        noise[k] = rho * noise[k - 1] + np.sqrt(1 - rho**2) * noise[k]
     return noise
 
 

@@ -105,3 +105,22 @@ def integrated(
 def error(found, expected):
     """Return the largest difference over the largest component."""
     return np.abs(found - expected).max() / np.abs(expected).max()
+
+
+def check_yielding(key, flow, strength, joined, squeeze=0.0, pressed=0.0):
+    """A law with a yield stress, alone or beside Burgers creep, keeps to its rate equations, the closer in finer steps.
+
+    Parameters
+    ----------
+    flow
+        Its parameters but the elastic ones.
+    strength, squeeze, pressed
+        See `integrated`.
+    joined
+        Whether creep acts beside it.
+    """
+    creep = BURGERS_TERMS if joined else {"values": {}, "terms": {}}
+    values, model = HOOKE | flow | creep["values"], key + "+nonlinear_burgers" * joined
+    expected = integrated(HOOKE, 0.05, squeeze, strength=strength, pressed=pressed, **creep["terms"])
+    coarse, fine = (error(updated(model, values, steps, 0.05, squeeze), expected) for steps in (100, 400))
+    assert fine < 0.005 and fine < 0.5 * coarse

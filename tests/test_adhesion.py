@@ -1,10 +1,11 @@
 """Adhesion against Johnson, Kendall & Roberts, Maugis & Barquins, and exact laws."""
 
+import jkr
 import numpy as np
 import pytest
 from bodies import beneath, on_surface
 
-from palpate.analytic import hertz, jkr
+from palpate.analytic import hertz
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import adhesive_traction, march_cases
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
@@ -124,7 +125,7 @@ def test_law_holds_at_every_node(friction, large, monkeypatch):
         width = np.array([width_of(contact, state, k, 0) for k in range(1, len(body.radial))])
         assert np.all(x < DEEPEST)
         nodes, gap, normal, tangential = on_surface(moment, tip)
-        law = attraction(specimen, case.resolution, case.largest, march.units[0] ** 2 * contact.area[1:])
+        law = attraction(specimen, case.resolution, case.contacts[1], march.units[0] ** 2 * contact.area[1:])
         steep = (
             1.0 + beneath(Profile.of(tip), moment.mesh.nodes[nodes, 0], moment.displacement[nodes, 0], large)[1] ** 2
         )

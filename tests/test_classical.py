@@ -166,15 +166,6 @@ def test_a_contact_above_the_surface_is_told():
         oliver_pharr(load, depth - 1970.0, 0.3)
 
 
-def test_area_function_is_recovered_with_any_number_of_terms():
-    depth = np.geomspace(20, 2000, 30)
-    for coefficients in ((24.5,), (24.5, 300.0), (24.5, 300.0, -50.0, 20.0)):
-        true = AreaFunction(coefficients)
-        for first in (24.5, None):
-            found = AreaFunction.calibrated(depth, true.area(depth), len(coefficients), first=first)
-            assert found.coefficients == pytest.approx(coefficients, rel=1e-6)
-
-
 def test_creep_correction_removes_exactly_the_creep_that_was_added():
     elastic, rate, unloading = 0.02, 0.8, 0.5
     apparent = 1 / (1 / elastic - rate / unloading)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contact_curves import autoregressive
 from test_readers import KLA, XP, needs_recordings
 
 from palpate.errors import InputError
@@ -20,21 +21,13 @@ def law(depth, cap):
     return np.where(depth < cap, hertz * depth**1.5, RAMP * (depth + cap / 3) ** 2)
 
 
-def correlated(rng, size, sigma, rho=0.5):
-    noise = np.empty(size)
-    noise[0] = rng.standard_normal()
-    for k in range(1, size):
-        noise[k] = rho * noise[k - 1] + np.sqrt(1 - rho**2) * rng.standard_normal()
-    return sigma * noise
-
-
 def recording(seed, cap, size=800, approach=True):
     """Approach from 100 nm above, on a spring that leaves 1e-6 mN/nm; then 800 nm down in 50 s."""
     rng = np.random.default_rng(seed)
     time = np.linspace(0 if approach else 10, 60, size)
     path = np.where(time < 10, -100 + 10 * time, 16 * (time - 10))
-    load = law(path, cap) + correlated(rng, size, 3e-4) + (0.01 + 1e-6 * path if approach else 0.0)
-    return time, load, path + CONTACT + correlated(rng, size, 0.5)
+    load = law(path, cap) + 3e-4 * autoregressive(rng, size, 0.5) + (0.01 + 1e-6 * path if approach else 0.0)
+    return time, load, path + CONTACT + 0.5 * autoregressive(rng, size, 0.5)
 
 
 @pytest.mark.parametrize("approach", [True, False])
@@ -140,7 +133,7 @@ def test_origin_lies_within_its_interval_where_neighbours_share_their_noise():
     """With a correlation estimated from what the fit leaves, 0.79 of such intervals held it, of 20 points 0.58."""
     rng, load, held = np.random.default_rng(31), np.linspace(0.0, 4.0, 61)[1:], 0
     for _ in range(200):
-        depth = 10.0 + 500.0 * np.sqrt(load) + correlated(rng, 60, 1.0, rho=0.9)
+        depth = 10.0 + 500.0 * np.sqrt(load) + autoregressive(rng, 60, 0.9)
         _, lower, upper = sharp_origin(load, depth)
         held += lower <= 10.0 <= upper
     assert held >= 0.92 * 200

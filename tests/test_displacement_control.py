@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from relaxing import RelaxationModulus, cone, sphere
 from scipy.integrate import quad
 
-from palpate.analytic import hertz, relaxing_cone, relaxing_sphere, sneddon, through_spring
+from palpate.analytic import hertz, sneddon
 from palpate.analytic.linear_viscoelastic import LinearBurgers
-from palpate.analytic.relaxation_modulus import RelaxationModulus
 from palpate.errors import InputError
 from palpate.solver.simulation import simulate, simulate_batch
 from palpate.study.indenter import Indenter
@@ -26,13 +26,11 @@ LAW = {
     "retardation_time": VOIGT[1],
 }
 SHALLOW, LARGE_SPHERE = Indenter("cone", 88.0), Indenter("sphere", radius=2e5)
-TIPS = {
-    "cone": (SHALLOW, relaxing_cone.factor(88.0), relaxing_cone.EXPONENT),
-    "sphere": (LARGE_SPHERE, relaxing_sphere.factor(2e5), relaxing_sphere.EXPONENT),
-}
+RELAXATION = RelaxationModulus.of(SOLID)
+TIPS = {"cone": (SHALLOW, *cone(88.0)), "sphere": (LARGE_SPHERE, *sphere(2e5))}
 FORMS = {
-    "cone": lambda protocol: relaxing_cone.load(RelaxationModulus.of(SOLID), protocol, 88.0),
-    "sphere": lambda protocol: relaxing_sphere.load(RelaxationModulus.of(SOLID), protocol, 2e5),
+    "cone": lambda protocol: RELAXATION.load(protocol, *cone(88.0)),
+    "sphere": lambda protocol: RELAXATION.load(protocol, *sphere(2e5)),
 }
 
 
@@ -66,7 +64,7 @@ def test_the_closed_forms_begin_elastic():
 @pytest.mark.parametrize("tip", TIPS)
 def test_without_a_spring_the_integrated_solution_is_the_closed_form(tip):
     protocol = ramp_and_hold()
-    load, depth = through_spring.load_and_depth(RelaxationModulus.of(SOLID), protocol, *TIPS[tip][1:])
+    load, depth = RELAXATION.through_spring(protocol, *TIPS[tip][1:])
     assert load == pytest.approx(FORMS[tip](protocol), rel=1e-7)
     assert depth == pytest.approx(protocol.sample_drive)
 
@@ -91,7 +89,7 @@ def test_a_tip_through_a_spring_follows_the_coupled_solution(tip, stiffness):
     indenter, factor, exponent = TIPS[tip]
     rigid = FORMS[tip](ramp_and_hold())
     protocol = ramp_and_hold(200.0 / (stiffness * rigid.max()))
-    load, depth = through_spring.load_and_depth(RelaxationModulus.of(SOLID), protocol, factor, exponent)
+    load, depth = RELAXATION.through_spring(protocol, factor, exponent)
     found = simulate(specification(protocol, indenter))
     assert found.load[2:] == pytest.approx(load[2:], rel=0.015)
     assert found.depth[2:] == pytest.approx(depth[2:], rel=0.01)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bodies import beneath
+from bodies import beneath, square
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
@@ -14,7 +14,7 @@ from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march_cases import Case, begun, padded
-from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
+from palpate.solver.axisymmetric.mesh import Resolution, polar_mesh
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
@@ -32,15 +32,6 @@ def laws_and_weights(coefficients, dt=0.7):
     return rows, step_weights(rows, dt, np.ones(LANES))
 
 
-def block(radius=1e6):
-    """A body of one unit square far from the axis that nothing holds, and its corners."""
-    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + np.array([radius, 0.0])
-    gradients, volumes = _integration(nodes[None])
-    equations = np.arange(8).reshape(4, 2)
-    mesh = Mesh(nodes, np.array([[0, 1, 2, 3]]), equations, np.array([3, 2]), gradients, volumes)
-    return Body.of(mesh), nodes
-
-
 def forces_of(kernel, body, points, coefficients, displacement):
     """Return the internal forces (size, LANES)."""
     laws, weights = laws_and_weights(coefficients)
@@ -51,7 +42,7 @@ def forces_of(kernel, body, points, coefficients, displacement):
 
 def corner_forces(moved, coefficients=ELASTIC, radius=1e6):
     """Return the forces (4, 2) at the corners of a block that have moved (4, 2)."""
-    body, _ = block(radius)
+    body = Body.of(square(radius))
     points = Points.unloaded(4, 2)
     displacement = np.repeat(np.append(moved.ravel(), 0.0)[:, None], LANES, axis=1)
     return forces_of(hencky, body, points, coefficients, displacement)[:, 0].reshape(4, 2)
@@ -60,7 +51,7 @@ def corner_forces(moved, coefficients=ELASTIC, radius=1e6):
 @pytest.mark.parametrize(("wide", "high"), [(1.0, 0.7), (1.2, 0.8), (0.9, 1.3), (0.8, 0.8)])
 def test_true_stress_is_hookes_law_in_logarithmic_strain(wide, high):
     """F = diag(wide, high, 1): the force on a face is its present area times K ln J + 2 G (ln stretch - ln J / 3)."""
-    _, nodes = block()
+    nodes = square().nodes
     force = corner_forces((nodes - nodes[0]) * [wide - 1.0, high - 1.0])
     swelling = np.log(wide * high)
     around = 2 * np.pi * nodes[:, 0].mean()
@@ -71,7 +62,7 @@ def test_true_stress_is_hookes_law_in_logarithmic_strain(wide, high):
 
 def test_large_strain_does_not_feel_a_rigid_rotation():
     """F = R U: the force of the rotated element is the rotated force, here for an element far from the axis."""
-    _, nodes = block()
+    nodes = square().nodes
     stretched = nodes + np.random.default_rng(1).normal(scale=0.05, size=(4, 2))
     turn = np.array([[np.cos(0.8), -np.sin(0.8)], [np.sin(0.8), np.cos(0.8)]])
     centre = nodes.mean(axis=0)
@@ -84,7 +75,7 @@ def test_large_strain_does_not_feel_a_rigid_rotation():
 @pytest.mark.parametrize("angle", [0.1, 0.5, 1.2])
 def test_an_element_that_shrinks_to_a_point_is_inside_out(angle, excess):
     """F = -excess Q with a rotation Q: its determinant is above zero, but all digits of its stretches are lost."""
-    _, nodes = block(1.0)
+    nodes = square(1.0).nodes
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     moved = (nodes - nodes[0]) @ (-excess * turned - np.eye(2)).T + [1.0, 0.0]
     assert not np.any(np.isfinite(corner_forces(moved, radius=1.0)))

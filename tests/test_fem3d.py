@@ -22,7 +22,7 @@ from palpate.solver.pyramid.element_3d import Hexahedra, Laws3D, System3D, Touch
 from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.solver.pyramid.linear_3d import Points3D, element
 from palpate.solver.pyramid.mesh_3d import CORNERS, integration, wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace
+from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import WEDGE, shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter

@@ -15,7 +15,7 @@ from palpate.solver.pyramid.adhesion_3d import attract, nodal_areas
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace
+from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter

@@ -7,10 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from bodies import internal_force
 
 from palpate.cli.main import main
 from palpate.output.figures.stress_fields import nodal
-from palpate.solver.axisymmetric.fields import displacement_gradient, von_mises
+from palpate.solver.axisymmetric.fields import von_mises
 from palpate.solver.axisymmetric.newton import TOLERANCE
 from palpate.solver.simulation import fields_at, simulate, specification_from
 from palpate.verification.reference_materials import BURGERS as EPOXY
@@ -28,24 +29,6 @@ SPEC = {
 }
 
 
-def internal_force(fields, large):
-    """Force of the stresses on the nodes [mN], by the principle of virtual work in the deformed body."""
-    mesh, stress = fields.mesh, fields.stress
-    gradient, hoop = displacement_gradient(mesh, 1e-3 * fields.displacement)
-    if not large:
-        gradient, hoop = 0 * gradient, 0 * hoop
-    deformation = np.eye(2) + gradient
-    shape = np.einsum("egja,egji->egia", mesh.gradients[:, :, :2], np.linalg.inv(deformation))
-    around = mesh.gradients[:, :, 2] / (1.0 + hoop)[..., None]
-    weights = mesh.weights * np.linalg.det(deformation) * (1.0 + hoop)
-    rr, zz, tt, rz = np.moveaxis(stress, -1, 0)[..., None]
-    along_r = np.einsum("eg,ega->ea", weights, rr * shape[:, :, 0] + rz * shape[:, :, 1] + tt * around)
-    along_z = np.einsum("eg,ega->ea", weights, rz * shape[:, :, 0] + zz * shape[:, :, 1])
-    force = np.zeros((len(mesh.nodes), 2))
-    np.add.at(force, mesh.elements, np.stack([along_r, along_z], axis=-1))
-    return force
-
-
 @pytest.mark.parametrize("adhesion", [{}, {"adhesion": {"work": 100.0}}])
 @pytest.mark.parametrize("kinematics", ["small", "large"])
 def test_stress_is_in_equilibrium_with_the_indenter(kinematics, adhesion):
@@ -56,7 +39,8 @@ def test_stress_is_in_equilibrium_with_the_indenter(kinematics, adhesion):
     specification = specification_from(SPEC | {"kinematics": kinematics, "mechanisms": adhesion})
     slope = specification.indenter.slope
     for fields in fields_at(specification, [10.0, 14.0]):
-        mesh, force = fields.mesh, internal_force(fields, kinematics == "large")
+        mesh, large = fields.mesh, kinematics == "large"
+        force = internal_force(mesh, fields.stress, 1e-3 * fields.displacement, large)
         free, surface = mesh.equations >= 0, mesh.surface
         inside = np.setdiff1d(np.arange(len(mesh.nodes)), surface)
         assert force[inside][free[inside]] == pytest.approx(0.0, abs=TOLERANCE)

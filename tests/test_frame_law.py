@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contact_curves import autoregressive
 
 from palpate.classical.frame import frame_by_oscillation, frame_compliance, frame_of, hodges_lehmann
 from palpate.recordings.segments import segments
@@ -87,21 +88,13 @@ def test_hodges_and_lehmanns_interval_holds_the_centre():
     assert 0.93 <= held / 400 <= 0.985
 
 
-def correlated(rng, count, rho):
-    """Autoregressive errors of variance one."""
-    error = rng.standard_normal(count)
-    for k in range(1, count):
-        error[k] = rho * error[k - 1] + np.sqrt(1 - rho**2) * error[k]
-    return error
-
-
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
 @pytest.mark.parametrize(("sites", "count"), [(1, 4), (1, 10), (2, 10), (5, 10)])
 def test_few_tests_hold_the_truth_however_correlated_their_errors_are(sites, count, rho):
     rng, held = np.random.default_rng(17), 0
     load = np.geomspace(1.0, 16.0, count)
     for _ in range(100):
-        tests = [(load, 0.5 + 8.0 / np.sqrt(load) + 0.1 * correlated(rng, count, rho) / load) for _ in range(sites)]
+        tests = [(load, 0.5 + 8.0 / np.sqrt(load) + 0.1 * autoregressive(rng, count, rho) / load) for _ in range(sites)]
         found = frame_compliance(tests)
         held += found.lower <= 0.5 <= found.upper
     assert held >= 89, "of 100, at 95 %"
@@ -110,7 +103,7 @@ def test_few_tests_hold_the_truth_however_correlated_their_errors_are(sites, cou
 def oscillated(rng, compliance, memory, sites):
     """Stiffness by an oscillation under a load that grows exponentially, its error correlated along the test."""
     load = 100.0 * np.exp(0.1 * np.linspace(-60.0, 0.0, 400))
-    error = correlated(rng, len(load), memory)
+    error = autoregressive(rng, len(load), memory)
     return [(load, 1.0 / (compliance + rng.normal(38.0, 0.5) * (1 + 0.01 * error) / np.sqrt(load)))] * sites
 
 

@@ -1,6 +1,7 @@
 """The virtual laboratory: its noise has the covariance it claims, its recordings say what they are and repeat."""
 
 import json
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -12,6 +13,7 @@ from palpate.errors import PalpateError
 from palpate.laboratory import virtual
 from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import Simulation, simulate_batch
+from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 
 SETTINGS = MappingProxyType(
@@ -101,6 +103,20 @@ def test_a_truth_that_fails_on_one_mesh_is_tried_on_another(study, monkeypatch):
     assert all(0.0 < shift < 1.0 for shift in tried), "its nodes lie between those of a fit's mesh"
     with pytest.raises(PalpateError, match="a: no equilibrium"):
         virtual.off_the_mesh([specification], ["a"])
+
+
+def test_a_pyramid_keeps_its_mesh_and_is_not_tried_again(study, monkeypatch):
+    cone = study.specification({"youngs_modulus": 3.0}, study.condition("a"), "fine")
+    specification, tried = replace(cone, indenter=Indenter("berkovich", face_angle=65.27)), []
+
+    def failing(specifications, shift):
+        tried.append(shift)
+        return [Simulation(*np.ones((3, 1)), "failed", "no equilibrium", 0.0)]
+
+    monkeypatch.setattr(virtual, "simulate_batch", failing)
+    with pytest.raises(PalpateError, match="a: no equilibrium"):
+        virtual.off_the_mesh([specification], ["a"])
+    assert len(tried) == 1
 
 
 def test_its_curves_share_no_node_with_those_of_a_fit_and_agree_within_grid_convergence(study):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bodies import square
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
@@ -11,20 +12,12 @@ from palpate.solver.axisymmetric import hencky
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
-from palpate.solver.axisymmetric.mesh import Mesh, _integration
 from palpate.solver.simulation import simulate
 from palpate.study.specification import Specification
 from palpate.verification.kinematics import EPOXY, WAYS
 from palpate.verification.reference_materials import CONE, HOOKE
 
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
-
-
-def block(radius=1e6):
-    """Return the mesh of a unit square far from the axis, none of whose nodes is held."""
-    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + np.array([radius, 0.0])
-    gradients, weights = _integration(nodes[None])
-    return Mesh(nodes, np.arange(4)[None], np.arange(8).reshape(4, 2), np.array([0]), gradients, weights)
 
 
 def forces_on(mesh, displacement):
@@ -39,7 +32,7 @@ def forces_on(mesh, displacement):
 @pytest.mark.parametrize(("wide", "high"), [(1.0, 0.7), (1.2, 0.8), (0.9, 1.3), (0.8, 0.8)])
 def test_true_stress_is_hookes_law_in_logarithmic_strain(wide, high):
     """F = diag(wide, high, 1): the force on a face is its present area times K ln J + 2 G (ln stretch - ln J / 3)."""
-    mesh = block()
+    mesh = square()
     forces = forces_on(mesh, (mesh.nodes - mesh.nodes[0]) * [wide - 1.0, high - 1.0])
     swelling = np.log(wide * high)
     around = 2 * np.pi * mesh.nodes[:, 0].mean()
@@ -75,7 +68,7 @@ def test_large_strains_and_friction_change_what_they_change_in_calculix(epoxy, w
 @pytest.mark.parametrize("angle", [0.1, 0.5, 1.2])
 def test_an_element_turned_inside_out_bears_no_force_that_is_a_number(angle, excess):
     """F = diag(excess, -excess) Q with a rotation Q: the solver takes the step back."""
-    mesh = block(1.0)
+    mesh = square(1.0)
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     squeezed = np.diag([excess, -excess]) @ turned
     moved = (mesh.nodes - mesh.nodes[0]) @ (squeezed - np.eye(2)).T
@@ -86,7 +79,7 @@ def test_an_element_turned_inside_out_bears_no_force_that_is_a_number(angle, exc
 @pytest.mark.parametrize("angle", [0.1, 0.5, 1.2])
 def test_an_element_that_shrinks_to_a_point_is_inside_out(angle, excess):
     """F = -excess Q with a rotation Q: its determinant is above zero, but all digits of its stretches are lost."""
-    mesh = block(1.0)
+    mesh = square(1.0)
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     moved = (mesh.nodes - mesh.nodes[0]) @ (-excess * turned - np.eye(2)).T + [1.0, 0.0]
     forces = forces_on(mesh, moved)

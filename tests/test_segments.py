@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from test_contact_point import correlated
+from contact_curves import autoregressive
 from test_readers import HLD, KLA, LONG, XP, needs_recordings
 
 from palpate.errors import InputError
@@ -84,7 +84,7 @@ def test_too_short_a_test_is_refused():
 def test_planted_drift_lies_in_the_interval(rho, recovery):
     time, held = np.linspace(100, 160, 300), 0
     for seed in range(12):
-        noise = correlated(np.random.default_rng(seed), 300, 0.5, rho)
+        noise = 0.5 * autoregressive(np.random.default_rng(seed), 300, rho)
         found = drift_rate(time, 500 + 0.02 * time + recovery * np.exp(-(time - 100) / 6) + noise)
         held += found.lower <= 0.02 <= found.upper
         assert found.rate == pytest.approx(0.02, abs=0.02)
@@ -98,7 +98,7 @@ def test_planted_drift_lies_in_the_interval(rho, recovery):
 def test_the_interval_is_wide_enough(points, rho, recovery):
     time, rng, held = np.linspace(0.0, 60.0, points), np.random.default_rng(7), 0
     for _ in range(40):
-        depth = 100.0 + 0.05 * time + recovery * np.exp(-time / 4.0) + correlated(rng, points, 0.3, rho)
+        depth = 100.0 + 0.05 * time + recovery * np.exp(-time / 4.0) + 0.3 * autoregressive(rng, points, rho)
         found = drift_rate(time, depth)
         held += found.lower <= 0.05 <= found.upper
     assert held >= 36, "of 40, at 95 %"
@@ -106,7 +106,7 @@ def test_the_interval_is_wide_enough(points, rho, recovery):
 
 def test_correlated_noise_widens_the_interval():
     time, rng = np.linspace(0, 60, 300), np.random.default_rng(1)
-    white, red = (drift_rate(time, 0.02 * time + correlated(rng, 300, 0.5, rho)) for rho in (0.0, 0.9))
+    white, red = (drift_rate(time, 0.02 * time + 0.5 * autoregressive(rng, 300, rho)) for rho in (0.0, 0.9))
     assert red.upper - red.lower > 2 * (white.upper - white.lower)
 
 

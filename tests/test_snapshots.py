@@ -40,6 +40,11 @@ def study(folder, **changes):
     return load_study(file)
 
 
+def snapshots_under(chosen, condition):
+    batches = [batch for batch in store.plan(chosen) if condition in [each.name for each in batch.conditions]]
+    return [snapshot for batch in batches for snapshot in batch.snapshots if snapshot.condition == condition]
+
+
 def fake(specifications):
     return [linear(specification) for specification in specifications]
 
@@ -108,7 +113,7 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
         store.computed(batch.snapshots, tmp_path, lambda line: None)
     assert simulated == solved
     for condition in s.conditions:
-        snapshots = store.snapshots_under(s, condition.name)
+        snapshots = snapshots_under(s, condition.name)
         assert len(snapshots) == 3
         for stored in store.computed(snapshots, tmp_path, lambda line: None):
             alone = simulate(s.specification(stored["parameters"], condition))
@@ -129,7 +134,7 @@ def test_conditions_that_differ_in_size_alone_share_their_simulations(tmp_path, 
 )
 def test_whatever_decides_the_curve_changes_the_address(tmp_path, change):
     one, other = study(tmp_path), study(tmp_path, **change)
-    addresses = [{snapshot.address for snapshot in store.snapshots_under(s, "a")} for s in (one, other)]
+    addresses = [{snapshot.address for snapshot in snapshots_under(s, "a")} for s in (one, other)]
     assert not addresses[0] & addresses[1]
 
 
@@ -215,7 +220,7 @@ def test_what_has_no_content_is_refused():
 
 def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
     s = study(tmp_path)
-    snapshots = store.snapshots_under(s, "a")
+    snapshots = snapshots_under(s, "a")
     contents = store.computed(snapshots, tmp_path, lambda line: None, failing)
     assert list(store.table(snapshots, contents)["status"]) == ["ok", "failed", "ok"]
     parameters, curves, failures = store.matrix(contents, s.levels)
@@ -231,7 +236,7 @@ def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
 def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
     s = study(tmp_path)
     run(s, tmp_path)
-    snapshot, *_ = store.snapshots_under(s, "a")
+    snapshot, *_ = snapshots_under(s, "a")
     file = store.place(snapshot.address, tmp_path)
     whole = file.read_bytes()
     middle = len(whole) // 2

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from homogeneous import BURGERS_TERMS, HOOKE, error, integrated, updated
+from homogeneous import check_yielding
 from under_a_cone import check_law
 
 FLOW = {"yield_stress": 0.03, "saturation_stress": 0.07, "saturation_strain": 0.01}
@@ -14,11 +14,7 @@ def strength(alpha):
 
 @pytest.mark.parametrize("joined", [False, True])
 def test_a_turning_strain_gives_the_stress_of_the_rate_equations(joined):
-    creep = BURGERS_TERMS if joined else {}
-    values, model = HOOKE | FLOW | creep.get("values", {}), "voce_plasticity" + "+nonlinear_burgers" * joined
-    expected = integrated(HOOKE, 0.05, strength=strength, **creep.get("terms", {}))
-    coarse, fine = (error(updated(model, values, steps, 0.05), expected) for steps in (100, 400))
-    assert fine < 0.005 and fine < 0.5 * coarse
+    check_yielding("voce_plasticity", FLOW, strength, joined)
 
 
 def test_under_a_cone():

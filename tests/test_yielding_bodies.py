@@ -7,12 +7,12 @@ import pytest
 from bodies import STANDARD, depth
 
 from palpate.materials import LAWS
-from palpate.solver.axisymmetric.discretisation import step_times
+from palpate.solver.axisymmetric.discretisation import step_times, steps_of_samples
 from palpate.solver.axisymmetric.fields import Fields
 from palpate.solver.axisymmetric.march_cases import Case, run_lanes
 from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
-from palpate.study.protocol import trapezoid
+from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
 
@@ -25,6 +25,14 @@ def test_where_a_body_yields_the_load_grows_little_within_a_step():
     load = protocol.load_at(times)
     assert np.isin(usual, times).all()
     assert (load[1:] / np.maximum(load[:-1], 1e-12)).max() < 1.1251
+
+
+@pytest.mark.parametrize("beside", [-5e-7, 5e-7])
+def test_a_sample_that_rounding_parts_from_a_corner_is_taken_at_the_corner(beside):
+    protocol = Protocol(np.array([0.0, 1.0, 1000.0]), np.array([0.0, 1.0, 0.0]), np.array([0.5, 1.0 + beside, 1000.0]))
+    times = step_times(protocol, STANDARD)
+    assert np.isin(protocol.knot_time[1:], times).all()
+    assert times[steps_of_samples(times, protocol)].tolist() == [0.5, 1.0, 1000.0]
 
 
 @pytest.mark.parametrize("large", [False, True])

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any
 
 MEMORY = 1 << 30  # bytes
-SECONDS = 10
+SECONDS = 10  # of the processor
 BEYOND = f"it takes more than {MEMORY >> 30} GB or {SECONDS} s to read"
 
 

@@ -12,7 +12,6 @@ import functools
 import hashlib
 import io
 import json
-import os
 import tokenize
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.base import kernel_cache
+from palpate.base.whole_file import written_whole
 
 LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.ENCODING, tokenize.ENDMARKER)
 NESTED = {getattr(tokenize, "FSTRING_START", -1): 1, getattr(tokenize, "FSTRING_END", -1): -1}
@@ -70,10 +70,8 @@ def known() -> Iterator[None]:
     before = len(_known)
     yield
     if len(_known) > before:
-        partial = folder / f"{os.getpid()}.partial"
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError), written_whole(file) as partial:
             partial.write_text(json.dumps(_known), encoding="utf-8")
-            partial.replace(file)
 
 
 @functools.cache

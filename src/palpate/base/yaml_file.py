@@ -13,7 +13,7 @@ import yaml
 
 from palpate.errors import InputError
 
-LARGEST = 100_000
+LARGEST = 100_000  # entries, far above those of any study
 FROM_RECORDINGS = "give a YAML file; `palpate draft FILE -o FOLDER` writes one from recordings or a vendor's file"
 
 

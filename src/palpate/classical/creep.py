@@ -15,7 +15,7 @@ from palpate.errors import InputError
 
 
 def corrected_stiffness(stiffness: float, creep_rate: float, unloading_rate: float) -> float:
-    """Return the elastic stiffness S_e [mN/nm].
+    """Return the elastic stiffness S_e [mN/nm]; raises `InputError` where nothing is unloaded.
 
     Parameters
     ----------

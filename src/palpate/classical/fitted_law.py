@@ -14,7 +14,7 @@ from palpate.errors import InputError
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 
-LIMITS = {
+LIMITS = {  # GPa, 1/(GPa s), 1/GPa, s: far beyond those of any solid
     "youngs_modulus": (1e-3, 1e4),
     "steady_coefficient": (1e-9, 1e3),
     "transient_coefficient": (1e-6, 1e3),

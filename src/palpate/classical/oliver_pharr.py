@@ -30,14 +30,12 @@ class Unloading:
 
     Parameters
     ----------
-    factor, final_depth, exponent
-        B [mN/nm^m], h_f [nm] and m.
+    exponent
+        m.
     stiffness
         dP/dh at the largest depth of the fit [mN/nm].
     """
 
-    factor: float
-    final_depth: float
     exponent: float
     stiffness: float
 
@@ -108,6 +106,11 @@ def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: flo
         [mN], [nm].
     upper, lower
         Fractions of the largest load between which the unloading is taken.
+
+    Raises
+    ------
+    InputError
+        When fewer than four points lie between them.
     """
     last = last_at_peak(load)
     load, depth = load[last:], depth[last:]
@@ -156,8 +159,8 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lowe
         x_scale=[0.1, 0.1, 1],
         xtol=1e-12,
     ).x
-    final, rise, exponent = found[0] * scale_h, found[1] * scale_h, found[2]
-    return Unloading(float(scale_p / rise**exponent), float(final), float(exponent), float(exponent * scale_p / rise))
+    rise, exponent = found[1] * scale_h, found[2]
+    return Unloading(float(exponent), float(exponent * scale_p / rise))
 
 
 def oliver_pharr(

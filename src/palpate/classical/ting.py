@@ -38,7 +38,7 @@ def relaxation(compliance: Compliance, step: float, count: int) -> np.ndarray:
 
 
 def depth(compliance: Compliance, indenter: Indenter, protocol: Protocol, steps: int = STEPS) -> np.ndarray:
-    """Return the depth [nm] at the sampling times, unloading included.
+    """Return the depth (n,) [nm] at the sampling times, unloading included.
 
     Parameters
     ----------

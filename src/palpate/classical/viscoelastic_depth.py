@@ -93,14 +93,14 @@ class Compliance:
         return cls((1 - poisson_ratio**2) / modulus, 0.5 * values.get("steady_coefficient", 0.0), tuple(terms))
 
     def at(self, time: np.ndarray) -> np.ndarray:
-        """Return M at times [s]."""
+        """Return M [1/GPa] at times (n,) [s]."""
         value = self.instantaneous + self.rate * time
         for coefficient, tau in self.terms:
             value = value - coefficient * np.expm1(-time / tau)
         return value
 
     def integral(self, time: np.ndarray) -> np.ndarray:
-        """Return the integral of M from 0 to times [s/GPa]; zero before."""
+        """Return the integral of M from 0 to times (n,) [s/GPa]; zero before."""
         time = np.maximum(time, 0.0)
         value = self.instantaneous * time + 0.5 * self.rate * time**2
         for coefficient, tau in self.terms:
@@ -118,7 +118,7 @@ def hereditary(compliance: Compliance, protocol: Protocol, time: np.ndarray) -> 
 
 
 def depth_of(indenter: Indenter, square: np.ndarray) -> np.ndarray:
-    """Return depth [nm] from int M dP [um^2] under a cone or a sphere."""
+    """Return depths (n,) [nm] from int M dP (n,) [um^2] under a cone or a sphere; raises `InputError` for others."""
     square = np.maximum(square, 0.0)
     if indenter.shape == "cone":
         return 1e3 * np.sqrt(math.pi / (2 * math.tan(math.radians(indenter.half_angle))) * square)
@@ -128,5 +128,5 @@ def depth_of(indenter: Indenter, square: np.ndarray) -> np.ndarray:
 
 
 def depth_while_growing(compliance: Compliance, indenter: Indenter, protocol: Protocol) -> np.ndarray:
-    """Return the depth [nm] at the sampling times, true while the contact radius grows."""
+    """Return the depth (n,) [nm] at the sampling times, true while the contact radius grows."""
     return depth_of(indenter, hereditary(compliance, protocol, protocol.sample_time))

@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def examined(study: Study) -> Iterator[str]:
     """Check a study and its recordings, each read once, and yield what will be done; raises `InputError`."""
+    from palpate.inference.study_recordings import tests_to_come
     from palpate.workflow_support.check_study import checked
     from palpate.workflow_support.data_quality import anomalies
 
@@ -84,14 +85,3 @@ def _described(
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"
-
-
-def tests_to_come(study: Study, name: str) -> dict[str, int]:
-    """Return how many recordings of each condition of set `name` the study will write itself."""
-    from palpate.recordings.readers import read_source
-
-    if name in study.laboratory:
-        return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
-    if name == study.source.get("recordings"):
-        return {condition: len(tests) for condition, tests in read_source(study.source).items()}
-    return {}

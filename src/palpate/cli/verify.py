@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 from pathlib import Path
 
 from palpate.errors import InputError, PalpateError
@@ -34,8 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.reference is not None and not arguments.reference.is_dir():
         raise InputError("the folder is missing", remedy="give a folder of curves", file=arguments.reference)
     arguments.output.mkdir(parents=True, exist_ok=True)
-    program = None if arguments.quick else shutil.which("ccx")
-    settings = Settings(arguments.quick, Path(program) if program else None, arguments.reference)
+    settings = Settings.found(arguments.quick, arguments.reference)
     result = runner.run(settings, lambda line: print(line, flush=True))
     runner.write(result, arguments.output)
     print(arguments.output / "report.html")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from palpate.configuration.source_section import conditions_of
 from palpate.errors import InputError
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.recording import Recording
@@ -56,7 +57,7 @@ class Histories:
         """Return the recording whose load or displacement a condition follows."""
         if entry["load_history"] != RECORDED:
             return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
-        if entry["name"] in self.source.get("conditions", [self.source.get("condition")]):
+        if entry["name"] in conditions_of(self.source):
             return self.tests()[entry["name"]][0].recording
         for folder in self.recordings.values():
             for file in recording_files(folder):

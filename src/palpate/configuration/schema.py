@@ -42,7 +42,7 @@ PROBLEMS = {
     "minProperties": "{count} entries are given, expected {wanted} or more",
     "required": "the key {missing!r} is missing",
 }
-LONGEST = 60
+LONGEST = 60  # letters of a value in a message
 
 
 def check_schema(values: Any, schema: Mapping[str, Any]) -> None:

@@ -29,7 +29,7 @@ def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]
     conditions = [entry["name"] for entry in settings["conditions"]]
     for key, name, known in (
         ("recordings", source["recordings"], list(settings.get("recordings", {}))),
-        *(("condition", name, conditions) for name in source.get("conditions", [source.get("condition")])),
+        *(("condition", name, conditions) for name in conditions_of(source)),
     ):
         if name not in known:
             raise InputError(
@@ -38,7 +38,7 @@ def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]
                 place=f"source.{key}",
             )
     for name in conditions:
-        if name not in source.get("conditions", [source.get("condition")]):
+        if name not in conditions_of(source):
             raise InputError(
                 f"no test of condition {name!r} is named",
                 remedy="name its tests under source.conditions, or remove the condition",
@@ -51,3 +51,8 @@ def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]
             place="source.file",
         )
     return source
+
+
+def conditions_of(source: Mapping[str, Any]) -> list[str | None]:
+    """Return the conditions whose tests a section ``source`` names: those of a table, or the only one."""
+    return list(source.get("conditions", [source.get("condition")]))

@@ -17,7 +17,6 @@ from pydoe import get_orthogonal_array
 from palpate.errors import InputError
 
 PARENTS = {"L16": "L16(4^5)", "L27": "L27(2^1 3^12)"}  # pydoe's name of the second is wrong: 13 columns of 3 levels
-ARRAYS = tuple(PARENTS)
 
 
 @dataclass(frozen=True, eq=False)

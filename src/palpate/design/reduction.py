@@ -18,8 +18,8 @@ import numpy as np
 from palpate.design.anova import Anova
 from palpate.errors import InputError
 
-LARGE, SMALL = 25.0, 1.0
-SIGNIFICANT = 0.05
+LARGE, SMALL = 25.0, 1.0  # per cent of the variance, see above
+SIGNIFICANT = 0.05  # p-value, likewise
 
 
 def level_counts(analysis: Anova) -> dict[str, int]:

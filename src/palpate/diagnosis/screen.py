@@ -156,7 +156,8 @@ def _places(problem: Problem, key: str) -> np.ndarray:
     dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
         return np.array(SIMULATED if is_simulated else ADDED)[:, None]
-    scattered = qmc.Sobol(dimensions, seed=0).random(SCATTERED if is_simulated else ADDED_SCATTERED)
+    points = qmc.Sobol(dimensions, seed=0)  # a fixed design, as `SIMULATED` is: no verdict hangs on a draw
+    scattered = points.random(SCATTERED if is_simulated else ADDED_SCATTERED)
     return np.vstack([np.full(dimensions, SHOWN), scattered[1:]])
 
 

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.channel_noise import noise_of
 from palpate.base.sentences import and_more
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
 from palpate.recordings.borne_load import NEAR_START, check_borne
-from palpate.recordings.contact_point import noise_of
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.recording import BARELY_LOADED, Recording

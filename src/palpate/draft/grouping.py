@@ -22,7 +22,7 @@ from palpate.study.protocol import LOAD
 
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
-REACHED = 0.98
+REACHED = 0.98  # of the largest drive, where loading ends: noise and overshoot move the maximum itself
 UNLIKE = 1.25  # ratio of sizes from which on two tests need not be compared
 
 

@@ -12,7 +12,7 @@ from palpate.materials import law_of
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
 LINEAR = 0.1  # GPa, chosen: softer solids are taken to creep linearly
 POINTS = {1: 16, 2: 32, 3: 64}  # snapshots for so many free parameters; more would lie too near to each other
-MOST_POINTS = 128
+MOST_POINTS = 128  # snapshots for more of them
 
 
 def ranges(law: str, solid: Solid, shortest: float) -> dict[str, tuple[float, ...]]:

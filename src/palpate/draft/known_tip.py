@@ -16,7 +16,7 @@ from palpate.errors import InputError
 from palpate.study.area_function import BERKOVICH
 from palpate.study.indenter import Indenter
 
-BERKOVICH_CONE = 70.3
+BERKOVICH_CONE = 70.3  # degrees; its sections are as large as those of the pyramid at the same depths
 EQUIVALENT_CONES = {"berkovich": BERKOVICH_CONE, "vickers": 70.3, "cube corner": 42.28}  # half-angles [degrees]
 ROUND_TO = 0.1  # radii of depth to which the round end of a cone decides
 THINNEST = 0.5  # of the ideal tip's area, that an area function gives at least where it was calibrated

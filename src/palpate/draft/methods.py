@@ -24,8 +24,8 @@ SAME_DEPTH = 0.25  # of what the loads would make the depths differ by, that the
 SPREAD = 1.5  # ratio of the sizes of one condition, the largest to the least
 MANY = 6  # tests that distinguish a spread from levels
 GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
-GRID = np.linspace(0.0, 1.0, 201)
-LOADED = 0.98
+GRID = np.linspace(0.0, 1.0, 201)  # of the time of a test, where normalised histories are compared
+LOADED = 0.98  # of the largest load, where loading ends
 Groups = list[list[Recording]]
 
 

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from palpate.classical.reference_sample import NORMAL_95
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS
 
-NORMAL_95 = 1.96
-LEAST = 1e-9
+LEAST = 1e-9  # in the parameter's unit, the narrowest side of an interval: none is so narrow, and none divides by zero
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class AmplitudeConstraint:
 
 
 def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
-    """Return the departures [standard deviations] of amplitudes from each law; zero where a law does not apply.
+    """Return the departures (n_laws,) [standard deviations] of amplitudes from each law; zero where it does not apply.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """

@@ -66,12 +66,12 @@ class Coordinate:
         return BEYOND_ZERO * self.upper if self.lower == 0.0 else 0.0
 
     def scaled(self, value: np.ndarray | float) -> np.ndarray:
-        """Return u of values in the parameter's unit; minus infinity for a zero on a logarithmic scale."""
+        """Return u (...,) of values (...,) in the parameter's unit; -inf for a zero on a logarithmic scale."""
         first, last = self._measure(self.lower), self._measure(self.upper)
         return (self._measure(value) - first) / (last - first)
 
     def physical(self, u: np.ndarray | float) -> np.ndarray:
-        """Return the values at coordinates u, within the limits."""
+        """Return the values (...,) at coordinates u (...,), within the limits."""
         first, last = self._measure(self.lower), self._measure(self.upper)
         measured = first + np.asarray(u) * (last - first)
         return np.clip(np.exp(measured) - self.offset if self.logarithmic else measured, self.least, self.largest)

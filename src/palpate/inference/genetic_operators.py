@@ -65,6 +65,6 @@ def deviation(generation: int, generations: int, scale: float, shrink: float) ->
 
 
 def reflect(points: np.ndarray) -> np.ndarray:
-    """Fold coordinates back into [0, 1] at the bounds."""
-    folded = np.mod(points, 2.0)
-    return np.where(folded > 1.0, 2.0 - folded, folded)
+    """Return coordinates (n, dimensions) reflected at the bounds into [0, 1]."""
+    periodic = np.mod(points, 2.0)
+    return np.where(periodic > 1.0, 2.0 - periodic, periodic)

@@ -19,7 +19,7 @@ from palpate.inference.explanation import Fit
 from palpate.inference.posterior import posterior_draws
 
 WIDEST_IDENTIFIED = 0.5  # of the range
-CONFIDENCE = 0.95
+CONFIDENCE = 0.95  # of the intervals
 
 
 @dataclass(frozen=True, eq=False)

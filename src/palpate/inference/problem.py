@@ -82,7 +82,7 @@ class Problem:
 
     @cached_property
     def mean(self) -> np.ndarray:
-        """Mean depth of all conditions, one after the other [nm]."""
+        """Mean depth of all conditions (n_all,), one after the other [nm]."""
         return np.concatenate([self.observed[name].mean for name in self.names])
 
     @property
@@ -115,7 +115,7 @@ class Problem:
         return self.nm.get(condition.name, 1.0) * model.refinements.get(condition.name, none)
 
     def refinements(self, model: Forward) -> list[np.ndarray]:
-        """Return the same for each condition."""
+        """Return the same for each condition, a list of (n_points,)."""
         return [self.refinement(model, condition) for condition in self.conditions]
 
     def model(self, explanation: Explanation) -> Forward:

@@ -18,10 +18,10 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
 from palpate.study.recorded_history import averaged_noise
 
-LOAD_TOLERANCE = 0.05
-LEAST_POSITIVE = 0.05
-SHALLOWEST = 0.2
-DEEPEST = 30.0
+LOAD_TOLERANCE = 0.05  # of the largest drive, by which it may differ from its condition's
+LEAST_POSITIVE = 0.05  # of what a channel falls below zero: less above it means the wrong sign
+SHALLOWEST = 0.2  # elastic depths of the stiffest modulus; see `_check_one`
+DEEPEST = 30.0  # elastic depths of the softest; likewise
 OWN_SIZE = 0.5  # by which the largest loads of tests with loads of their own may differ from their condition's
 OWN_COURSE = 0.1  # and the courses of these, each in its largest
 NOISE_PEAK = 4.0  # standard deviations by which noise lets a largest value stick out

@@ -142,15 +142,20 @@ def written_by_workflow(study: Study, name: str) -> bool:
     return name in study.laboratory or name == study.source.get("recordings")
 
 
+def tests_to_come(study: Study, name: str) -> dict[str, int]:
+    """Return how many recordings of each condition of set `name` the workflow will write itself."""
+    if name in study.laboratory:
+        return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
+    if name == study.source.get("recordings"):
+        return {condition: len(tests) for condition, tests in read_source(study.source).items()}
+    return {}
+
+
 def files_of(study: Study, name: str) -> list[Path]:
     """Return the files of set `name`: those that are there, or those that the workflow itself will write."""
-    folder = study.recordings[name]
-    if name in study.laboratory:
-        counts = {condition.name: study.laboratory[name]["replicates"] for condition in study.conditions}
-    elif name == study.source.get("recordings"):
-        counts = {condition: len(tests) for condition, tests in read_source(study.source).items()}
-    else:
+    if not written_by_workflow(study, name):
         return [file for files in find(study, name).values() for file in files]
+    folder, counts = study.recordings[name], tests_to_come(study, name)
     return [folder / f"{condition}_{number + 1}.csv" for condition, count in counts.items() for number in range(count)]
 
 

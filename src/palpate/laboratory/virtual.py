@@ -140,7 +140,8 @@ def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
 def off_the_mesh(specifications: Sequence[Specification], names: Sequence[str]) -> list[Simulation]:
     """Return curves simulated together on meshes whose nodes lie between those of a fit's.
 
-    Plasticity that fails on one mesh is tried on another, with its nodes elsewhere between them.
+    Plasticity that fails on one mesh is tried on another, with its nodes elsewhere between them; not under a pyramid,
+    which keeps its mesh.
 
     Raises
     ------
@@ -149,7 +150,7 @@ def off_the_mesh(specifications: Sequence[Specification], names: Sequence[str]) 
     """
     found = simulate_batch(specifications, SHIFTS[0])
     for place, (specification, name) in enumerate(zip(specifications, names, strict=True)):
-        for shift in SHIFTS[1:]:
+        for shift in SHIFTS[1:] if specification.indenter.of_revolution else ():
             if found[place].status != "ok":
                 (found[place],) = simulate_batch([specification], shift)
         if found[place].status != "ok":

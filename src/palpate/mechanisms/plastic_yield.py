@@ -22,7 +22,7 @@ def from_search(values: Values, scale: Scale) -> Values:
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Put yielding beside the creep."""
+    """Put yielding beside the creep; raises `InputError` for a law that yields already."""
     if specification.specimen.yields:
         raise InputError(
             f"plastic_yield does not apply to {specification.model}, which yields already",

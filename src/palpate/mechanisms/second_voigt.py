@@ -22,7 +22,7 @@ def from_search(values: Values, scale: Scale) -> Values:
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Add one more Voigt element to the law."""
+    """Add one more Voigt element to the law; raises `InputError` for one that has none."""
     present = specification.parameters
     if VOIGT[0].name not in present:
         raise InputError(

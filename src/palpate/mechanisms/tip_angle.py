@@ -12,7 +12,13 @@ from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Put the true half-angle in place of the nominal one; a pyramid's is that of its equivalent cone."""
+    """Put the true half-angle in place of the nominal one; a pyramid's is that of its equivalent cone.
+
+    Raises
+    ------
+    InputError
+        For a shape that has none.
+    """
     try:
         return replace(specification, indenter=specification.indenter.of_half_angle(values["half_angle"]))
     except InputError as error:

@@ -15,7 +15,7 @@ from palpate.study.specification import Specification
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
-    """Give the cone or pyramid a cap."""
+    """Give the cone or pyramid a cap; raises `InputError` for other shapes."""
     indenter = specification.indenter
     if not (indenter.half_angle or indenter.face_angle):
         raise InputError(

@@ -13,7 +13,7 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.output import html_report
 
-MOST_PARTS = 12
+MOST_PARTS = 12  # rows of the table of misfits
 TABLES = {
     "similarity": (
         "Scaling law of a sharp tip",

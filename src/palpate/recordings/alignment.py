@@ -15,8 +15,8 @@ from scipy.optimize import minimize_scalar
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
 
-LONGEST = 0.05
-TRIALS = 201
+LONGEST = 0.05  # of the test, the largest shift
+TRIALS = 201  # shifts before the minimum is refined
 
 
 def time_shift(recording: Recording, protocol: Protocol) -> float:

@@ -14,8 +14,9 @@ from itertools import pairwise, product
 import numpy as np
 
 TIMES = (0.002, 0.005, 0.012, 0.03, 0.07, 0.16)  # of transients, as shares of the fit's duration
+# Prior standard deviations of the coefficients, in ranges of the load; an offset is free, and zero is held.
 DEVIATIONS = {"zero": 1e-6, "offset": 1e3, "tilt": 0.5, "drift": 0.5, "cosine": 0.05, "sine": 0.05, "transient": 0.2}
-MOST_CYCLES = 60.0
+MOST_CYCLES = 60.0  # of a wave over the points before contact
 FOR_OFFSET, FOR_SLOPE, FOR_CURVE = 3, 6, 30  # points in air, chosen
 BESIDE = (-0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2)  # cycles over the span, about the frequency found
 Term = tuple[str, float]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
+from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
-from palpate.recordings.contact_point import noise_of
 from palpate.recordings.recording import Recording
 
 LEAST_RISE = 0.05  # of its fall, by which a load of the right sign rises
@@ -71,7 +71,8 @@ def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Return averages of a load (n,), the standard deviation of their noise, and that of single points."""
     over = len(load) // AVERAGES
     if over < FEW:
-        return median_filter(load, 5, mode="nearest"), noise_of(load), noise_of(load)
+        noise = noise_of(load)
+        return median_filter(load, OUTLIER, mode="nearest"), noise, noise
     smooth = uniform_filter1d(load, over, mode="nearest")
     noise = float(np.std(load - smooth))
     return smooth, noise / np.sqrt(over), noise

@@ -34,11 +34,12 @@ from scipy.special import ndtr
 from palpate.recordings.baseline import Baselines, Term, correlated, prior_deviation, values
 from palpate.recordings.contact_law import Laws
 
-DISCREPANCIES = (0.001, 0.01, 0.05, 0.2)
-STARTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35)
+DISCREPANCIES = (0.001, 0.01, 0.05, 0.2)  # of the law from the body, on trial; shares of its load
+STARTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35)  # free starts on trial, shares of the approach
+# Of correlated noise on trial: in standard deviations of the white noise, and as shares of the duration.
 AMPLITUDES, CORRELATION_TIMES = (0.1, 0.3, 1.0, 3.0, 10.0), (0.0005, 0.0015, 0.005, 0.015, 0.05, 0.2)
 LIKELY, POSSIBLE, COUNTS = 4.0, 10.0, 12.0  # nats below the best: combined with one another, tried again, counted
-EVEN = 400
+EVEN = 400  # points, over which slopes are taken
 MOST = 6  # baselines, and kinds of correlated noise, that are combined
 ROUNDING = 1e-10  # of the largest variance, added to all: equal covariances of noise-free points stay definite
 Value = TypeVar("Value")

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NAMED = (1.0, 1.5, 2.0)
-STEEPEST = 2.5
+NAMED = (1.0, 1.5, 2.0)  # exponents of punch, sphere and cone
+STEEPEST = 2.5  # largest exponent on trial
 ON_NAMED, ON_EXPONENTS, ON_CAPS = 0.17, 0.24, 0.25  # prior weights: each named law, all exponents, all rounded cones
-SHALLOWEST_CAP = 0.02
+SHALLOWEST_CAP = 0.02  # least c on trial
 LEFT = 1e-4  # of the largest weight, with which a law stays on trial
 
 

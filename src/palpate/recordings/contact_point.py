@@ -13,13 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.channel_noise import long_run_noise, noise_of, noises_of  # noqa: F401 - readers take it from here
 from palpate.errors import InputError
 from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
 from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
 
-LOADED = 0.1
+LOADED = 0.1  # of the rise of the load, that the tip has reached at least where a way in counts
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
-FEWEST = 6
+FEWEST = 6  # points of a search
 CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has moved
 MOSTLY = 0.95  # of the largest load, where the loading ends
 FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and steps along it would miss the test
@@ -58,33 +59,6 @@ class ContactPoint:
     baseline_time: np.ndarray = field(default_factory=lambda: np.empty(0))
     baseline_load: np.ndarray = field(default_factory=lambda: np.empty(0))
     baseline_terms: frozenset[str] = frozenset()
-
-
-def noise_of(values: np.ndarray) -> float:
-    """Return the standard deviation of a channel's noise (n,), from second differences, small where it is smooth."""
-    return float(noises_of(values))
-
-
-def noises_of(values: np.ndarray) -> np.ndarray:
-    """Return the same (...,) for channels (..., n); zero where there are too few points."""
-    if values.shape[-1] < 5:
-        return np.zeros(values.shape[:-1])
-    return np.median(np.abs(np.diff(values, 2, axis=-1)), axis=-1) / (0.6745 * np.sqrt(6))
-
-
-def long_run_noise(values: np.ndarray) -> float:
-    """Return the standard deviation of a channel's noise (n,) as averages over many points know it, times their root.
-
-    It is larger than `noise_of` where neighbours share their noise. Fourth differences of averages over 1, 4 and 16
-    points, as long as forty averages remain: a smooth path leaves little in them.
-    """
-    found = [noise_of(values)]
-    for size in (1, 4, 16):
-        count = len(values) // size
-        if count >= 40:
-            means = values[: count * size].reshape(count, size).mean(axis=1)
-            found.append(float(np.median(np.abs(np.diff(means, 4))) * np.sqrt(size / 70) / 0.6745))
-    return max(found)
 
 
 def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:

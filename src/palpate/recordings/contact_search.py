@@ -20,13 +20,13 @@ from palpate.recordings.contact_evidence import (
 )
 from palpate.recordings.contact_law import Laws
 
-CONTACTS = 32
-STEPS = 4
-LEVEL = 0.95
+CONTACTS = 32  # on trial in each step
+STEPS = 4  # at most
+LEVEL = 0.95  # probability of the interval
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of mean squares
 WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
-FEWEST_IN_AIR = 6
+FEWEST_IN_AIR = 6  # points
 CLEARLY = 6.0  # root mean squares of what a fit leaves, by which a law rises that is no accident, chosen
 LITTLE = 4.0  # times what a law leaves, that a line leaves where the law explains more than it, chosen
 MORE = 1.5  # times what the load does before, chosen on the XP's tests in fused silica
@@ -199,7 +199,7 @@ def _even(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Blocks:
 def coarse(
     time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
-    """Return depths and loads of the law, and the contact, that fit the whole loading best on a straight baseline.
+    """Return depths and loads (n,) of the law, and the contact, that fit the loading best on a straight baseline.
 
     The last value is the mean square of the residual; without an approach the baseline is zero.
 

@@ -26,9 +26,9 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import stdtrit
 
-CORRELATIONS = np.sin(np.linspace(0.0, np.arcsin(0.99), 100))
+CORRELATIONS = np.sin(np.linspace(0.0, np.arcsin(0.99), 100))  # on trial
 ROUNDING = np.finfo(float).eps
-LEAST = 1e-300
+LEAST = 1e-300  # in place of zero, where a fit leaves nothing
 
 
 @dataclass(frozen=True)

@@ -21,12 +21,12 @@ from palpate.errors import InputError
 from palpate.recordings.correlated_errors import Series, Shared, shared_coefficient
 from palpate.recordings.segments import Segment
 
-MOST = 400
-FEWEST = 20
-CORNER = 2
-TRANSIENTS = 12
-VERY_STRONG = 10.0
-PROFILE = 0.5 * chdtri(1, 0.05)
+MOST = 400  # points of a fit; more are brought to medians
+FEWEST = 20  # points of a hold that shows a drift
+CORNER = 2  # points at each end of a hold, which may be its neighbours'
+TRANSIENTS = 12  # times tau on trial, then twice as many about the best
+VERY_STRONG = 10.0  # of the Bayesian information criterion, see above
+PROFILE = 0.5 * chdtri(1, 0.05)  # of the log-likelihood, at the ends of a 95 % interval
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import median_filter
 
-from palpate.recordings.contact_point import noise_of
+from palpate.base.channel_noise import noise_of
 from palpate.recordings.recording import Recording
 
 AROUND = 11  # points before and behind, the larger of whose median rates is that of the loading itself

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.whole_file import written_whole
 from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
-BARELY_LOADED = 1e-3
+BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
@@ -126,9 +127,8 @@ class Recording:
         text.write(header + "\n")
         digits = [DIGITS if _distinct(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
         np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
-        partial = path.with_name(path.name + ".partial")
-        partial.write_text(text.getvalue(), encoding="utf-8")
-        partial.replace(path)
+        with written_whole(path) as partial:
+            partial.write_text(text.getvalue(), encoding="utf-8")
 
     def write_apart(self, path: str | Path) -> None:
         """Write the recording in three columns, and once more with its stiffness, if it has one, in a folder beside.

@@ -14,17 +14,17 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
-from palpate.recordings.contact_point import noise_of
 from palpate.study.protocol import corners
 
 KINDS = ("approach", "loading", "hold", "unloading", "reloading", "drift_hold")
-LINEAR = 200.0
-TOLERANCE = 0.02
-CHANGE = 0.05
-SLOW = 0.1
+LINEAR = 200.0  # standard deviations of the load's noise, s: below it, y is linear in the load
+TOLERANCE = 0.02  # of y, by which a segment may depart from a straight line
+CHANGE = 0.05  # of y, up to which a piece holds the load
+SLOW = 0.1  # of the rate beside it, up to which a piece is a hold
 LOW, PRELOAD = 1 / 3, 0.05  # of the largest load: below them a hold shows drift after loading, and before it
-FEWEST = 5
+FEWEST = 5  # intervals of a piece
 
 
 @dataclass(frozen=True)

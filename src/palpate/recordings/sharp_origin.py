@@ -6,10 +6,10 @@ import numpy as np
 
 from palpate.recordings.correlated_errors import Series, shared_coefficient
 
-STARTS = (0.05, 0.1, 0.2, 0.4)
-MAIN = 0.1
-LEVELS = 400
-RISING = 4
+STARTS = (0.05, 0.1, 0.2, 0.4)  # of the largest load, where a fit begins
+MAIN = 0.1  # the one of them that gives the estimate
+LEVELS = 400  # of the load, even
+RISING = 4  # points that determine a law
 
 
 def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError
 from palpate.mechanisms import checked_mechanisms
-from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
@@ -33,7 +33,7 @@ KEYS = (*SECTIONS, "kinematics", "mechanisms", "accuracy")
 
 
 def specification_from(values: Mapping[str, Any]) -> Specification:
-    """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`."""
+    """Build from the keys of a SPEC.yaml; `protocol` may also be a `Protocol`; raises `InputError` with the place."""
     if not isinstance(values, Mapping):
         raise InputError("the specification is not a table of keys", remedy=f"give {', '.join(SECTIONS)}")
     for key in values:
@@ -248,7 +248,7 @@ def fields_at(specification: Specification, times: Iterable[float]) -> list[Fiel
             break
     if history.reason:
         raise PalpateError(f"the simulation failed: {history.reason}")
-    return [Fields.of(moment) for moment in moments if _among(moment.time, wanted)]
+    return [Fields.of(moment) for moment in moments if _among(moment.time, wanted, solid.protocol)]
 
 
 def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any, list[Any]]:
@@ -257,7 +257,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
     Returns
     -------
     problem
-        What does not change, such as the mesh: that of `palpate.solver.pyramid.newton_3d`.
+        What does not change, such as the mesh, see `palpate.solver.pyramid.problem_3d`.
     states
         One for each of the times, which are sorted.
 
@@ -272,7 +272,7 @@ def states_at(specification: Specification, times: Iterable[float]) -> tuple[Any
     found: list[tuple[Any, Any]] = []
 
     def keep(problem: Any, state: Any) -> None:
-        if _among(state.time, wanted):
+        if _among(state.time, wanted, solid.protocol):
             found.append((problem, state))
 
     history = _pyramid(solid, observe=keep)
@@ -291,13 +291,13 @@ def _sampled_at(specification: Specification, times: Iterable[float]) -> tuple[S
             remedy="give times above zero, up to its end",
             place="time",
         )
-    others = [time for time in protocol.sample_time if not _among(time, wanted)]
+    others = [time for time in protocol.sample_time if not _among(time, wanted, protocol)]
     samples = np.union1d(others, wanted)
     return replace(solid, protocol=replace(protocol, sample_time=samples)), wanted
 
 
-def _among(time: float, wanted: np.ndarray) -> bool:
-    return bool(np.abs(wanted - time).min() <= 1e-9 * wanted[-1])
+def _among(time: float, wanted: np.ndarray, protocol: Protocol) -> bool:
+    return bool(np.abs(wanted - time).min() <= SAME * protocol.knot_time[-1])
 
 
 def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) -> list[Simulation]:

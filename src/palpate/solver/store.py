@@ -12,7 +12,6 @@ import functools
 import hashlib
 import json
 import math
-import os
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -24,6 +23,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.base.fingerprint import content, fingerprint
+from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
 from palpate.solver.axisymmetric.lanes import LANES
@@ -31,7 +31,7 @@ from palpate.solver.simulation import Simulation, alike, simulate_batch
 from palpate.study.specification import Specification, of_equivalent_cone
 
 STORE = Path("results/store")
-AT_ONCE = 2 * LANES
+AT_ONCE = 2 * LANES  # cells under each condition that are solved together; chosen
 LEAST_CELLS = 24  # of a job: seconds of work, so that its start, two seconds, is not most of it
 JOBS = 400  # of a large study: Snakemake plans thousands of jobs in minutes, hundreds in seconds
 
@@ -116,12 +116,6 @@ def plan(study: Study) -> list[Batch]:
         for conditions in groups
         for first in range(0, len(cells), size)
     ]
-
-
-def snapshots_under(study: Study, condition: str) -> list[Snapshot]:
-    """Return the snapshots of a study under one condition."""
-    batches = [batch for batch in plan(study) if condition in [each.name for each in batch.conditions]]
-    return [snapshot for batch in batches for snapshot in batch.snapshots if snapshot.condition == condition]
 
 
 def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict[str, Any]]:
@@ -215,23 +209,18 @@ def write(path: Path, simulation: Simulation, cell: Mapping[str, float], conditi
         Name of the condition.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(f".{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as stream:
-            np.savez(
-                stream,
-                time=simulation.time,
-                load=simulation.load,
-                depth=simulation.depth,
-                quantity=simulation.quantity,
-                status=simulation.status,
-                reason=simulation.reason,
-                parameters=json.dumps(dict(cell)),
-                condition=condition,
-            )
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with written_whole(path) as partial, partial.open("wb") as stream:
+        np.savez(
+            stream,
+            time=simulation.time,
+            load=simulation.load,
+            depth=simulation.depth,
+            quantity=simulation.quantity,
+            status=simulation.status,
+            reason=simulation.reason,
+            parameters=json.dumps(dict(cell)),
+            condition=condition,
+        )
 
 
 def read(path: str | Path) -> dict[str, Any]:

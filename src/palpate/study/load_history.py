@@ -47,7 +47,7 @@ SHAPES = (
     "times", "loads", "displacements",
 )  # fmt: skip
 KEYS = ("drive", "spring", *SHAPES)
-CHORD = 1e-3
+CHORD = 1e-3  # of the load, by which an exponential may lie below its chord
 
 
 def protocol_from(values: Mapping[str, Any]) -> Protocol:

@@ -13,10 +13,11 @@ from scipy.ndimage import uniform_filter1d
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import lsqr
 
+from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
 
-MOST_KNOTS = 500
+MOST_KNOTS = 500  # chosen: a simulation takes at least a step for each
 TOLERANCE = 1e-3  # of the largest drive, by which it may lie from its history
 MOST_NOISE = 0.02  # of the largest drive, likewise where it is noisy
 SHORTEST = 50  # averages at least, that a history is made of
@@ -165,8 +166,7 @@ def swing(drive: np.ndarray, over: int) -> float:
 
 def _allowed(drive: np.ndarray) -> float:
     """Return how far a drive may lie from its history, in its unit, see `recorded`."""
-    noise = np.median(np.abs(np.diff(drive, 2))) / (0.6745 * np.sqrt(6)) if len(drive) > 2 else 0.0
-    return float(max(TOLERANCE * drive.max(), min(STEPS * noise, MOST_NOISE * drive.max())))
+    return float(max(TOLERANCE * drive.max(), min(STEPS * noise_of(drive), MOST_NOISE * drive.max())))
 
 
 def _corners_of_average(time: np.ndarray, drive: np.ndarray, over: int) -> np.ndarray:

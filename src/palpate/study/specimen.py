@@ -64,8 +64,14 @@ def root_growth(before: float, load: float) -> float:
     return math.sqrt(load / before) if load > before > 0.0 else 1.0
 
 
+def plane_strain_modulus(coefficients: np.ndarray) -> float:
+    """Return E / (1 - nu^2) of a law [GPa]."""
+    shear, bulk = coefficients[SHEAR], coefficients[BULK]
+    return float(4.0 * shear * (3.0 * bulk + shear) / (3.0 * bulk + 4.0 * shear))
+
+
 def elastic_substrate(coefficients: np.ndarray, modulus: float) -> np.ndarray:
-    """Return the law of an elastic substrate of Young's modulus `modulus` [GPa] and the film's Poisson's ratio."""
+    """Return the law (c,) of an elastic substrate of modulus E = `modulus` [GPa] and the film's Poisson's ratio."""
     shear, bulk = coefficients[SHEAR], coefficients[BULK]
     youngs = 9 * bulk * shear / (3 * bulk + shear)
     substrate = coefficients.copy()
@@ -86,15 +92,13 @@ def under_tip(coefficients: np.ndarray, compliance: float) -> np.ndarray:
     Source: K.L. Johnson, Contact Mechanics (1985), equation (4.6), for elastic bodies; M. Dao et al., Acta Mater. 49
     (2001) 3899-3918, section 2, for elastic-plastic ones.
     """
-    shear, bulk = coefficients[SHEAR], coefficients[BULK]
-    plane_strain = 4.0 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear)
     lowered = coefficients.copy()
-    lowered[[SHEAR, BULK]] /= 1.0 + plane_strain * compliance
+    lowered[[SHEAR, BULK]] /= 1.0 + plane_strain_modulus(coefficients) * compliance
     return lowered
 
 
 def without_flow(coefficients: np.ndarray) -> np.ndarray:
-    """Return the elastic part of a law, in the same layout."""
+    """Return the elastic part (c,) of a law (c,), in the same layout."""
     elastic = coefficients.copy()
     elastic[SHARE] = 0.0
     return elastic

@@ -20,14 +20,11 @@ class POD:
     ----------
     modes : ndarray, shape (n_modes, n_points)
         Orthonormal rows.
-    singular_values : ndarray
-        All of them, largest first.
     energy : ndarray
-        Cumulative fraction of the energy, one entry for each singular value.
+        Cumulative fraction of the energy, one entry for each singular value, the largest first.
     """
 
     modes: np.ndarray
-    singular_values: np.ndarray
     energy: np.ndarray
 
     def reduce(self, curves: np.ndarray) -> np.ndarray:
@@ -54,4 +51,4 @@ def pod(curves: np.ndarray, *, energy: float, n_modes: int | None = None) -> POD
     cumulative = np.cumsum(singular**2) / total if total > 0 else np.ones_like(singular)
     if n_modes is None:
         n_modes = int(np.searchsorted(cumulative, min(energy, cumulative[-1]))) + 1
-    return POD(modes[:n_modes], singular, cumulative)
+    return POD(modes[:n_modes], cumulative)

@@ -7,13 +7,13 @@ on one machine serves on any other.
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 import zlib
 from pathlib import Path
 
 import numpy as np
 
+from palpate.base.whole_file import written_whole
 from palpate.errors import PalpateError
 from palpate.surrogate.pod_rbf import PODRBF
 
@@ -30,12 +30,9 @@ def save(model: PODRBF, parameters: np.ndarray, curves: np.ndarray, path: str | 
     parameters : ndarray, shape (n_snapshots, n_parameters)
     curves : ndarray, shape (n_snapshots, n_points)
     """
-    path = Path(path)
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    with partial.open("wb") as stream:
-        settings = json.dumps(model.get_params())
+    settings = json.dumps(model.get_params())
+    with written_whole(Path(path)) as partial, partial.open("wb") as stream:
         np.savez(stream, parameters=parameters, curves=curves, lengths=model.lengths_, settings=settings)
-    partial.replace(path)
 
 
 def load(path: str | Path) -> PODRBF:

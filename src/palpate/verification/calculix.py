@@ -26,9 +26,9 @@ from palpate.study.specification import Specification
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, depth, worst
 from palpate.verification.reference_materials import CONE
 
-TIME_LIMIT = 1800.0
-WITHIN, LOADED_FROM = 0.01, 0.15
-FRICTIONS = (0.0, 0.25)
+TIME_LIMIT = 1800.0  # s
+WITHIN, LOADED_FROM = 0.01, 0.15  # of the depth; and of the largest load, from where on depths count
+FRICTIONS = (0.0, 0.25)  # coefficients
 PRINTED = re.compile(r"REFERENCE and time\s+(\S+)\s+\d+\s+\S+\s+(\S+)\s+\S+")
 NOT_RUN = "CalculiX (ccx) was not run: it is not on the PATH, or a quick run was asked for."
 RULE = (
@@ -85,7 +85,7 @@ def table(pattern: re.Pattern[str], text: str) -> np.ndarray:
 
 
 def run_deck(program: Path, specification: Specification, resolution: Resolution) -> np.ndarray:
-    """Run CalculiX and return the depth [nm] at the samples, NaN after the time that it reached.
+    """Run CalculiX and return the depth (n,) [nm] at the samples, NaN after the time that it reached.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def compared(name: str, specification: Specification, theirs: np.ndarray, own_er
 
 
 def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
-    """Return which samples count."""
+    """Return which samples (n,) count: those under enough load that CalculiX has reached."""
     protocol = specification.protocol
     return (protocol.sample_load >= LOADED_FROM * protocol.max_load) & np.isfinite(theirs)
 

@@ -23,11 +23,11 @@ from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
 from palpate.verification.reference_materials import STEADY_CREEP
 
 CREEP = Comparison("steady creep", "nonlinear_burgers", STEADY_CREEP, 1.0, 30.0)
-POINTS = 25
+POINTS = 25  # of a test, then twice as many for its own error
 
 
 def extrapolated(program: Path, friction: float) -> tuple[np.ndarray, float]:
-    """Return the depth [nm] on the fine mesh at no time step, and its refinement error in mesh and step."""
+    """Return the depth (n,) [nm] on the fine mesh at no time step, and its refinement error in mesh and step."""
     tests = [CREEP.specification(points, friction=friction) for points in (POINTS, 2 * POINTS)]
     long, short = (run_deck(program, test, RESOLUTIONS["standard"]) for test in tests)
     fine = run_deck(program, tests[0], RESOLUTIONS["fine"])

@@ -35,7 +35,7 @@ FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
 WEDGES = 180  # CalculiX takes a body of revolution for a wedge of two degrees
 KNOTS = 620.0 * np.array([0.0, 0.2, 0.45, 1.0, 0.975])  # nm; back until about a tenth of the load is left
 POINTS = 20  # from one of them to the next; with fewer CalculiX loses its way on the coarse mesh with friction
-LEAST = 0.05
+LEAST = 0.05  # of the largest load, below which its depth does not count
 
 
 @dataclass(frozen=True, eq=False)

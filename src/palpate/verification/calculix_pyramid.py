@@ -15,7 +15,7 @@ from palpate.output.export.wedge import INCREMENTS, deck
 from palpate.solver.axisymmetric.discretisation import mesh_radii
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import WEDGES
+from palpate.solver.pyramid.problem_3d import WEDGES
 from palpate.solver.pyramid.shell import shell
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
@@ -30,11 +30,11 @@ PRINTED = re.compile(r"time\s+(\S+)\s+\S+\s+\S+\s+(\S+)")
 LATER = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([0.5, 1.0]))
 COUNTS_FROM = 0.7  # of the way: before that the contact lies on few of its elements
 MESH = Resolution(growth=1.12, sectors=9)
-WITHIN = {"standard": 0.008, "medium": 0.006}
+WITHIN = {"standard": 0.008, "medium": 0.006}  # of the depth, by accuracy
 FRICTION = 0.25
 ROUGH_MESH = Resolution(growth=1.2, sectors=6, far=100.0)  # friction takes CalculiX many more iterations
 ROUGH_INCREMENTS = 16  # what slips in an increment counts from its start, before a new node has touched
-ROUGH_WITHIN = 0.002
+ROUGH_WITHIN = 0.002  # of the depth
 SMOOTHLY = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(1 / 16, 1.0, 16) ** 2)
 REACH = 9.0  # of the depth: the contact ends at 3.5 of it, under the edges
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +30,12 @@ class Settings:
     quick: bool = False
     calculix: Path | None = None
     reference: Path | None = None
+
+    @classmethod
+    def found(cls, quick: bool, reference: Path | None) -> Settings:
+        """Return the settings with CalculiX where it is on the PATH and has the time to run."""
+        program = None if quick else shutil.which("ccx")
+        return cls(quick, Path(program) if program else None, reference)
 
 
 @dataclass(frozen=True)

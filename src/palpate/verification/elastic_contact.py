@@ -11,9 +11,9 @@ from palpate.study.specification import Specification
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.reference_materials import HOOKE
 
-SHALLOW = 89.0
-RADIUS = 1e5
-WITHIN = {"standard": 0.01, "fine": 0.005}
+SHALLOW = 89.0  # degrees: the solution neglects what the slope of a steeper cone does
+RADIUS = 1e5  # nm
+WITHIN = {"standard": 0.01, "fine": 0.005}  # of the depth, by accuracy
 
 
 def _loading(load: float, points: int) -> Protocol:

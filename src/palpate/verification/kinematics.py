@@ -50,7 +50,7 @@ class Test:
         return peak, peak + int(np.argmin(np.abs(load[peak:] - load[peak] / 15)))
 
     def curve(self, kinematics: str, friction: float) -> np.ndarray:
-        """Return the simulated depth [nm] at the samples."""
+        """Return the simulated depth (n,) [nm] at the samples."""
         indenter = replace(CONE, friction=friction)
         return depth(
             Specification(self.law, self.values, indenter, self.protocol, kinematics=kinematics, accuracy="fine")

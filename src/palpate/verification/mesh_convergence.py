@@ -23,8 +23,8 @@ from palpate.study.specimen import Specimen
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification
 from palpate.verification.reference_materials import BURGERS, CONE
 
-STANDARD_WITHIN = 0.005
-ORDER_WITHIN = 0.2
+STANDARD_WITHIN = 0.005  # of the depth
+ORDER_WITHIN = 0.2  # of the order
 PROTOCOL = trapezoid(1.0, 30.0, 0.0, 30.0, points=50)
 LOADED = PROTOCOL.sample_load >= 0.15
 

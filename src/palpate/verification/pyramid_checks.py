@@ -10,7 +10,7 @@ from palpate.analytic import berkovich
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS, indent_3d
-from palpate.solver.pyramid.newton_3d import Problem3D, State
+from palpate.solver.pyramid.problem_3d import Problem3D, State
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
@@ -26,7 +26,7 @@ MANY = np.geomspace(0.4, 1.0, 40)  # so that the contact meets every place betwe
 GROWING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), MANY)
 CREEP = trapezoid(1.0, 30.0, 0.0, 30.0)
 PUNCH = 1.034  # King, Int. J. Solids Struct. 23 (1987) 1657-1664: a flat triangular punch
-WITHIN = {"standard": 0.007, "fine": 0.004}
+WITHIN = {"standard": 0.007, "fine": 0.004}  # of the depth, by accuracy
 SIMILAR_WITHIN, PUBLISHED_WITHIN, CONVERGED_WITHIN, LARGE_WITHIN = 0.003, 0.02, 0.01, 0.004
 
 

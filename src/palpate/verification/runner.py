@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import math
 import time
@@ -113,7 +112,7 @@ def write(result: dict[str, Any], folder: Path) -> None:
     (folder / "verification.json").write_text(json.dumps(plain, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     sections = []
     for case in result["cases"]:
-        pieces = [f"<p>{html.escape(note)}</p>" for note in case["notes"]]
+        pieces = list(map(html_report.paragraph, case["notes"]))
         if case["rows"]:
             pieces.append(html_report.table(pd.DataFrame(list(_table(case["rows"])))))
         for plot in case["plots"]:

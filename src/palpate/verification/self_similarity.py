@@ -10,9 +10,9 @@ from palpate.study.specification import Specification
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE
 
-LOAD, STRESS, TIME = 2.7, 5.0, 3.0
-ALLOWED_LOAD, ALLOWED = 1e-3, 1e-6
-ALLOWED_WITHIN = {"standard": 0.005, "fine": 1e-3}
+LOAD, STRESS, TIME = 2.7, 5.0, 3.0  # factors; no law knows them
+ALLOWED_LOAD, ALLOWED = 1e-3, 1e-6  # relative; a mesh knows the load, but neither stress nor time
+ALLOWED_WITHIN = {"standard": 0.005, "fine": 1e-3}  # the same from one accuracy's mesh to another
 
 
 def run(settings: Settings) -> Outcome:

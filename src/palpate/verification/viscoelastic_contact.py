@@ -28,7 +28,7 @@ VALUES = {
     "retardation_time_2": VOIGT[1][1],
 }
 SOLID = LinearBurgers(MODULUS / (2 * (1 + RATIO)), 0.09, VOIGT)
-ALLOWED = 0.01
+ALLOWED = 0.01  # of the depth: the solution is for incompressible bodies, and nu is 0.499
 
 
 def run(settings: Settings) -> Outcome:

@@ -164,8 +164,7 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
         Columns as in `run_calibration`.
     """
     tables = []
-    estimate = {name: found.estimate for name, found in result.parameters.items()}
-    observed = brought_to_one_load(study, observed, estimate)
+    observed = brought_to_one_load(study, observed, result.values)
     for condition in study.conditions:
         item = observed[condition.name]
         count, unit = len(item.response), item.quantity.unit

@@ -13,39 +13,22 @@ from palpate.materials.flow.registry import FLUIDITIES, STRENGTHS
 assert LAWS  # the laws' files, once read, have filled the registry
 
 
-def _fluidity(functions: Mapping[int, Callable[..., Any]]) -> Any:
-    """Return a function of (number, law, at, q, log_q, pressure) that calls the one of the `number`."""
+def _chosen(functions: Mapping[int, Callable[..., Any]]) -> Any:
+    """Return a function of (number, *arguments) that calls the one of the `number` with the arguments."""
     (number, function), *others = functions.items()
     own = njit(forceinline=True)(function)
     if not others:
-        return njit(forceinline=True)(lambda chosen, law, at, q, log_q, pressure: own(law, at, q, log_q, pressure))
-    following = _fluidity(dict(others))
+        return njit(forceinline=True)(lambda chosen, *arguments: own(*arguments))
+    following = _chosen(dict(others))
 
     @njit(forceinline=True)
-    def choose(chosen, law, at, q, log_q, pressure):
+    def choose(chosen, *arguments):
         if chosen == number:
-            return own(law, at, q, log_q, pressure)
-        return following(chosen, law, at, q, log_q, pressure)
+            return own(*arguments)
+        return following(chosen, *arguments)
 
     return choose
 
 
-def _strength(functions: Mapping[int, Callable[..., Any]]) -> Any:
-    """Return a function of (number, law, at, alpha, pressure) that calls the one of the `number`."""
-    (number, function), *others = functions.items()
-    own = njit(forceinline=True)(function)
-    if not others:
-        return njit(forceinline=True)(lambda chosen, law, at, alpha, pressure: own(law, at, alpha, pressure))
-    following = _strength(dict(others))
-
-    @njit(forceinline=True)
-    def choose(chosen, law, at, alpha, pressure):
-        if chosen == number:
-            return own(law, at, alpha, pressure)
-        return following(chosen, law, at, alpha, pressure)
-
-    return choose
-
-
-fluidity_of = _fluidity(FLUIDITIES)
-strength_of = _strength(STRENGTHS)
+fluidity_of = _chosen(FLUIDITIES)
+strength_of = _chosen(STRENGTHS)

@@ -67,7 +67,7 @@ from palpate.materials.flow.row import (
     YIELD,
 )
 
-ITERATIONS = 60
+ITERATIONS = 60  # of either iteration; a few suffice
 TOLERANCE = 1e-5  # of ln q; the change that is smaller is still made, so the error left is of its third power
 SQUARED = 1e-7  # of rho, with plastic flow: the error left is of its second power
 NOTHING = 1e-150  # takes the place of rho = 0, so that the direction R / rho exists
@@ -170,13 +170,14 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     if whole(law, YIELD) > 0:
         least, _, _ = threshold(alpha, pressure, law, step)
         if greatest(q - least) > 0.0:
-            q, log_q, order, push = flow(rho, q, log_q, order, push, least, alpha, pressure, law, step)
+            q, log_q, order, push = flow(rho, (q, log_q, order, push), least, alpha, pressure, law, step)
     return q, log_q, order, push
 
 
 @njit(cache=True)
-def flow(rho, q, log_q, order, push, least, alpha, pressure, law, step):
-    """Return what `solve_radial` does, from the solution without plastic flow, which begins at `least` q."""
+def flow(rho, unyielding, least, alpha, pressure, law, step):
+    """Return what `solve_radial` does, from its `unyielding` solution; plastic flow begins at `least` q."""
+    q, log_q, order, push = unyielding
     nothing = constant(rho, 0.0)
     total, _, _, _ = compliance(least, logarithm(least), pressure, law, step)
     share = where_less(entry(law, SHARE), constant(rho, 1e-12), constant(rho, 1e-12), entry(law, SHARE))
@@ -196,11 +197,11 @@ def flow(rho, q, log_q, order, push, least, alpha, pressure, law, step):
         change = excess / ((total + slope) * harder + share)
         closing = where_less(magnitude(excess) / rho, constant(rho, SQUARED), harder * change, nothing)
         new, growth = where_less(nothing, open, stress - closing, new), where_less(nothing, open, total + slope, growth)
-        hardening, by_strength = (
+        hardening, by_pressure = (
             where_less(nothing, open, harder, hardening),
-            where_less(nothing, open, by_stress, by_strength),
+            where_less(nothing, open, by_push, by_pressure),
         )
-        by_pressure = where_less(nothing, open, by_push, by_pressure)
+        by_strength = where_less(nothing, open, by_stress, by_strength)
         open = where_less(constant(rho, SQUARED), magnitude(excess) / rho, open, nothing)
         if greatest(open) == 0.0:
             break

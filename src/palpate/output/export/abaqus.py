@@ -26,7 +26,7 @@ from palpate.output.export.terms import steady_creep, strength, voigt_elements
 from palpate.study.specification import Specification
 
 SUBROUTINE, PROGRAM = "burgers.f", "Abaqus"
-PER_LINE = 8
+PER_LINE = 8  # constants; the keyword takes no more
 
 
 def creeps(specification: Specification) -> bool:

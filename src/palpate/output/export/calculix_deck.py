@@ -33,7 +33,7 @@ from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
-PENETRATION = 5e-4
+PENETRATION = 5e-4  # of the depth at the edge of contact, that the mean pressure presses the surface into the tip
 
 
 def norton(steady_coefficient: float, steady_exponent: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from palpate.study.protocol import Protocol
 REFERENCE = "REFERENCE"
 HELD = ("AXIS, 1, 1", "FAR, 1, 1", "FIXED, 1, 2")
 LOADED = ("*CLOAD, AMPLITUDE=LOAD", f"{REFERENCE}, 2, 1.")
-ONSET = 1e-8
+ONSET = 1e-8  # of the first segment, before which the load is zero
 STICKING = 0.1  # stiffness against slip before the limit, over that against penetration; with 1 it fails to converge
 
 

@@ -21,7 +21,7 @@ RESOLUTIONS = {
     "medium": Resolution(growth=1.2, sectors=6, inner=0.1, far=500.0),
     "fine": Resolution(growth=1.15, sectors=8, inner=0.1, far=500.0),
 }
-REACH = 6.0
+REACH = 6.0  # contact radii, to which the surface may touch
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from palpate.output.export.cards import friction_cards
 from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.shell import WEDGE
 
-INCREMENTS = 8
+INCREMENTS = 8  # of a deck, unless it asks for others
 PENETRATION = 2e-4  # of the depth, under a pressure of a fifth of Young's modulus
 FACES = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: (2, 6, 7, 3), 6: (3, 7, 4, 0)}
 

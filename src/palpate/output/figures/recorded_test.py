@@ -18,7 +18,7 @@ COLOURS = {
     "reloading": "#8a5aa3",
     "drift_hold": "#3f8f4f",
 }
-NEAR = 0.03
+NEAR = 0.03  # of the largest load, up to which the panel of the contact shows it
 
 
 @styled

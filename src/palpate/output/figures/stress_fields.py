@@ -17,9 +17,9 @@ from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 from palpate.solver.pyramid.mesh_3d import FACES
 from palpate.solver.pyramid.shell import WEDGE
 
-ACROSS = 3
-CONTACT_RADII = 3.0
-LEVELS = 13
+ACROSS = 3  # panels in a row
+CONTACT_RADII = 3.0  # that a panel shows
+LEVELS = 13  # of the contours
 TIP = 0.05  # part of the extent around a sharp apex, where the stress grows without bound, that sets no colour
 
 

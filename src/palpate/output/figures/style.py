@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 RECORDED, SIMULATED, SURROGATE, TRUTH = "0.15", "#c1432e", "#2f6fa7", "#3f8f4f"
 SERIES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#000000", "#56b4e9", "#d55e00")
-DOUBLE_COLUMN = 7.2
+DOUBLE_COLUMN = 7.2  # inches
 
 styled = matplotlib.rc_context(
     {

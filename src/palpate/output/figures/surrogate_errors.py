@@ -8,7 +8,7 @@ from typing import Any
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 
-MODES = 12
+MODES = 12  # that the spectrum shows
 
 
 @styled

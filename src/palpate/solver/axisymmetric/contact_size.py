@@ -10,12 +10,12 @@ from scipy.optimize import brentq
 
 from palpate.errors import InputError
 from palpate.materials.flow.estimate import flow_stress, secant_compliance
-from palpate.materials.flow.row import BULK, SHEAR
+from palpate.materials.flow.row import SHEAR
 from palpate.solver.axisymmetric.mesh import LEAST_LOAD, Resolution
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
-from palpate.study.specimen import Specimen
+from palpate.study.specimen import Specimen, plane_strain_modulus
 
 GPA_UM = 1e-6  # one mJ/m^2
 RADII = 81  # contact radii, over eight decades, at which depth and load are estimated
@@ -48,8 +48,9 @@ def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) ->
     """Estimate the smallest contact radius that counts and the largest one [um].
 
     The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
-    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (JKR, see
-    `palpate.analytic.jkr`). All meshes of one indentation ask for the same.
+    the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (K. L. Johnson,
+    K. Kendall and A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313). All meshes of one indentation ask for the
+    same.
     """
     smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
     if specimen.substrate is None:
@@ -129,12 +130,6 @@ def _loads_at(displacement: np.ndarray, coefficients: np.ndarray, indenter: Inde
 def loaded_time(protocol: Protocol) -> float:
     """Return how long a body is taken to have crept when its contact is largest [s]."""
     return LOADED * float(protocol.knot_time[-1])
-
-
-def plane_strain_modulus(coefficients: np.ndarray) -> float:
-    """Return E / (1 - nu^2) of a law [GPa]."""
-    shear, bulk = coefficients[SHEAR], coefficients[BULK]
-    return float(4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear))
 
 
 def check_size(specimen: Specimen, indenter: Indenter, resolution: Resolution, largest: float) -> None:

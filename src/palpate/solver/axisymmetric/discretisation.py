@@ -17,7 +17,8 @@ RESOLUTIONS = {
     ),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
 }
-GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])
+GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])  # of the first step, where it is divided
+SAME = 1e-9  # of the test, within which a sample lies at a corner; less than `LEAST_STEP` of a protocol
 
 
 def mesh_radii(specimen: Specimen, indenter: Indenter, protocol: Protocol, resolution: Resolution) -> np.ndarray:
@@ -40,8 +41,10 @@ def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False)
     plastic flow is that at the end of a step, and a contact that spreads turns it meanwhile. Under a given displacement
     the load of a sharp tip grows with its square.
     """
-    ends = np.union1d(protocol.sample_time, protocol.knot_time[1:])
-    ends = ends[np.concatenate([[True], np.diff(ends) > 1e-9 * ends[-1]])]
+    ends, corners = np.union1d(protocol.sample_time, protocol.knot_time[1:]), protocol.knot_time
+    close = np.diff(ends) <= SAME * corners[-1]
+    beside_corner = np.append(close, False) | np.append(False, close)
+    ends = ends[~beside_corner | np.isin(ends, corners)]
     fine = divided(ends, np.full(len(ends), resolution.refine))
     onset = onset_of(protocol)
     first = fine[fine > onset * (1 + 1e-9)][0]
@@ -56,6 +59,17 @@ def step_times(protocol: Protocol, resolution: Resolution, yields: bool = False)
     before = np.append(0.0, load[:-1])
     growth = np.divide(load - before, before, out=np.zeros_like(load), where=before > 0.0)
     return divided(graded, np.maximum(np.ceil(growth / resolution.load_growth - 1e-6), 1).astype(int))
+
+
+def steps_of_samples(ends: np.ndarray, protocol: Protocol) -> np.ndarray:
+    """Return the number (n,) of the step, among those with such `ends` (m,) [s], that ends at each sample.
+
+    That is the one that ends nearest to it: exactly there, or at the corner beside which it lies.
+    """
+    sample = protocol.sample_time
+    after = np.minimum(np.searchsorted(ends, sample), len(ends) - 1)
+    before = np.maximum(after - 1, 0)
+    return np.where(sample - ends[before] < ends[after] - sample, before, after)
 
 
 def onset_of(protocol: Protocol) -> float:

@@ -29,7 +29,7 @@ from palpate.materials.flow.arithmetic import (
     where_less,
 )
 
-LANES = 8
+LANES = 8  # doubles of the widest registers in use
 __all__ = [
     "LANES", "VECTOR", "Vector", "exponential", "greatest", "load", "log_of_one_plus", "magnitude", "root",
     "rough_log", "splat", "store", "where_less",

@@ -25,7 +25,7 @@ from palpate.materials.flow.row import structure
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
 from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, loaded_time
-from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times
+from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times, steps_of_samples
 from palpate.solver.axisymmetric.drive import NO_LOAD, Drives
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.fields import Moment
@@ -39,7 +39,7 @@ from palpate.solver.axisymmetric.neighbours import Neighbours
 from palpate.solver.axisymmetric.newton import TIGHT, TOLERANCE
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.axisymmetric.regions import resolved
-from palpate.solver.axisymmetric.regularisation import contact_of, elastic_excess, first_contact
+from palpate.solver.axisymmetric.regularisation import attraction_in_lanes, contact_of, elastic_excess, first_contact
 from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.solver.axisymmetric.trend import Trend
 from palpate.solver.axisymmetric.trial_state import Setup
@@ -71,14 +71,9 @@ class Case:
     rings: np.ndarray | None = None
 
     @property
-    def largest(self) -> float:
-        """Largest contact radius [um]."""
-        return contact_range(self.specimen, self.indenter, self.protocol)[1]
-
-    @property
-    def smallest(self) -> float:
-        """Smallest contact radius that counts [um]."""
-        return contact_range(self.specimen, self.indenter, self.protocol)[0]
+    def contacts(self) -> tuple[float, float]:
+        """Smallest contact radius that counts, and the largest one [um]."""
+        return contact_range(self.specimen, self.indenter, self.protocol)
 
     @cached_property
     def radii(self) -> np.ndarray:
@@ -221,7 +216,7 @@ def run_lanes(
     """
     began = clock.perf_counter()
     for case in cases:
-        check_size(case.specimen, case.indenter, case.resolution, case.largest)
+        check_size(case.specimen, case.indenter, case.resolution, case.contacts[1])
     lanes, others = padded(cases), [padded(row) for row in beside]
     units = np.array([case.radii[0] for case in lanes])
     mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
@@ -286,7 +281,7 @@ def _at_samples(case: Case, curves: np.ndarray, corners: Sequence[Mapping[float,
     corners
         For each neighbour the times of steps that it takes elsewhere, and where [s].
     """
-    places = np.searchsorted(case.times, case.protocol.sample_time * (1 - 1e-9))
+    places = steps_of_samples(case.times, case.protocol)
     found = curves[:, places]
     for values, steps, elsewhere in zip(found[1:], curves[1:], corners, strict=True):
         own = np.array([elsewhere.get(time, time) for time in case.times])
@@ -331,22 +326,23 @@ def begun(
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     bodies = Specimens.of(specimens, mesh, units)
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
-    sticking = [attraction(c.specimen, resolution, host.largest, area) for c, host in zip(lanes, hosts, strict=True)]
+    contacts = [case.contacts for case in hosts]
+    sticking = [attraction(c.specimen, resolution, most, area) for c, (_, most) in zip(lanes, contacts, strict=True)]
     expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
     protocols = [case.protocol for case in lanes]
     drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
-    smallest = np.array([case.smallest for case in hosts]) / units
+    ranges = np.array(contacts).T / units
     contact = contact_of(
         profiles, np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes]),
-        [case.indenter.friction for case in lanes], sticking, units, body.distance, area, smallest,
-        np.array([case.largest for case in hosts]) / units, resolution.growth,
+        [case.indenter.friction for case in lanes], attraction_in_lanes(sticking, units, len(area)),
+        np.stack([body.distance, area]), ranges, resolution.growth,
     )  # fmt: skip
     first = np.array([case.times[0] for case in hosts])
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
-        profiles, specimens, list(map(loaded_time, protocols)), body.distance, smallest,
+        profiles, specimens, list(map(loaded_time, protocols)), body.distance, ranges[0],
         np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)

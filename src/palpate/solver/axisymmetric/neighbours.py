@@ -87,7 +87,6 @@ class Neighbours:
         """
         refactor(self.host.setup, arrived.material, arrived.trial._replace(reaction=np.zeros(LANES)), self.host.system)
         for k, march in enumerate(self.marches):
-            rubs = march.setup.contact.friction.any()
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
             away, deeper = states.displacement - start.displacement, states.depth - start.depth
             wider = states.contact.area - start.contact.area
@@ -95,7 +94,7 @@ class Neighbours:
             march.open(states, own_begin, own_end)
             states.displacement, states.depth = arrived.displacement + away, arrived.depth + deeper
             states.contact.area[:] = arrived.contact.area + wider
-            times = CORRECTIONS_WITH_FRICTION if rubs else CORRECTIONS
+            times = CORRECTIONS_WITH_FRICTION if march.setup.contact.friction.any() else CORRECTIONS
             prescribed = march.prescribed(own_end)
             correct(march.setup, states.material, states.trial, prescribed, march.system, lanes, times)
             end_step(march.setup, states.trial)

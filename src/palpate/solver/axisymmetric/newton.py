@@ -42,7 +42,7 @@ from palpate.solver.axisymmetric.law_lanes import restore_solution, save_solutio
 from palpate.solver.axisymmetric.rows import as_vector, copy_rows
 from palpate.solver.axisymmetric.trial_state import Direction, Residual
 
-ITERATIONS = 60
+ITERATIONS = 60  # of a step, then it is divided; chosen
 TOLERANCE = 2e-7  # of the largest load, which every unbalanced force falls below
 TIGHT = 1e-10  # likewise, where neighbours are carried along
 LESS = 10.0  # times less closely the load that the area of contact would bear is met

@@ -16,13 +16,13 @@ import numpy as np
 
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
 from palpate.solver.axisymmetric.contact import FARTHEST, SLIP, Contact, ContactState
-from palpate.solver.axisymmetric.contact_size import contact_range, loaded_time, mean_pressure, plane_strain_modulus
+from palpate.solver.axisymmetric.contact_size import contact_range, loaded_time, mean_pressure
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.axisymmetric.tip import Tip
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
-from palpate.study.specimen import Specimen
+from palpate.study.specimen import Specimen, plane_strain_modulus
 
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
@@ -45,59 +45,68 @@ def contact_of(
     profiles: Sequence[Profile],
     excess: np.ndarray,
     friction: Sequence[float],
-    adhesions: Sequence[Adhesion | None],
-    units: np.ndarray,
-    distance: np.ndarray,
-    area: np.ndarray,
-    smallest: np.ndarray,
-    largest: np.ndarray,
+    attraction: tuple[np.ndarray, np.ndarray, np.ndarray],
+    surface: np.ndarray,
+    contacts: np.ndarray,
     growth: float,
 ) -> Contact:
-    """Return the contact of surface nodes at distances (k,) from the axis.
+    """Return the contact of k surface nodes; lengths are in the unit of each lane.
 
     Parameters
     ----------
-    distance : ndarray, shape (k,)
-        Undeformed distance of each surface node from the axis.
     profiles
-        Of each lane, lengths in its unit.
+        Of each lane.
     excess : ndarray, shape (LANES,)
         See `elastic_excess`.
-    friction, adhesions
-        Of each lane.
-    units : ndarray, shape (LANES,)
-        Unit of length of each lane [um].
-    area : ndarray, shape (k,)
-        That belongs to each node.
-    smallest : ndarray, shape (LANES,)
-        Smallest contact radius that counts.
-    largest : ndarray, shape (LANES,)
-        Largest contact radius.
+    friction
+        Coulomb's coefficient in each lane.
+    attraction
+        See `attraction_in_lanes`.
+    surface : ndarray, shape (2, k)
+        Undeformed distance of each node from the axis, and the area that belongs to it.
+    contacts : ndarray, shape (2, LANES)
+        Smallest contact radius that counts, and the largest one.
     growth
         Ratio of neighbouring rings.
     """
+    (distance, area), (smallest, largest) = surface, contacts
     spacing = np.gradient(distance)
     spacing = np.minimum(spacing, (growth - 1.0) * np.maximum(distance, distance[2]))
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
     blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
-    strength, reach, attraction = np.zeros(LANES), np.ones(LANES), np.zeros((len(distance), LANES))
-    for lane, adhesion in enumerate(adhesions):
-        if adhesion is not None:
-            strength[lane], reach[lane] = adhesion.strength, adhesion.reach / units[lane]
-            attraction[:, lane] = adhesion.hold
     return Contact(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
         area,
         STIFFNESS * excess ** STIFFNESS_POWER[:, None],
         np.stack([np.full(LANES, blend), BLEND_OF_SPHERE + BLEND_OF_EXCESS * np.log(excess) ** 2]),
-        attraction,
-        strength,
-        reach,
+        *attraction,
         np.array(friction),
         SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
     )
+
+
+def attraction_in_lanes(
+    adhesions: Sequence[Adhesion | None], units: np.ndarray, nodes: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return attraction (nodes, LANES), strength and reach (LANES,) of a `Contact` with the adhesion of each lane.
+
+    Parameters
+    ----------
+    adhesions
+        Of each lane.
+    units : ndarray, shape (LANES,)
+        Unit of length of each lane [um].
+    nodes
+        Number of surface nodes.
+    """
+    attraction, strength, reach = np.zeros((nodes, LANES)), np.zeros(LANES), np.ones(LANES)
+    for lane, adhesion in enumerate(adhesions):
+        if adhesion is not None:
+            strength[lane], reach[lane] = adhesion.strength, adhesion.reach / units[lane]
+            attraction[:, lane] = adhesion.hold
+    return attraction, strength, reach
 
 
 def first_contact(

@@ -8,16 +8,13 @@ change of displacements closes its gap.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from palpate.solver.pyramid.friction_3d import Friction
 from palpate.solver.pyramid.mesh_3d import Mesh3D
+from palpate.solver.pyramid.problem_3d import Problem3D, State
 from palpate.solver.pyramid.tip_3d import Tip
-
-if TYPE_CHECKING:
-    from palpate.solver.pyramid.newton_3d import Problem3D, State
 
 PENETRATION = 1e-9  # of the depth, below which a node counts as outside
 

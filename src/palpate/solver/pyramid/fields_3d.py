@@ -12,7 +12,7 @@ from palpate.materials.flow.row import BULK
 from palpate.solver.axisymmetric.fields import Fields, pushed_forward
 from palpate.solver.pyramid.hencky_3d import PLACE
 from palpate.solver.pyramid.linear_3d import COMPONENTS
-from palpate.solver.pyramid.newton_3d import Problem3D, State
+from palpate.solver.pyramid.problem_3d import Problem3D, State
 
 NAMES = ("xx", "yy", "zz", "xy", "yz", "zx")
 

@@ -11,14 +11,15 @@ import numpy as np
 from palpate.errors import ConvergenceError
 from palpate.solver.axisymmetric.adhesive_traction import attraction
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range
-from palpate.solver.axisymmetric.discretisation import mesh_radii, step_times
+from palpate.solver.axisymmetric.discretisation import mesh_radii, step_times, steps_of_samples
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.pyramid.adhesion_3d import nodal_areas
 from palpate.solver.pyramid.march_3d import march_by
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import Problem3D, State, Workspace, advance_or_ease
+from palpate.solver.pyramid.newton_3d import advance_or_ease
+from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
@@ -75,16 +76,17 @@ def indent_3d(
     work = Workspace.of(problem)
     step = partial(advance_or_ease, problem, work, protocol.max_load)
     state, before = State.initial(problem), None
-    depth = np.full(len(protocol.sample_time), np.nan)
+    ends = step_times(protocol, resolution, specimen.yields)
+    samples, depth = steps_of_samples(ends, protocol), np.full(len(protocol.sample_time), np.nan)
     reason, steps = "", 0
-    for target in step_times(protocol, resolution, specimen.yields):
+    for k, target in enumerate(ends):
         try:
             state, before, taken = march_by(step, protocol, state, before, target)
         except ConvergenceError as error:
             reason = str(error)
             break
         steps += taken
-        depth[np.abs(protocol.sample_time - target) <= 1e-9 * target] = state.depth * 1e3
+        depth[samples == k] = state.depth * 1e3
         if observe is not None:
             observe(problem, state)
         if target in protocol.knot_time:

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-WEDGE = np.pi / 3.0
+WEDGE = np.pi / 3.0  # angle of a wedge
 AXIS, FACE = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 EDGE = np.array([np.cos(WEDGE), np.sin(WEDGE), 0.0])
-SAME = 1e-9
+SAME = 1e-9  # of the unit sphere, within which two nodes are one
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,19 +15,14 @@ Sources: K. L. Johnson, K. Kendall and A. D. Roberts, Proc. R. Soc. Lond. A 324 
 M. Barquins, J. Phys. D 11 (1978) 1989-2023 (cone).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 UM_PER_NM = 1e-3
 GPA_UM = 1e-6  # one mJ/m^2
-
-Curve = Callable[[float], float]
 
 
 @dataclass(frozen=True)
@@ -44,48 +39,28 @@ class AdhesiveContact:
         Work of adhesion [mJ/m^2].
     """
 
-    load_without: Curve
-    depth_without: Curve
+    load_without: Callable
+    depth_without: Callable
     modulus: float
     work: float
 
     @classmethod
-    def sphere(cls, youngs_modulus: float, poisson_ratio: float, radius: float, work: float) -> AdhesiveContact:
-        """Return the contact of a sphere; modulus in GPa, radius in nm, work in mJ/m^2.
-
-        Parameters
-        ----------
-        youngs_modulus, poisson_ratio
-            Of the half-space [GPa], [-].
-        radius
-            Of the sphere [nm].
-        work
-            Work of adhesion [mJ/m^2].
-        """
+    def sphere(cls, youngs_modulus, poisson_ratio, radius, work):
+        """Return the contact of a sphere; modulus in GPa, radius in nm, work in mJ/m^2."""
         e, r = youngs_modulus / (1 - poisson_ratio**2), UM_PER_NM * radius
         return cls(lambda a: 4 / 3 * e * a**3 / r, lambda a: a**2 / r, e, work)
 
     @classmethod
-    def cone(cls, youngs_modulus: float, poisson_ratio: float, half_angle: float, work: float) -> AdhesiveContact:
-        """Return the contact of a cone; modulus in GPa, half-angle in degrees, work in mJ/m^2.
-
-        Parameters
-        ----------
-        youngs_modulus, poisson_ratio
-            Of the half-space [GPa], [-].
-        half_angle
-            Of the cone, from its axis [deg].
-        work
-            Work of adhesion [mJ/m^2].
-        """
+    def cone(cls, youngs_modulus, poisson_ratio, half_angle, work):
+        """Return the contact of a cone; modulus in GPa, half-angle in degrees, work in mJ/m^2."""
         e, slope = youngs_modulus / (1 - poisson_ratio**2), 1 / np.tan(np.radians(half_angle))
         return cls(lambda a: np.pi / 2 * e * slope * a**2, lambda a: np.pi / 2 * slope * a, e, work)
 
-    def load(self, radius: float) -> float:
+    def load(self, radius):
         """Return the load [mN] at a contact radius [um]."""
         return float(self.load_without(radius) - np.sqrt(8 * np.pi * self.modulus * GPA_UM * self.work * radius**3))
 
-    def radius(self, load: float) -> float:
+    def radius(self, load):
         """Return the contact radius [um] under a compressive `load` [mN]."""
         largest = 1.0
         while self.load(largest) <= load:
@@ -93,9 +68,9 @@ class AdhesiveContact:
         smallest = largest
         while self.load(smallest) > load:
             smallest *= 0.5
-        return float(brentq(lambda a: self.load(a) - load, smallest, largest, xtol=1e-15))
+        return brentq(lambda a: self.load(a) - load, smallest, largest, xtol=1e-15)
 
-    def depth(self, load: ArrayLike) -> np.ndarray:
+    def depth(self, load):
         """Return the depth [nm] under compressive loads [mN], of the same shape."""
         a = np.vectorize(self.radius, otypes=[float])(np.asarray(load, dtype=float))
         without = np.vectorize(self.depth_without, otypes=[float])(a)
