@@ -3,9 +3,11 @@
 from dataclasses import replace
 from threading import Event
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
+from closed_forms import MATERIAL
 from test_diagnosis import problem, recordings, search_of
 
 from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_of, without_redundant
@@ -196,6 +198,25 @@ def test_a_fit_begun_ahead_ends_with_the_search():
         assert fits.fitted(asked, [ahead]) is asked.fit
         assert not ended.is_set()
     assert ended.is_set()
+
+
+@pytest.mark.parametrize(
+    ("place", "evidences", "best"), [(0.5, [1.0], 0), (-3.0, [1.0, 5.0], 1), (-3.0, [5.0, 1.0], 0)]
+)
+def test_a_fit_that_ends_far_outside_the_ranges_is_repeated_from_within(place, evidences, best):
+    search = search_of(problem(recordings(np.random.default_rng(1))))
+    smaller = replace(search.base.fit, z=np.array([place, 0.3]))
+    key, asked = "frame_compliance", []
+    ends = [SimpleNamespace(coordinates=MATERIAL, z=smaller.z, log_evidence=evidence) for evidence in evidences]
+
+    def fitted(explanation, starts, *others):
+        asked.append(starts)
+        return ends[len(asked) - 1]
+
+    with patch.object(search._fitter, "fitted", fitted):
+        assert search.joined(smaller, key) is ends[best]
+    assert len(asked) == len(evidences)
+    assert len(asked) == 1 or asked[1][0][:2] == pytest.approx([0.5, 0.3])
 
 
 FAR = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}

@@ -25,6 +25,8 @@ class SearchPolicy:
         By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
         the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
         Schwarz's.
+    outside
+        By how many of its ranges a parameter may lie outside before the explanation is fitted once more from within.
     threads
         Fits that run at once, each on a core; what is found does not depend on it.
     """
@@ -36,4 +38,5 @@ class SearchPolicy:
     most: int = 8
     most_sets: int = 5
     mechanism_penalty: float = 2.0
+    outside: float = 1.0
     threads: int = 1

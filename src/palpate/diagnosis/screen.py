@@ -72,7 +72,11 @@ class Screen:
 
     def shown(self, key: str) -> np.ndarray:
         """Return the effect (n_all,) [nm] at three quarters of the ranges, or where that is nearest."""
-        return self.effects[key][np.abs(self.trials[key] - SHOWN).max(axis=1).argmin()]
+        return self.effects[key][self._shown(key)]
+
+    def place_shown(self, key: str) -> np.ndarray:
+        """Return the coordinates (d,) of the mechanism's amplitudes there."""
+        return self.trials[key][self._shown(key)]
 
     def gain(self, fit: Fit, key: str) -> float:
         """Return the largest decrease of chi-square, to first order, once a mechanism joins a fit.
@@ -113,6 +117,9 @@ class Screen:
         weakest = np.argmin(np.sum(fit.whiten(self.effects[key].T) ** 2, axis=0))
         steps = [(change[:, i], i) for i in moved] + [(np.zeros(len(fit.z)), i) for i in (*staying, weakest)]
         return [np.concatenate([fit.z + step, self.trials[key][i]]) for step, i in steps]
+
+    def _shown(self, key: str) -> int:
+        return int(np.abs(self.trials[key] - SHOWN).max(axis=1).argmin())
 
     def _shares(self, fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the factor of each effect (m,) that lowers chi-square most, and the decrease."""

@@ -16,6 +16,7 @@ from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.screen import Screen
+from palpate.errors import PalpateError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
@@ -99,9 +100,25 @@ class Search:
         return self._fitter.fitted(explanation, starts, depth)
 
     def joined(self, fit: Fit, key: str, stop: Event | None = None) -> Fit:
-        """Fit an explanation and one more mechanism, with the references of the smaller one, see `fitted`."""
+        """Fit an explanation and one more mechanism, with the references of the smaller one, see `fitted`.
+
+        A model without an effect that is there may have its optimum far outside the ranges, and so lead its successors
+        there. Where this one ends there, it is fitted once more from within them, and the likelier of both is taken.
+        """
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
-        return self._fitter.fitted((*fit.explanation, key), self.screen.starts(fit, key), fit.curve, model, stop)
+
+        def fitted(starts: Sequence[np.ndarray]) -> Fit:
+            return self._fitter.fitted((*fit.explanation, key), starts, fit.curve, model, stop)
+
+        found = fitted(self.screen.starts(fit, key))
+        if np.abs(found.coordinates.beyond(found.z)).max() <= self.policy.outside:
+            return found
+        middle = np.where(fit.coordinates.beyond(fit.z) == 0.0, fit.z, 0.5)
+        try:
+            again = fitted([np.append(middle, self.screen.place_shown(key))])
+        except PalpateError:
+            return found
+        return max(found, again, key=lambda each: each.log_evidence)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""
