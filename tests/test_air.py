@@ -47,7 +47,7 @@ APPROACH = ([-30.0, 0.0], [-3000.0, 0.0])
 RETREAT = ([-4.0, -3.0, -2.0, 0.0], [0.0, -100.0, -100.0, 0.0])
 
 
-@pytest.mark.parametrize(("late", "told"), [(0, False), (12, True)])
+@pytest.mark.parametrize(("late", "told"), [(0, False), (1, True), (12, True)])
 def test_a_mark_set_after_the_load_has_risen_is_told(late, told):
     """12 points, 1.2 s, after contact the cone of `pressed` is 196 nm deep, a quarter of its largest depth."""
     whole = recording(APPROACH)

@@ -128,18 +128,18 @@ def air_at_start(r: Recording, marked: bool = True, remedy: str = FINDS) -> tupl
 def risen_before(r: Recording, begin: int) -> tuple[str, ...]:
     """Return a warning where the load rises well before point `begin`, which the file marks as contact.
 
-    It rises above the line through the loads in air that are farther from there than half of the test's depth, up to
-    the whole of it.
+    It rises above the line through the loads in the farther half of the approach, of which no more than the test's
+    depth counts.
     """
     way, first = float(r.depth.max() - r.depth[begin]), int(np.argmin(r.depth[: begin + 1]))
     near = first + np.flatnonzero(r.depth[first : begin + 1] >= r.depth[begin] - way)
-    air = near[r.depth[near] < r.depth[begin] - way / 2]
+    air = near[r.depth[near] < (r.depth[near].min() + r.depth[begin]) / 2]
     if len(air) < ENOUGH:
         return ()
     line = np.polynomial.Polynomial.fit(r.depth[air], r.load[air], 1)
     rest = r.load[near] - line(r.depth[near])
-    clear = max(CLEAR * float(np.std(rest[: len(air)])), BARELY_LOADED * float(np.ptp(r.load)))
-    free = np.flatnonzero(median_filter(rest, FIRST, mode="nearest") <= clear)
+    clear = max(CLEAR * float(np.std(rest[np.isin(near, air)])), BARELY_LOADED * float(np.ptp(r.load)))
+    free = np.flatnonzero(rest <= clear)
     early = float(r.depth[begin] - r.depth[near[free[-1]]])
     if early <= SHARE * way:
         return ()

@@ -1,6 +1,6 @@
 """Tests that do not count unless somebody names one: sheets that the vendor's program tags, and those of other names.
 
-A remark in a sheet's name that most sheets do not bear is reported.
+A remark in the name of a sheet is reported where half of the sheets or more bear none.
 
 TestWorks (MTS, Agilent) writes ``Test 004 Tagged`` for a test that the operator took out of the averages.
 """
@@ -38,10 +38,10 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
 
 
 def remarked(source: Source, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
-    """Return the tests, with a warning on each whose sheet bears a name beside its number while most bear none."""
+    """Return the tests, with a warning where a sheet bears a remark beside its number, as no more than half do."""
     beside = [TEST.sub("", test.name, count=1).strip(" _-#()") for test in tests]
     numbered = sum(number_of(test.name) is not None and not name for test, name in zip(tests, beside, strict=True))
-    if not source.workbook or 2 * numbered <= len(tests):
+    if not source.workbook or 2 * numbered < len(tests):
         return list(tests)
     return [
         replace(test, warnings=(*test.warnings, f"the sheet's name says {name!r}: look whether the test counts"))

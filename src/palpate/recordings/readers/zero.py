@@ -92,8 +92,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
         messages = (
             *rested,
             *_off_zero(moving),
-            *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin)),
-            *_under_load(moving),
+            *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
             *air_at_start(moving, test.marked),
             *sloping(r, begin),
         )
