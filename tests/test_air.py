@@ -47,6 +47,38 @@ APPROACH = ([-30.0, 0.0], [-3000.0, 0.0])
 RETREAT = ([-4.0, -3.0, -2.0, 0.0], [0.0, -100.0, -100.0, 0.0])
 
 
+@pytest.mark.parametrize(("late", "told"), [(0, False), (1, True), (12, True)])
+def test_a_mark_set_after_the_load_has_risen_is_told(late, told):
+    """12 points, 1.2 s, after contact the cone of `pressed` is 196 nm deep, a quarter of its largest depth."""
+    whole = recording(APPROACH)
+    mark = int(np.argmax(whole.time >= 30)) + late
+    since, deep = whole.time - whole.time[mark], whole.depth - whole.depth[mark]
+    test = VendorTest("T", Recording(since, whole.load, deep, "T"))
+    said = [warning for warning in zeroed(test, "file").warnings if "marked too late" in warning]
+    assert bool(said) == told
+    if told:
+        found = re.search(r"over the last (\S+) nm before the file's contact", said[0])
+        assert float(found[1]) == pytest.approx(DEEP * np.sqrt(late / 200), rel=0.2)
+
+
+@pytest.mark.parametrize("preload", [0.0, 0.2])
+def test_a_test_under_load_at_zero_depth_is_told(preload):
+    whole = recording(([], []))
+    test = VendorTest("T", Recording(whole.time, whole.load + preload, whole.depth, "T"), marked=False)
+    said = [warning for warning in zeroed(test, "file").warnings if "the load, or the depth, is not counted" in warning]
+    assert len(said) == (1 if preload else 0)
+
+
+def test_a_preload_that_is_taken_off_again_is_told_wherever_contact_is_put():
+    """The tip presses by 0.1 of 2 mN, retreats into air, and comes back: its first touch is where it begins."""
+    whole = recording(([-8.0, -6.0, -5.0, -4.0, 0.0], [0.0, 60.0, -100.0, -100.0, 0.0]))
+    preload = np.interp(whole.time, [0.0, 2.0, 2.4], [0.0, 0.1, 0.0])
+    test = VendorTest("T", Recording(whole.time, whole.load + preload, whole.depth, "T"), marked=False)
+    for contact in ("file", "auto"):
+        begun = zeroed(test, contact)
+        assert begun.recording.depth.min() > -5 or any("the tip retreats by 1" in text for text in begun.warnings)
+
+
 @pytest.mark.parametrize(
     ("air", "offset", "share"), [(APPROACH, 3000.0, "79 %"), (APPROACH, -500.0, "79 %"), (RETREAT, 0.0, "1")]
 )

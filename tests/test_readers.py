@@ -268,7 +268,7 @@ def test_formats_and_units_are_listed(capsys):
     assert leaving.value.code == 0
     said = capsys.readouterr().out
     assert all(reader.title in said for reader in READERS.values())
-    assert "load: mN, uN, nN, pN, N, gf, mgf, kgf" in said
+    assert "load: mN, uN, nN, pN, cN, N, gf, mgf, kgf" in said
 
 
 @needs_recordings

@@ -215,15 +215,29 @@ def test_tests_below_one_another_begin_where_time_begins_anew(tmp_path, blank, e
     assert all("begin anew as in the test before" in warning for warning in said)
 
 
-def test_tests_apart_by_blank_rows_may_share_one_clock(tmp_path):
+@pytest.mark.parametrize("blank", [0, 2])
+def test_tests_below_one_another_may_share_one_clock(tmp_path, blank):
     rows, late = ["Time (s)\tLoad (mN)\tDepth (nm)"], 0.0
     for time, load, depth in three():
-        rows += [*(f"{a + late}\t{b}\t{c}" for a, b, c in zip(time, load, depth, strict=True)), "", ""]
+        rows += [f"{a + late}\t{b}\t{c}" for a, b, c in zip(time, load, depth, strict=True)] + [""] * blank
         late += 100
     (tmp_path / "x.txt").write_text("\n".join(rows))
     tests = read_vendor_file(tmp_path / "x.txt", columns=NUMBERED)
     assert [len(test.recording) for test in tests] == [61, 61, 61]
-    assert all(test.recording.time[-1] == pytest.approx(60) for test in tests)
+    assert [test.recording.time[-1] for test in tests] == [60, 60, 60]
+    assert [any("load and depth begin anew" in warning for warning in test.warnings) for test in tests[1:]] == [
+        not blank
+    ] * 2
+
+
+def test_a_jump_back_without_load_that_follows_is_no_other_test(tmp_path):
+    """As where the surface lets go of the tip, and where cycles come back to where they began."""
+    time, load, depth = three()[0]
+    air = np.arange(1.0, 41.0)
+    away = [np.append(time, 60 + air), np.append(load, 0 * air), np.append(depth, -0.1 * air)]
+    cycles = [np.concatenate([time, 61 + time]), np.tile(three(elastic=True)[0][1], 2), np.tile(three(True)[0][2], 2)]
+    for values in (away, cycles):
+        assert len(read_vendor_file(text(tmp_path / "x.txt", *values), columns=NUMBERED)) == 1
 
 
 def test_blank_rows_within_a_test_part_nothing(tmp_path):

@@ -341,7 +341,7 @@ def test_a_channel_that_the_table_lacks_is_told(tmp_path, heading, missing, othe
         write_workbook(file, {"Test 001": [names, *rows]})
     else:
         file.write_text("\n".join(separator.join(map(str, row)) for row in [names, *rows]))
-    with pytest.raises(InputError, match=f"its table names {others}, but no {missing}, which cannot be guessed"):
+    with pytest.raises(InputError, match=f"its table names {others}, but no column that palpate knows as {missing}"):
         read_vendor_file(file)
     with pytest.raises(
         InputError, match=f"no column is named for {missing}; .* export it with {missing}, which cannot"

@@ -224,7 +224,7 @@ def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encodi
         (hld(Disp_Shift="error"), "Disp Shift: is 'error', expected a number and its unit"),
         (hld(Disp_Shift="---"), "Disp Shift: is '---'"),
         (hld(Force_Shift="-50"), "Force Shift: is '-50'"),
-        (hld(Force_Shift="-50 lbf"), "Force Shift: is '-50 lbf'"),
+        (hld(Force_Shift="-50 klb"), "Force Shift: is '-50 klb'"),
         (hld().partition("\nTime_s")[0], "lacks the column Time, Disp, Force, LoadCell"),
     ],
 )

@@ -122,6 +122,15 @@ def test_a_tagged_test_is_told_and_left_out_unless_it_is_named(tmp_path, name, o
     assert chosen.recording.time[0] == 0
 
 
+def test_a_remark_in_the_name_of_a_sheet_is_told_where_most_have_none(tmp_path):
+    sheets = {name: kla() for name in ("Test 1", "Test 2 outlier", "Test 3", "Test 4")}
+    tests = read_vendor_file(write_workbook(tmp_path / "x.xlsx", sheets))
+    said = ["the sheet's name says 'outlier': look whether the test counts" in test.warnings for test in tests]
+    assert said == [False, True, False, False]
+    every = {f"Test {number} (glass)": kla() for number in (1, 2, 3)}
+    assert [test.warnings for test in read_vendor_file(write_workbook(tmp_path / "x.xlsx", every))] == [()] * 3
+
+
 def test_where_all_tests_are_tagged_the_line_says_how_to_take_one(tmp_path):
     with pytest.raises(InputError, match="the vendor's file calls it tagged; `--test 'Test 1 Tagged'`"):
         read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1 Tagged": kla()}))

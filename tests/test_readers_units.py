@@ -46,9 +46,7 @@ def test_units_that_the_table_states_are_used(tmp_path, headings, below, encodin
 
 
 UNKNOWN = [
-    "P (lbf)",
     "P / klbf",
-    "load_lbf",
     "Load kN",
     "Load / kN",
     "P_mlbf",
@@ -58,6 +56,26 @@ UNKNOWN = [
     "Load grams",
     "P (1e-3 N)",
 ]
+
+
+@pytest.mark.parametrize(
+    ("unit", "newton"),
+    [
+        ("gf", 9.80665e-3),
+        ("g-force", 9.80665e-3),
+        ("kgf", 9.80665),
+        ("lbf", 4.4482216152605),
+        ("dyne", 1e-5),
+        ("cN", 0.01),
+    ],
+)
+def test_loads_in_other_systems_of_units(tmp_path, unit, newton):
+    """Against Newtons by the definitions of the standard gravity, the pound and the dyne."""
+    file = tmp_path / "x.txt"
+    file.write_text(f"Time (s)\tLoad ({unit})\tDepth (nm)\n0\t0\t0\n1\t2\t3\n")
+    for given in ({}, {"load": unit}):
+        (test,) = read_vendor_file(file, columns=ColumnMap(NUMBERED.names, given))
+        assert test.recording.load.max() == pytest.approx(2e3 * newton)
 
 
 @pytest.mark.parametrize("heading", UNKNOWN)
@@ -77,8 +95,8 @@ def test_a_stated_unit_that_is_not_known_is_refused(tmp_path, heading, by_name):
     ("rows", "words"),
     [
         (["t,F_N,h"], "column F_N: 'N' may be the load's unit or part of the name"),
-        (["t,F_N,h", "s,lbf,nm"], "the load's unit 'lbf' is not known"),
-        (["s,lbf,nm", "t,F_N,h"], "the load's unit 'lbf' is not known"),
+        (["t,F_N,h", "s,klb,nm"], "the load's unit 'klb' is not known"),
+        (["s,klb,nm", "t,F_N,h"], "the load's unit 'klb' is not known"),
         (["t,F_N,h", "s,mN,nm", "s,uN,nm"], "the load's unit is stated as mN and uN"),
     ],
 )

@@ -153,10 +153,13 @@ def test_a_correction_that_is_not_stated_is_missed_only_when_it_is_asked_for(
 @pytest.mark.parametrize(
     ("channels", "name", "unit", "known"),
     [
-        *((KLA_UNITS, "Load", unit, "mN, uN, nN, pN, N, gf, mgf, kgf") for unit in ("ms", "s", "nm", "N/m")),
-        *((KLA_UNITS, "Depth", unit, "nm, um, mm, cm, m, A, pm") for unit in ("mN", "N/m", "nm/s")),
+        *(
+            (KLA_UNITS, "Load", unit, "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf")
+            for unit in ("ms", "s", "nm", "N/m")
+        ),
+        *((KLA_UNITS, "Depth", unit, "nm, um, mm, cm, m, A, pm, inch") for unit in ("mN", "N/m", "nm/s")),
         (KLA_UNITS, "Time", "nm", "s, ms, us, min, h, d"),
-        (XP_UNITS, "Load On Sample", "nm", "mN, uN, nN, pN, N, gf, mgf, kgf"),
+        (XP_UNITS, "Load On Sample", "nm", "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf"),
         (XP_UNITS, "Harmonic Contact Stiffness", "nm", "N/m"),
         (XP_UNITS, "Frame Stiffness", "nm", "N/m"),
     ],

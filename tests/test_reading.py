@@ -64,7 +64,7 @@ def test_page_on_the_recordings_of_a_study(tmp_path, contact):
         ("corrections", ["creep"], '"creep" is given, expected one of: drift, frame'),
         ("condition", "A", "either condition or conditions"),
         ("columns", {"time": "t", "load": "P", "depth": "x"}, "no table with numbers"),
-        ("units", {"load": "lbf"}, "load in 'lbf' is not known"),
+        ("units", {"load": "klb"}, "load in 'klb' is not known"),
     ],
 )
 def test_a_wrong_source_gets_one_line(tmp_path, key, value, words):

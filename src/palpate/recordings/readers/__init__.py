@@ -15,7 +15,7 @@ from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import missing_channel, read_columns
 from palpate.recordings.readers.source import Source, numbers_of
-from palpate.recordings.readers.tagged import set_aside, taken
+from palpate.recordings.readers.tagged import remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import of_nanoscope, unknown
 from palpate.recordings.readers.vendor import (
@@ -111,7 +111,8 @@ def read_each(
     source = Source(path, content)
     try:
         tests = [_printable(test) for test in _whole(source, corrections, columns)]
-        return unless_all_fail([set_aside(source, test) for test in zeroed_each(path, tests, contact)])
+        aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
+        return unless_all_fail(remarked(source, aside))
     except InputError as error:
         raise error.located(file=path) from None
 
@@ -189,8 +190,8 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
         raise InputError(
-            f"its table names {others}, but no {missing}, which cannot be guessed",
-            remedy=f"export the {missing} too, or name its column (--columns time=...,load=...,depth=...)",
+            f"its table names {others}, but no column that palpate knows as {missing}",
+            remedy=f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too",
             file=source.path,
         )
     raise unknown(source)

@@ -34,7 +34,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
             require_tabs(line, path)
         raise InputError(
             "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
-            remedy="export the test again, with data",
+            remedy="export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)",
             file=path,
         )
     places = columns(lines[start])

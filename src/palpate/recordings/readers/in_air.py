@@ -9,7 +9,7 @@ from scipy.ndimage import median_filter
 
 from palpate.errors import InputError
 from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, noises_of, rough_contact
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import BARELY_LOADED, Recording
 
 SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
 LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
@@ -18,6 +18,7 @@ FIRST = 5  # points, chosen: the median of their loads is what the load in air i
 NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
 ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
+FINDS = "--contact auto finds the contact"
 VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
 
 
@@ -112,7 +113,7 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
     return [test for test in tests if id(test) in found]
 
 
-def air_at_start(r: Recording, marked: bool = True) -> tuple[str, ...]:
+def air_at_start(r: Recording, marked: bool = True, remedy: str = FINDS) -> tuple[str, ...]:
     """Return a warning where a recording that should begin at contact, which the file marked or not, begins in air."""
     if _retreats(r):
         message = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
@@ -121,7 +122,31 @@ def air_at_start(r: Recording, marked: bool = True) -> tuple[str, ...]:
         message = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
     else:
         return ()
-    return (f"{message} (--contact auto finds the contact)",)
+    return (f"{message} ({remedy})",)
+
+
+def risen_before(r: Recording, begin: int) -> tuple[str, ...]:
+    """Return a warning where the load rises well before point `begin`, which the file marks as contact.
+
+    It rises above the line through the loads in the farther half of the approach, of which no more than the test's
+    depth counts.
+    """
+    way, first = float(r.depth.max() - r.depth[begin]), int(np.argmin(r.depth[: begin + 1]))
+    near = first + np.flatnonzero(r.depth[first : begin + 1] >= r.depth[begin] - way)
+    air = near[r.depth[near] < (r.depth[near].min() + r.depth[begin]) / 2]
+    if len(air) < ENOUGH:
+        return ()
+    line = np.polynomial.Polynomial.fit(r.depth[air], r.load[air], 1)
+    rest = r.load[near] - line(r.depth[near])
+    clear = max(CLEAR * float(np.std(rest[np.isin(near, air)])), BARELY_LOADED * float(np.ptp(r.load)))
+    free = np.flatnonzero(rest <= clear)
+    early = float(r.depth[begin] - r.depth[near[free[-1]]])
+    if early <= SHARE * way:
+        return ()
+    return (
+        f"the load rises by {rest[-1]:.3g} mN over the last {early:.3g} nm before the file's contact, "
+        "which may be marked too late (--contact auto finds the contact)",
+    )
 
 
 def sloping(r: Recording, touch: int) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Where a table's rows part: into tests below one another, or into segments of one test, each with a clock of its own.
 
 Time does not distinguish them. Where load and depth go on while time begins anew, the rows are the next segment of the
-same test; where they begin as the test did, they are another one.
+same test; where they begin as the test did, they are another one. So they are under a clock that goes on after a pause.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 SAME = 0.02  # of a channel's range: how far load and depth may step where they go on
 LIKE = 0.05  # of a channel's range: how near another test begins to where the first one began
-TWICE = 2.0  # of the step before it: a longer one to zero is a jump
+TWICE = 2.0  # of the step before it: a longer one to zero is a jump; of the usual step in time: a longer one is a pause
 BESIDE = 5  # steps on either side of a cut that show how far load and depth step there anyway
 OFTEN = 200  # of the usual step in time: what begins anew goes on with steps such as these
 ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
@@ -82,7 +82,7 @@ def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) ->
             where = place(*segments[number])
             messages += (f"time begins anew where load and depth go on ({where}): joined as segments of one test",)
         if number in unmarked:
-            messages += (f"begins at {place(begin)}, where time, load and depth begin anew as in the test before",)
+            messages += (f"begins at {place(begin)}, where load and depth begin anew as in the test before",)
         parts.append(Part(rows, values[rows], idle[rows], messages))
     return parts
 
@@ -138,7 +138,8 @@ def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
     usual = float(np.median(forward)) if len(forward) else 0.0
     cuts: dict[int, str] = {}
     test = segment = 0
-    for k in np.flatnonzero(apart | (np.diff(time, prepend=-np.inf) <= 0)):
+    jumps = np.append(False, (np.diff(others[:, 1]) < -SAME * span[1]) & (np.diff(time) > TWICE * usual))
+    for k in np.flatnonzero(apart | jumps | (np.diff(time, prepend=-np.inf) <= 0)):
         if k < segment + 2:
             continue
         back = time[k] <= time[k - 1]
@@ -152,7 +153,11 @@ def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
         returned = unloaded and as_first.all() and from_first <= from_last
         if anew and goes_on and not returned:
             cuts[int(k)] = "segment"
-        elif (anew and as_first[0]) or (apart[k] and (back or (returned and from_last > SAME * span[1]))):
+        elif (
+            (anew and as_first[0])
+            or (apart[k] and (back or (returned and from_last > SAME * span[1])))
+            or (jumps[k] and returned and others[k:, 0].max() > others[test, 0] + LIKE * span[0])
+        ):
             cuts[int(k)] = "test"
         else:
             continue

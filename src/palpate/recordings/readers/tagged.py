@@ -1,15 +1,18 @@
 """Tests that do not count unless somebody names one: sheets that the vendor's program tags, and those of other names.
 
+A remark in the name of a sheet is reported where half of the sheets or more bear none.
+
 TestWorks (MTS, Agilent) writes ``Test 004 Tagged`` for a test that the operator took out of the averages.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 from palpate.errors import InputError
-from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.source import TEST, Source, number_of
 from palpate.recordings.readers.vendor import Unreadable, VendorTest
 
 TAGGED = re.compile(
@@ -32,6 +35,20 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
         place=test.name,
     )
     return Unreadable(test.name, error, uncounted=test)
+
+
+def remarked(source: Source, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
+    """Return the tests, with a warning where a sheet bears a remark beside its number, as no more than half do."""
+    beside = [TEST.sub("", test.name, count=1).strip(" _-#()") for test in tests]
+    numbered = sum(number_of(test.name) is not None and not name for test, name in zip(tests, beside, strict=True))
+    if not source.workbook or 2 * numbered < len(tests):
+        return list(tests)
+    return [
+        replace(test, warnings=(*test.warnings, f"the sheet's name says {name!r}: look whether the test counts"))
+        if isinstance(test, VendorTest) and name
+        else test
+        for test, name in zip(tests, beside, strict=True)
+    ]
 
 
 def taken(test: VendorTest | Unreadable) -> VendorTest | Unreadable:

@@ -1,6 +1,7 @@
 """Units of time, load and depth, and what they are in s, mN and nm; how else they are spelled.
 
-The gram-force is 9.80665 mN exactly: a gram under the standard gravity of 9.80665 m/s^2 (3rd CGPM, 1901).
+The gram-force is 9.80665 mN exactly: a gram under the standard gravity of 9.80665 m/s^2 (3rd CGPM, 1901). The
+pound-force is that of 0.45359237 kg.
 """
 
 from __future__ import annotations
@@ -13,16 +14,20 @@ from palpate.errors import InputError
 CHANNELS = {"time": "s", "load": "mN", "depth": "nm"}
 SCALES = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0},
-    "load": {"mN": 1.0, "uN": 1e-3, "nN": 1e-6, "pN": 1e-9, "N": 1e3, "gf": 9.80665, "mgf": 9.80665e-3, "kgf": 9806.65},
-    "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "A": 0.1, "pm": 1e-3},
-}
+    "load": {
+        "mN": 1.0, "uN": 1e-3, "nN": 1e-6, "pN": 1e-9, "cN": 10.0, "N": 1e3, "gf": 9.80665, "mgf": 9.80665e-3,
+        "kgf": 9806.65, "dyne": 1e-2, "lbf": 4448.2216152605,
+    },
+    "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "A": 0.1, "pm": 1e-3, "inch": 2.54e7},
+}  # fmt: skip
 STIFFNESS = {"N/m": 1.0}
 SPELLED = {
     "time": {
         "second": "s", "seconde": "s", "sekunde": "s", "sekunden": "s", "sec": "s", "sek": "s", "minute": "min",
         "minuten": "min", "min": "min", "hour": "h", "heure": "h", "stunde": "h", "stunden": "h", "hr": "h", "day": "d",
+        "segundo": "s",
     },
-    "load": {"newton": "N", "gramforce": "gf", "gf": "gf"},
+    "load": {"newton": "N", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
     "depth": {"meter": "m", "metre": "m", "mètre": "m", "micron": "um", "angstrom": "A", "angström": "A", "ang": "A"},
 }  # fmt: skip
 PREFIX = {

@@ -19,6 +19,7 @@ from palpate.recordings.readers.in_air import (
     air_at_start,
     air_before,
     retreat_before,
+    risen_before,
     share_in_air,
     sloping,
     until_retreat,
@@ -74,7 +75,9 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     except InputError as error:
         raise error.located(place=test.name) from None
     messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
-    return _ended(test, begun(r, point, FOUND if found else GIVEN), (*messages, *sloping(r, point.index)))
+    begins = begun(r, point, FOUND if found else GIVEN)
+    air = air_at_start(begins, remedy="--contact NM puts contact elsewhere")
+    return _ended(test, begins, (*messages, *air, *sloping(r, point.index)))
 
 
 def _from_the_file_s(test: VendorTest) -> VendorTest:
@@ -89,7 +92,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
         messages = (
             *rested,
             *_off_zero(moving),
-            *_loaded_before(r.load, begin),
+            *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
             *air_at_start(moving, test.marked),
             *sloping(r, begin),
         )
@@ -226,6 +229,17 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     if not begins_off_contact(recording):
         return ()
     return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact (--contact auto finds the contact)",)
+
+
+def _under_load(r: Recording) -> tuple[str, ...]:
+    """Return a warning where a test begins under load at zero depth: one of them is not counted from contact."""
+    peak = int(np.argmax(r.load))
+    if r.load[0] <= OFF_ZERO * r.load[peak] or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
+        return ()
+    return (
+        f"begins under {r.load[0]:.4g} of {r.load[peak]:.4g} mN at a depth of {r.depth[0]:.4g} nm: the load, or the "
+        "depth, is not counted from contact",
+    )
 
 
 def begins_off_contact(recording: Recording) -> bool:
