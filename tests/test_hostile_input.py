@@ -11,8 +11,10 @@ import pytest
 import yaml
 
 from palpate.base.yaml_file import read_yaml
+from palpate.configuration.study_file import study_from
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
+from palpate.recordings.recording_file import read_recording
 
 PALPATE = Path(sys.executable).parent / "palpate"
 CONTENT_TYPES = (
@@ -112,6 +114,47 @@ def test_aliases_that_multiply_are_refused(tmp_path):
     (tmp_path / "study.yaml").write_text("a: &a [*a]")
     with pytest.raises(InputError, match="aliases"):
         read_yaml(tmp_path / "study.yaml")
+
+
+@pytest.mark.faults(before="gigabytes, or minutes")
+@pytest.mark.parametrize("kind", ["study", "entries", "recording", "vendor"])
+def test_what_is_far_too_long_is_refused_soon(tmp_path, kind):
+    file, began = tmp_path / ("a_1.csv" if kind == "recording" else "study.yaml"), time.process_time()
+    if kind == "entries":
+        file.write_text("\n".join(f"k{number}: 1" for number in range(100_000)))
+    else:
+        with file.open("wb") as stream:
+            stream.truncate(20 << 30)  # a file that is all hole
+    read = {"recording": read_recording, "vendor": read_vendor_file}.get(kind, read_yaml)
+    with pytest.raises(InputError, match=f"{file.name}.*(longer than|more than 100000 entries|larger than)"):
+        read(file)
+    assert time.process_time() - began < 10.0
+
+
+@pytest.mark.faults(before="passed palpate check, and failed or filled the memory after it")
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"study": "x" * 300}, "study: .* use up to 80 letters"),
+        ({"study": "many\n"}, "study: .* is not allowed"),
+        ({"recordings": {"tracking": "lab"}}, "'tracking' is reserved"),
+        ({"parameters": {name: [1.0 + k / 1e3 for k in range(500)] for name in ("youngs_modulus", "yield_stress")}},
+         "the levels make 250000 materials, more than 200000; give fewer levels, or design"),
+        ({"design": {"kind": "sobol", "points": 10**9}}, "design.points: 1000000000 is given, expected 200000 or less"),
+        ({"calibration": {"population": 10**12}}, "calibration.population: .* or less"),
+    ],
+)  # fmt: skip
+def test_a_study_that_no_folder_or_memory_holds_is_refused(change, said):
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
+    given = {
+        "study": "many",
+        "material": {"model": "bilinear_plasticity", "poisson_ratio": 0.3, "hardening": 0.1},
+        "parameters": {"youngs_modulus": [2.0, 3.0], "yield_stress": [1.0, 2.0]},
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "conditions": [condition],
+    }
+    with pytest.raises(InputError, match=said):
+        study_from(given | change, "study.yaml")
 
 
 @pytest.mark.faults(before="waited for ever")

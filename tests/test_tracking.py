@@ -199,6 +199,14 @@ def test_a_folder_for_a_store_is_named_with_the_remedy(here):
     assert_named(sent_apart(here, "./mlruns"), problem)
 
 
+@pytest.mark.faults(before="the study stopped over it")
+@pytest.mark.parametrize("left", ["", "{", "[1]"])
+def test_a_damaged_list_of_what_was_sent_costs_no_run(here, left, capsys):
+    (write_records(here) / "sent.json").write_text(left)
+    assert main(["track"]) == 1
+    assert "s: 2 records are on disk only" in capsys.readouterr().out
+
+
 def test_a_record_that_changed_is_sent_again(here):
     folder = write_records(here)
     assert main(["track", "--send"]) == 0

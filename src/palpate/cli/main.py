@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from palpate import __version__, cli
 from palpate.base.threads import one_thread_each
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError, PalpateError, of_system
 
 
 class Parser(argparse.ArgumentParser):
@@ -75,8 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except OSError as error:
-        cli.warn(InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename))
+    except (OSError, MemoryError) as error:
+        cli.warn(of_system(error))
         return 2
 
 

@@ -7,18 +7,19 @@ folder of records, by checksum: a second run sends nothing twice.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import logging
 import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
+from palpate.errors import PalpateError
 from palpate.surrogate.saved import load
 from palpate.workflow_support.result_files import checksum, read_json, write_json
 
@@ -51,8 +52,7 @@ def send(folder: Path) -> list[str]:
             left, problem = len(waiting) - number, _problem(str(error))
             print(f"tracking: {left} records stay on disk ({problem}); palpate track --send sends them")
             return waiting[number:]
-        sent = read_json(ledger) if ledger.is_file() else {}
-        write_json(ledger, {**sent, name: checksum(folder / name)})
+        write_json(ledger, {**_sent(folder), name: checksum(folder / name)})
     return []
 
 
@@ -75,11 +75,18 @@ def _uri() -> str:
 
 def pending(folder: Path) -> list[str]:
     """Return the names of a study's records that have not been sent, or have changed since."""
-    ledger = folder / "sent.json"
-    sent: dict[str, str] = read_json(ledger) if ledger.is_file() else {}
-    records = sorted(set(folder.rglob("*.json")) - {ledger, folder / "receipt.json"})
-    names = [str(file.relative_to(folder)) for file in records]
+    sent = _sent(folder)
+    records = sorted(set(folder.rglob("*.json")) - {folder / "sent.json", folder / "receipt.json"})
+    names = [str(file.relative_to(folder)) for file in records if file.is_file()]
     return [name for name in names if sent.get(name) != checksum(folder / name)]
+
+
+def _sent(folder: Path) -> dict[str, Any]:
+    """Return the checksum of each record that was sent; of none where that list is damaged, so that no run is lost."""
+    with contextlib.suppress(PalpateError, FileNotFoundError):
+        found = read_json(folder / "sent.json")
+        return found if isinstance(found, dict) else {}
+    return {}
 
 
 def _send(record: Mapping[str, Any]) -> None:
@@ -159,7 +166,7 @@ def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
         yield entries[first : first + size]
 
 
-@contextmanager
+@contextlib.contextmanager
 def _alone(uri: str) -> Iterator[None]:
     """Wait until no other process makes the store: a lock beside an SQLite file, elsewhere one of this machine's user.
 
