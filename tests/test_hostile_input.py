@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from palpate.base.yaml_file import read_yaml
+from palpate.cli.main import main
 from palpate.configuration.study_file import study_from
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
@@ -165,6 +166,43 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
     run = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert run.returncode == 2
     assert run.stderr.splitlines() == ["palpate: pipe: is no regular file; give a file"]
+
+
+@pytest.mark.faults(before="a traceback")
+@pytest.mark.parametrize("command", [["check", "study.yaml"], ["draft", "a.csv", "-o", "loop"]])
+def test_a_folder_that_links_to_itself_is_named(tmp_path, monkeypatch, capsys, command):
+    monkeypatch.chdir(tmp_path)
+    Path("loop").symlink_to("loop")
+    loads = [min(time, 60 - time) / 30 for time in range(61)]
+    rows = [f"{time},{load},{400 * load**0.5}" for time, load in enumerate(loads)]
+    Path("a.csv").write_text("\n".join(["time_s,load_mN,depth_nm", *rows]))
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
+    given = {
+        "study": "many",
+        "material": {"model": "elastic", "poisson_ratio": 0.3},
+        "parameters": {"youngs_modulus": [2.0, 2.5, 3.0, 3.5]},
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "conditions": [condition],
+        "recordings": {"lab": "loop"},
+    }
+    Path("study.yaml").write_text(yaml.safe_dump(given))
+    assert main(command) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "loop" in line
+
+
+@pytest.mark.faults(before="a traceback, exit code 1 or 120")
+@pytest.mark.parametrize(("output", "code"), [("/dev/full", 2), ("&-", 1)])
+def test_an_output_that_is_full_or_closed_costs_no_traceback(tmp_path, output, code):
+    script = "from palpate.cli.main import main; import sys; sys.exit(main(['track']))"
+    command = f'exec "$1" -c "$2" >{output}'
+    (tmp_path / "results/s/tracking").mkdir(parents=True)
+    (tmp_path / "results/s/tracking/run.json").write_text("{}")  # one that is listed
+    found = subprocess.run(
+        ["sh", "-c", command, "sh", sys.executable, script], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert found.returncode == code
+    assert len(found.stderr.splitlines()) == (code == 2)
 
 
 @pytest.mark.faults(before="held")

@@ -262,7 +262,7 @@ def test_a_curve_that_another_study_left_serves_though_its_grid_has_other_parame
     s = study(tmp_path, material={"model": "elastic"}, parameters=levels)
     assert run(s, tmp_path) == [0, 0]
     parameters, *_ = store.matrix(store.curves_under(s, "a", tmp_path), s.levels)
-    assert parameters.tolist() == [[1.0, 0.3], [2.0, 0.3], [3.0, 0.3]]
+    assert [dict(zip(s.levels, row, strict=True)) for row in parameters.tolist()] == s.cells
 
 
 @pytest.mark.faults(before="held")

@@ -76,7 +76,9 @@ def require() -> None:
 def _parents() -> Iterator[Path]:
     """Return the folders that may hold the cache, the best first."""
     yield PACKAGE / "__pycache__"
-    yield Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "palpate"
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "palpate"
+    if cache.is_absolute():  # else the user has no home folder
+        yield cache
     yield Path(_temporary(), f"palpate-kernels-{os.getuid()}")
 
 

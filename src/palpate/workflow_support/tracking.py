@@ -12,6 +12,7 @@ import hashlib
 import logging
 import os
 import re
+import sqlite3
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -91,11 +92,12 @@ def _sent(folder: Path) -> dict[str, Any]:
 
 def _send(record: Mapping[str, Any]) -> None:
     """Send the runs of one record."""
+    uri = _uri()
+    _check_file(uri)
     os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
     import mlflow
 
     logging.getLogger("mlflow").setLevel(logging.ERROR)
-    uri = _uri()
     with _alone(uri):
         mlflow.set_tracking_uri(uri)
         client = mlflow.MlflowClient()
@@ -112,6 +114,19 @@ def _send(record: Mapping[str, Any]) -> None:
         client.log_metric(parent, key, value)
     if record["runs"]:
         client.set_terminated(parent, end_time=max(run["ended"] for run in record["runs"]))
+
+
+def _check_file(uri: str) -> None:
+    """Refuse a file that is no SQLite database, which MLflow would try to open for minutes; raises `PalpateError`."""
+    file = Path(uri.removeprefix("sqlite:///"))
+    if not uri.startswith("sqlite:///") or not os.path.lexists(file):
+        return
+    try:
+        with contextlib.closing(sqlite3.connect(file, timeout=SECONDS)) as database:
+            database.execute("select count(*) from sqlite_master").fetchone()
+    except sqlite3.Error as error:
+        remedy = "try again later" if "locked" in str(error) else "move it away, or correct its permissions"
+        raise PalpateError(f"{file} cannot be read as a database, {error}: {remedy}") from None
 
 
 def _experiment(client: Any, study: str, uri: str) -> str:
