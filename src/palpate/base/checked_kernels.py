@@ -39,4 +39,4 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
 
 def install() -> None:
     """Let numba keep kernels this way in this process."""
-    caching.IndexDataCacheFile = CheckedCacheFile
+    caching.IndexDataCacheFile = CheckedCacheFile  # type: ignore[misc]
