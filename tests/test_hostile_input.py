@@ -136,7 +136,7 @@ def test_what_is_far_too_long_is_refused_soon(tmp_path, kind):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"study": "x" * 300}, "study: .* use up to 80 letters"),
+        ({"study": "x" * 300}, "study: .* 80 at most"),
         ({"study": "many\n"}, "study: .* is not allowed"),
         ({"recordings": {"tracking": "lab"}}, "'tracking' is reserved"),
         ({"parameters": {name: [1.0 + k / 1e3 for k in range(500)] for name in ("youngs_modulus", "yield_stress")}},

@@ -21,6 +21,12 @@ def checked_levels(
 
     Parameters
     ----------
+    model
+        Key of the law.
+    material
+        Its fixed parameters.
+    given
+        Levels of the others.
     kind
         Of design; ``factorial`` takes every combination of the levels.
 
