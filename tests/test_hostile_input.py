@@ -11,8 +11,11 @@ import pytest
 import yaml
 
 from palpate.base.yaml_file import read_yaml
+from palpate.cli.main import main
+from palpate.configuration.study_file import study_from
 from palpate.errors import InputError
 from palpate.recordings.readers import read_vendor_file
+from palpate.recordings.recording_file import read_recording
 
 PALPATE = Path(sys.executable).parent / "palpate"
 CONTENT_TYPES = (
@@ -114,6 +117,47 @@ def test_aliases_that_multiply_are_refused(tmp_path):
         read_yaml(tmp_path / "study.yaml")
 
 
+@pytest.mark.faults(before="gigabytes, or minutes")
+@pytest.mark.parametrize("kind", ["study", "entries", "recording", "vendor"])
+def test_what_is_far_too_long_is_refused_soon(tmp_path, kind):
+    file, began = tmp_path / ("a_1.csv" if kind == "recording" else "study.yaml"), time.process_time()
+    if kind == "entries":
+        file.write_text("\n".join(f"k{number}: 1" for number in range(100_000)))
+    else:
+        with file.open("wb") as stream:
+            stream.truncate(20 << 30)  # a file that is all hole
+    read = {"recording": read_recording, "vendor": read_vendor_file}.get(kind, read_yaml)
+    with pytest.raises(InputError, match=f"{file.name}.*(longer than|more than 100000 entries|larger than)"):
+        read(file)
+    assert time.process_time() - began < 10.0
+
+
+@pytest.mark.faults(before="passed palpate check, and failed or filled the memory after it")
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"study": "x" * 300}, "study: .* 80 at most"),
+        ({"study": "many\n"}, "study: .* is not allowed"),
+        ({"recordings": {"tracking": "lab"}}, "'tracking' is reserved"),
+        ({"parameters": {name: [1.0 + k / 1e3 for k in range(500)] for name in ("youngs_modulus", "yield_stress")}},
+         "the levels make 250000 materials, more than 200000; give fewer levels, or design"),
+        ({"design": {"kind": "sobol", "points": 10**9}}, "design.points: 1000000000 is given, expected 200000 or less"),
+        ({"calibration": {"population": 10**12}}, "calibration.population: .* or less"),
+    ],
+)  # fmt: skip
+def test_a_study_that_no_folder_or_memory_holds_is_refused(change, said):
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
+    given = {
+        "study": "many",
+        "material": {"model": "bilinear_plasticity", "poisson_ratio": 0.3, "hardening": 0.1},
+        "parameters": {"youngs_modulus": [2.0, 3.0], "yield_stress": [1.0, 2.0]},
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "conditions": [condition],
+    }
+    with pytest.raises(InputError, match=said):
+        study_from(given | change, "study.yaml")
+
+
 @pytest.mark.faults(before="waited for ever")
 @pytest.mark.parametrize("command", [["check"], ["read", "-o", "out"], ["draft", "-o", "out"], ["run"]])
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
@@ -122,6 +166,43 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, command):
     run = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert run.returncode == 2
     assert run.stderr.splitlines() == ["palpate: pipe: is no regular file; give a file"]
+
+
+@pytest.mark.faults(before="a traceback")
+@pytest.mark.parametrize("command", [["check", "study.yaml"], ["draft", "a.csv", "-o", "loop"]])
+def test_a_folder_that_links_to_itself_is_named(tmp_path, monkeypatch, capsys, command):
+    monkeypatch.chdir(tmp_path)
+    Path("loop").symlink_to("loop")
+    loads = [min(time, 60 - time) / 30 for time in range(61)]
+    rows = [f"{time},{load},{400 * load**0.5}" for time, load in enumerate(loads)]
+    Path("a.csv").write_text("\n".join(["time_s,load_mN,depth_nm", *rows]))
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}
+    given = {
+        "study": "many",
+        "material": {"model": "elastic", "poisson_ratio": 0.3},
+        "parameters": {"youngs_modulus": [2.0, 2.5, 3.0, 3.5]},
+        "indenter": {"shape": "cone", "half_angle": 70.3},
+        "conditions": [condition],
+        "recordings": {"lab": "loop"},
+    }
+    Path("study.yaml").write_text(yaml.safe_dump(given))
+    assert main(command) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "loop" in line
+
+
+@pytest.mark.faults(before="a traceback, exit code 1 or 120")
+@pytest.mark.parametrize(("output", "code"), [("/dev/full", 2), ("&-", 1)])
+def test_an_output_that_is_full_or_closed_costs_no_traceback(tmp_path, output, code):
+    script = "from palpate.cli.main import main; import sys; sys.exit(main(['track']))"
+    command = f'exec "$1" -c "$2" >{output}'
+    (tmp_path / "results/s/tracking").mkdir(parents=True)
+    (tmp_path / "results/s/tracking/run.json").write_text("{}")  # one that is listed
+    found = subprocess.run(
+        ["sh", "-c", command, "sh", sys.executable, script], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert found.returncode == code
+    assert len(found.stderr.splitlines()) == (code == 2)
 
 
 @pytest.mark.faults(before="held")

@@ -1,9 +1,13 @@
 """Jobs of the workflow leave a log, and end with one line where palpate refuses."""
 
+import errno
+import re
+from pathlib import Path
+
 import pytest
 
 from palpate.errors import InputError
-from palpate.workflow_support import job
+from palpate.workflow_support import job, result_files
 
 
 @pytest.fixture
@@ -23,6 +27,59 @@ def test_what_is_refused_is_one_line(log):
     with pytest.raises(SystemExit, match=r"^palpate: a.csv: is empty; copy it again$"), job.logged(log):
         raise InputError("is empty", remedy="copy it again", file="a.csv")
     assert log.read_text() == "palpate: a.csv: is empty; copy it again\n"
+
+
+@pytest.mark.faults(before="a traceback")
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (
+            OSError(errno.ENOSPC, "No space left on device", "a.csv"),
+            "a.csv: No space left on device; free space on the disk",
+        ),
+        (
+            IsADirectoryError(errno.EISDIR, "Is a directory", "a"),
+            "a: Is a directory; check the path and its permissions",
+        ),
+        (MemoryError(), "the memory does not suffice; use smaller files or fewer levels"),
+    ],
+)
+def test_what_the_system_refuses_is_one_line(log, error, line):
+    with pytest.raises(SystemExit, match=re.escape(line)), job.logged(log):
+        raise error
+    assert log.read_text() == f"palpate: {line}\n"
+
+
+@pytest.mark.faults(before="a traceback")
+def test_a_log_that_cannot_be_written_is_one_line(tmp_path):
+    with pytest.raises(SystemExit, match="Is a directory"), job.logged(tmp_path):
+        pass
+
+
+def test_a_result_that_was_altered_is_set_aside_and_others_stay(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    logs, results = Path("results/s/logs"), [Path(f"results/s/{name}.json") for name in ("a", "b", "c")]
+    logs.mkdir(parents=True)
+    for number, file in enumerate(results):
+        with job.logged(logs / f"job_{number}.log", [str(file)]):
+            file.write_text("1.0")
+    results[0].write_text("1.1")
+    results[1].unlink()
+    (line,) = result_files.set_aside(logs)
+    assert line == f"{results[0]} is not as it was made; it is kept as a.json.altered, and made again"
+    assert [file.exists() for file in results] == [False, False, True]
+    assert Path("results/s/a.json.altered").read_text() == "1.1"
+    assert list(result_files.set_aside(logs)) == []
+
+
+def test_a_result_that_a_job_is_replacing_is_not_set_aside(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    logs, file = Path("results/s/logs"), Path("results/s/a.json")
+    logs.mkdir(parents=True)
+    for text in ("1", "2"):
+        with job.logged(logs / "job.log", [str(file)]):
+            file.write_text(text)
+            assert list(result_files.altered(logs)) == []
 
 
 def test_a_defect_keeps_its_traceback(log):

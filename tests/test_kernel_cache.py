@@ -8,8 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core import caching
 
-from palpate.base import kernel_cache
+from palpate.base import checked_kernels, kernel_cache
 from palpate.errors import InputError
 
 SOURCE = kernel_cache.PACKAGE
@@ -125,6 +126,26 @@ def test_what_somebody_else_may_have_planted_is_refused(nowhere_else, planted):
     assert kernel_cache.VARIABLE not in os.environ
     with pytest.raises(InputError, match=f"{nowhere_else.name}: they are read-only, or another user's; set NUMBA"):
         kernel_cache.require()
+
+
+@pytest.mark.faults(before="a traceback at every start, or machine code as it was altered")
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("fault", ["empty", "cut", "altered"])
+def test_a_damaged_kernel_is_compiled_again(tmp_path, ending, fault):
+    index = checked_kernels.CheckedCacheFile(str(tmp_path), "kernel", "stamp")
+    index.save("key", ("machine code",))
+    assert index.load("key") == ("machine code",)
+    (file,) = tmp_path.glob(f"*.{ending}")
+    whole = file.read_bytes()
+    altered = whole[:40] + bytes([whole[40] ^ 1]) + whole[41:]
+    file.write_bytes({"empty": b"", "cut": whole[:-3], "altered": altered}[fault])
+    assert index.load("key") in (None, ("machine code",) if ending == "nbi" else None)
+    index.save("key", ("machine code",))
+    assert index.load("key") == ("machine code",)
+
+
+def test_kernels_are_kept_with_their_checksums():
+    assert caching.IndexDataCacheFile is checked_kernels.CheckedCacheFile
 
 
 def test_every_folder_that_holds_kernels_is_hashed_and_asks_first_whether_they_can_be_kept():

@@ -101,6 +101,39 @@ def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cor
     assert [name for name in expected | found if expected.get(name) != found.get(name)] == []
 
 
+@pytest.mark.faults(before="jobs went on after the terminal was closed, or the batch system ended the command")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_ends_the_command_ends_its_jobs(number):
+    script = "import sys; from palpate.cli.run import _executed; print(flush=True); _executed([*sys.argv[1:]])"
+    waits = "import time; print('begun', flush=True); time.sleep(60)"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, sys.executable, "-c", waits], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert process.stdout.readline() == b"\n"
+    assert process.stdout.readline() == b"begun\n"
+    (job,) = psutil.Process(process.pid).children()
+    process.send_signal(number)
+    assert process.wait(timeout=30) != 0
+    assert not job.is_running()
+
+
+@pytest.mark.faults(before="an edited number went into the report; a cut table was a traceback")
+def test_results_that_were_altered_are_made_again(undisturbed, tmp_path):
+    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
+    results = tmp_path / "results/elastic"
+    calibration = results / "lab/calibrations/all.json"
+    calibration.write_text(calibration.read_text().replace('"estimate": 2.', '"estimate": 3.'))
+    (results / "snapshots/A_000.csv").write_text("")
+    (results / "surrogates/A.npz").write_bytes(b"PK")
+    planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
+    rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
+    assert {"calibration_on_all", "snapshots", "surrogate", "report", "tracking"} <= rules
+    assert (
+        f"{calibration.relative_to(tmp_path)} is not as it was made; it is kept as all.json.altered" in planned.stderr
+    )
+    assert '"estimate": 3.' in (results / "lab/calibrations/all.json.altered").read_text()
+
+
 @pytest.mark.faults(before="Snakemake asked for --unlock, for which an installed package has no Snakefile")
 def test_killed_it_goes_on_by_itself_where_nothing_runs_any_more(folder):
     """`palpate run` is killed, then Snakemake as well; a lock that it did not leave stays."""
@@ -114,6 +147,9 @@ def test_killed_it_goes_on_by_itself_where_nothing_runs_any_more(folder):
     process.kill()
     process.wait()
     assert not killed_run.unlocked(folder), "Snakemake goes on"
+    beside = run(folder, "study.yaml")
+    assert beside.returncode == 1
+    assert "locked by another execution, which makes the same results; wait" in beside.stderr.splitlines()[-1]
     os.killpg(snakemake.pid, signal.SIGKILL)
     psutil.wait_procs([snakemake])
     left = killed_run.locks(folder)

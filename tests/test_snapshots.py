@@ -13,7 +13,7 @@ from palpate.base import kernel_cache, source_code
 from palpate.base.fingerprint import closure, content
 from palpate.base.source_code import canonical
 from palpate.configuration.study_file import load_study
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
 from palpate.solver import store
 from palpate.solver.simulation import Simulation, simulate
 from palpate.study.indenter import Indenter
@@ -232,18 +232,42 @@ def test_a_failure_is_kept_with_its_reason_and_left_out_of_the_matrix(tmp_path):
 
 
 @pytest.mark.faults(before="a traceback at the surrogate")
-@pytest.mark.parametrize("fault", ["cut", "altered", "empty"])
+@pytest.mark.parametrize("fault", ["cut", "altered", "empty", "compressed in no known way", "another's"])
 def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
     s = study(tmp_path)
     run(s, tmp_path)
-    snapshot, *_ = snapshots_under(s, "a")
+    snapshot, other, *_ = snapshots_under(s, "a")
     file = store.place(snapshot.address, tmp_path)
     whole = file.read_bytes()
-    middle = len(whole) // 2
-    altered = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
-    file.write_bytes({"cut": whole[:middle], "altered": altered, "empty": b""}[fault])
+    middle, method = len(whole) // 2, whole.rindex(b"PK\1\2") + 10
+    faults = {
+        "cut": whole[:middle],
+        "altered": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
+        "empty": b"",
+        "compressed in no known way": whole[:method] + b"?" + whole[method + 1 :],
+        "another's": store.place(other.address, tmp_path).read_bytes(),
+    }
+    file.write_bytes(faults[fault])
     assert run(s, tmp_path) == [1, 0]
     assert file.read_bytes() == whole
+
+
+@pytest.mark.faults(before="a traceback")
+def test_a_folder_in_the_place_of_a_curve_is_named(tmp_path):
+    s = study(tmp_path)
+    file = store.place(store.snapshots_under(s, "a")[0].address, tmp_path)
+    file.mkdir(parents=True)
+    with pytest.raises(InputError, match=f"{file.name}: is a folder where a curve is kept; remove it"):
+        run(s, tmp_path)
+
+
+def test_a_curve_that_another_study_left_serves_though_its_grid_has_other_parameters(tmp_path):
+    run(study(tmp_path), tmp_path)
+    levels = STUDY["parameters"] | {"poisson_ratio": [0.3]}
+    s = study(tmp_path, material={"model": "elastic"}, parameters=levels)
+    assert run(s, tmp_path) == [0, 0]
+    parameters, *_ = store.matrix(store.curves_under(s, "a", tmp_path), s.levels)
+    assert [dict(zip(s.levels, row, strict=True)) for row in parameters.tolist()] == s.cells
 
 
 @pytest.mark.faults(before="held")
@@ -283,7 +307,16 @@ def test_a_killed_job_keeps_what_it_solved_before(tmp_path, monkeypatch):
     assert run(s, tmp_path) == [1]
 
 
-@pytest.mark.parametrize("damage", [lambda text: text, lambda text: text[: len(text) // 2]], ids=["whole", "cut"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda text: text,
+        lambda text: text[: len(text) // 2],
+        lambda text: "[1]",
+        lambda text: '{"a": 1, "b": 2, "c": 3}',
+    ],
+    ids=["whole", "cut", "no table", "another table"],
+)
 def test_what_is_remembered_of_source_code_is_what_is_found_anew(tmp_path, monkeypatch, damage):
     monkeypatch.setattr(kernel_cache, "kept", lambda name: tmp_path)
     file, remembered = tmp_path / "law.py", tmp_path / "sources.json"

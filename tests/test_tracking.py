@@ -199,6 +199,32 @@ def test_a_folder_for_a_store_is_named_with_the_remedy(here):
     assert_named(sent_apart(here, "./mlruns"), problem)
 
 
+@pytest.mark.faults(before="minutes of silence, or no remedy")
+@pytest.mark.parametrize("kind", ["no database", "folder", "loop"])
+def test_a_file_that_is_no_store_is_named_soon_and_loses_nothing(here, kind, capsys):
+    write_records(here)
+    file, began = here / "results/mlflow.db", time.monotonic()
+    if kind == "no database":
+        file.write_bytes(b"no database" * 100)
+    elif kind == "folder":
+        file.mkdir()
+    else:
+        file.symlink_to(file.name)
+    assert main(["track", "--send"]) == 1
+    line, left = capsys.readouterr().out.splitlines()
+    assert "results/mlflow.db cannot be read as a database" in line and "move it away" in line
+    assert left == "s: 2 records are on disk only"
+    assert time.monotonic() - began < 30.0
+
+
+@pytest.mark.faults(before="the study stopped over it")
+@pytest.mark.parametrize("left", ["", "{", "[1]"])
+def test_a_damaged_list_of_what_was_sent_costs_no_run(here, left, capsys):
+    (write_records(here) / "sent.json").write_text(left)
+    assert main(["track"]) == 1
+    assert "s: 2 records are on disk only" in capsys.readouterr().out
+
+
 def test_a_record_that_changed_is_sent_again(here):
     folder = write_records(here)
     assert main(["track", "--send"]) == 0

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
+
+REMEDIES = {errno.ENOSPC: "free space on the disk", errno.EDQUOT: "free space on the disk"}
 
 
 class PalpateError(Exception):
@@ -33,6 +36,14 @@ class InputError(PalpateError):
     def located(self, *, file: str | Path | None = None, place: str | None = None) -> InputError:
         """Return the same error with a file or a place filled in where it had none."""
         return InputError(self.problem, remedy=self.remedy, file=self.file or file, place=self.place or place)
+
+
+def of_system(error: OSError | MemoryError) -> InputError:
+    """Return what the system refuses, such as a file that may not be written, as one line."""
+    if isinstance(error, MemoryError):
+        return InputError("the memory does not suffice", remedy="use smaller files or fewer levels")
+    remedy = REMEDIES.get(error.errno or 0, "check the path and its permissions")
+    return InputError(error.strerror or str(error), remedy=remedy, file=error.filename)
 
 
 class ConvergenceError(PalpateError):

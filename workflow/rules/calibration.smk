@@ -19,6 +19,7 @@ rule calibration:
         "../../envs/palpate.yaml"
     params:
         title=constant(STUDY.title),
+        recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant(STUDY.calibration),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
@@ -47,5 +48,5 @@ rule main_calibration:
         "../../envs/palpate.yaml"
     message:
         "main calibration of {wildcards.recordings}"
-    shell:
-        "cp {input} {output} 2> {log}"
+    script:
+        "../../scripts/main_calibration.py"

@@ -1,6 +1,7 @@
 # What all rules share: the checked study, its plan of snapshots, and the identity of this execution.
 import datetime
 import functools
+import hashlib
 import os
 import re
 import shlex
@@ -24,7 +25,7 @@ from palpate.base.threads import one_thread_each
 
 one_thread_each()
 
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError, of_system
 
 
 def refuse(problem):
@@ -41,10 +42,10 @@ except InputError as error:  # compiled kernels can be kept nowhere
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
-from palpate.inference.study_recordings import files_of
+from palpate.inference.study_recordings import files_of, written_by_workflow
 from palpate.workflow_support import job
 from palpate.workflow_support.check_study import checked
-from palpate.workflow_support.result_files import read_json
+from palpate.workflow_support.result_files import checksum, read_json, set_aside
 
 
 @functools.cache
@@ -81,9 +82,11 @@ def attempt(receipt):
     """A value that changes, so that the rule runs again, while runs on disk are not in MLflow yet."""
     if not Path(receipt).is_file():
         return "first"
-    found = read_json(receipt)
-    pending = found["status"] == "pending"
-    return EXECUTION if pending else found["attempt"]
+    try:
+        found = read_json(receipt)
+    except PalpateError:
+        return EXECUTION
+    return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
 def curves(values, accuracy):
@@ -96,6 +99,15 @@ def curves(values, accuracy):
         )
         for condition in STUDY.conditions
     ]
+
+
+@functools.cache
+def contents(name):
+    """One checksum of a set of recordings, as a copy keeps the time of an old file; none of what the workflow writes."""
+    if written_by_workflow(STUDY, name):
+        return ""
+    each = [checksum(file) for file in files_of(STUDY, name)]
+    return hashlib.sha256("".join(each).encode()).hexdigest()
 
 
 def all_recordings(wildcards):
@@ -114,6 +126,12 @@ def reference_curves(wildcards):
 
 STUDY = read_study()
 FOLDER = f"results/{STUDY.name}"
+if workflow.is_main_process:
+    try:
+        for line in set_aside(Path(FOLDER, "logs")):
+            print(f"palpate: {line}", file=sys.stderr)
+    except OSError as error:
+        refuse(of_system(error))
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
 CALIBRATED = [
     condition.name for condition in STUDY.conditions if condition.role == "calibrate"

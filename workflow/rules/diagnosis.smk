@@ -16,6 +16,7 @@ rule diagnosis:
     threads: 2
     params:
         title=constant(STUDY.title),
+        recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),

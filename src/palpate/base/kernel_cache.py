@@ -1,7 +1,8 @@
 """Where compiled kernels are kept: a folder for each state of their sources.
 
 numba notices a change of the file that a kernel is in, but not of kernels that it calls from other files. So the cache
-bears the hash of all sources that hold kernels, and an update of the package never meets machine code of the old one.
+bears the hash of all sources that hold kernels and of the form in which they are kept, and an update of the package
+never meets machine code of the old one.
 
 It lies where ``NUMBA_CACHE_DIR`` says, or else in the package, or else in the user's own cache, or else in the folder
 for temporary files. There it is the user's alone, because numba executes what it finds.
@@ -20,6 +21,7 @@ from palpate.errors import InputError
 
 PACKAGE = Path(__file__).parents[1]
 SOURCES = ("solver/axisymmetric", "solver/pyramid", "materials", "materials/flow")
+FORMAT = Path(__file__).with_name("checked_kernels.py")
 VARIABLE, PREFIX = "NUMBA_CACHE_DIR", "kernels-"
 
 
@@ -28,7 +30,7 @@ def choose() -> None:
 
     A process inherits the variable from the one that began it, which may have other sources.
     """
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(FORMAT.read_bytes())
     for folder in SOURCES:
         for file in sorted((PACKAGE / folder).glob("*.py")):
             digest.update(file.read_bytes())
@@ -50,7 +52,7 @@ def kept(name: str) -> Path | None:
 
 
 def require() -> None:
-    """Check that kernels can be kept, without which numba compiles none.
+    """Check that kernels can be kept, without which numba compiles none, and have each kept with its checksum.
 
     Raises
     ------
@@ -66,12 +68,17 @@ def require() -> None:
         )
     if not _usable(Path(given)):
         raise InputError(f"{VARIABLE} is {_place(Path(given))}, which cannot be written", remedy=remedy)
+    from palpate.base import checked_kernels
+
+    checked_kernels.install()
 
 
 def _parents() -> Iterator[Path]:
     """Return the folders that may hold the cache, the best first."""
     yield PACKAGE / "__pycache__"
-    yield Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "palpate"
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "palpate"
+    if cache.is_absolute():  # else the user has no home folder
+        yield cache
     yield Path(_temporary(), f"palpate-kernels-{os.getuid()}")
 
 

@@ -52,9 +52,11 @@ def source_code(file: Path) -> SourceCode:
     """Return what counts of a file."""
     content = file.read_bytes()
     key = hashlib.sha256(content + _own()).hexdigest()
-    if key not in _known:
-        _known[key] = asdict(_parsed(content.decode("utf-8")))
-    return SourceCode(**_known[key])
+    with contextlib.suppress(KeyError, TypeError):  # not known, or remembered in a file that was damaged
+        return SourceCode(**_known[key])
+    found = _parsed(content.decode("utf-8"))
+    _known[key] = asdict(found)
+    return found
 
 
 @contextlib.contextmanager
@@ -65,7 +67,7 @@ def known() -> Iterator[None]:
         yield
         return
     file = folder / "sources.json"
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(OSError, ValueError, TypeError, RecursionError):
         _known.update(json.loads(file.read_text(encoding="utf-8")))
     before = len(_known)
     yield

@@ -13,12 +13,20 @@ import yaml
 
 from palpate.errors import InputError
 
-LARGEST = 100_000  # entries, far above those of any study
+LARGEST, LONGEST = 100_000, 10_000_000  # entries and bytes, far above those of a study; more take minutes to read
 FROM_RECORDINGS = "give a YAML file; `palpate draft FILE -o FOLDER` writes one from recordings or a vendor's file"
 
 
 class _Loader(yaml.SafeLoader):
     """PyYAML's safe loader; refuses keys that are repeated or no words; 1e9 is a number, as everywhere else."""
+
+    entries = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        self.entries += 1
+        if self.entries > LARGEST:
+            raise InputError(f"holds more than {LARGEST} entries", remedy="give a study or a specification")
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
@@ -82,6 +90,8 @@ def read_yaml(path: str | Path) -> Any:
     refuse_special(path)
     named = Path(path).suffix.lower() in (".yaml", ".yml")
     try:
+        if os.stat(path).st_size > LONGEST:
+            raise InputError(f"is longer than {LONGEST // 10**6} MB", remedy=FROM_RECORDINGS, file=path)
         loader = _Loader(Path(path).read_text(encoding="utf-8"))
         node = loader.get_single_node()
         if node is not None and _size(node, {}) > LARGEST:
@@ -90,6 +100,8 @@ def read_yaml(path: str | Path) -> Any:
                 file=path,
             )  # fmt: skip
         return None if node is None else loader.construct_document(node)
+    except InputError as error:
+        raise error.located(file=path) from None
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:

@@ -79,7 +79,7 @@ def _described(
     for name, folder in study.recordings.items():
         tests = counts[name]
         found = ", ".join(f"{number} of {condition}" for condition, number in tests.items())
-        yield f"recordings {name} in {folder.resolve()}: {found}"
+        yield f"recordings {name} in {os.path.realpath(folder)}: {found}"
         unread = () if written_by_workflow(study, name) else passed_over(folder)
         yield from (f"recordings {name}: {remark}" for remark in (*unread, *remarks[name]))
         repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from palpate import __version__, cli
 from palpate.base.threads import one_thread_each
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError, PalpateError, of_system
 
 
 class Parser(argparse.ArgumentParser):
@@ -64,7 +64,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = command_line().parse_args(arguments)
     try:
         code = chosen.run(chosen)
-        sys.stdout.flush()
+        if sys.stdout:  # which is none where it was closed from the beginning
+            sys.stdout.flush()
         return code
     except PalpateError as error:
         cli.warn(error)
@@ -73,11 +74,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         cli.warn("interrupted")
         return 130
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()
         return 1
-    except OSError as error:
-        cli.warn(InputError(str(error.strerror), remedy="check the path and its permissions", file=error.filename))
+    except (OSError, MemoryError) as error:
+        cli.warn(of_system(error))
+        try:
+            print(end="", flush=True)
+        except OSError:
+            _discard_output()
         return 2
+
+
+def _discard_output() -> None:
+    """Write what is left of the output nowhere, so that the end of the process does not try it again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -34,13 +34,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check the study, and execute the workflow on it in the present folder; return Snakemake's exit code.
 
-    After Ctrl-C nothing goes on, and the next run continues where this one stopped, or was killed.
+    After Ctrl-C, SIGTERM or SIGHUP nothing goes on; the next run continues where this one stopped, or was killed.
     """
     from palpate.configuration.study_file import load_study
     from palpate.workflow_support import killed_run
     from palpate.workflow_support.check_study import checked
 
-    checked(load_study(arguments.study, arguments.data))
+    study = checked(load_study(arguments.study, arguments.data))
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
     command += ["--config", f"data={arguments.data}"] if arguments.data else []
@@ -50,12 +50,10 @@ def run(arguments: argparse.Namespace) -> int:
     here = Path.cwd()
     if killed_run.unlocked(here):
         warn("the last run was killed; continuing where it stopped")
+    if killed_run.locks(here, f"results/{study.name}/"):
+        raise PalpateError(f"the folder {here} is locked by {_holder(here)}")
     with killed_run.marked(here):
-        code = _executed(command)
-    if code and killed_run.locks(here) and not killed_run.running(here):
-        remedy = "where none runs on another machine either, remove .snakemake/locks"
-        raise PalpateError(f"the folder {here} is locked by another execution, or by one that was killed; {remedy}")
-    return code
+        return _executed(command)
 
 
 def snakefile() -> Path:
@@ -63,10 +61,23 @@ def snakefile() -> Path:
     return next(folder / "Snakefile" for folder in (CLONE, WHEEL) if (folder / "Snakefile").is_file())
 
 
-def _executed(command: Sequence[str]) -> int:
-    """Return the exit code of an execution, which ends with all of its jobs and its lock on Ctrl-C."""
+def _holder(folder: Path) -> str:
+    """Return what holds the locks of a folder, and the remedy."""
     from palpate.workflow_support import killed_run
 
+    if killed_run.running(folder):
+        return "another execution, which makes the same results; wait until it has ended"
+    remedy = "where none runs on another machine either, remove .snakemake/locks"
+    return f"another execution, or by one that was killed; {remedy}"
+
+
+def _executed(command: Sequence[str]) -> int:
+    """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted."""
+    from palpate.workflow_support import killed_run
+
+    for asked_to_end in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(asked_to_end) is not signal.SIG_IGN:  # as nohup sets it
+            signal.signal(asked_to_end, signal.default_int_handler)
     process = subprocess.Popen(command, start_new_session=True)
     try:
         return process.wait()

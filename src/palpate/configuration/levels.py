@@ -4,23 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import product
+from math import prod
 from typing import Any
 
 from palpate.configuration.schema import part_of, suggestion
 from palpate.errors import InputError
 from palpate.materials import law_of
 
+MOST_MATERIALS = 200_000  # of a grid; more are simulated for days, and planned for minutes
+
 
 def checked_levels(
-    model: str, material: Mapping[str, Any], given: Mapping[str, list[float]]
+    model: str, material: Mapping[str, Any], given: Mapping[str, list[float]], kind: str
 ) -> dict[str, tuple[float, ...]]:
     """Return the levels of each parameter, after fixed values and levels have been checked against the law.
+
+    Parameters
+    ----------
+    model
+        Key of the law.
+    material
+        Its fixed parameters.
+    given
+        Levels of the others.
+    kind
+        Of design; ``factorial`` takes every combination of the levels.
 
     Raises
     ------
     InputError
-        On a parameter that the law does not have, that is missing, given twice or out of its range; and where the law
-        refuses a corner of the ranges.
+        On a parameter that the law does not have, that is missing, given twice or out of its range; on levels that make
+        too many materials; and where the law refuses a corner of the ranges.
     """
     declared = {p.name: p for p in law_of(model).declared({**material, **given})}
     for owner, names in (("material", material), ("parameters", given)):
@@ -56,6 +70,12 @@ def checked_levels(
         raise InputError(
             "every parameter is held constant, so that there is nothing to calibrate",
             remedy="give one of them at least two levels, or simulate a single curve with palpate simulate",
+            place="parameters",
+        )
+    if kind == "factorial" and (count := prod(map(len, given.values()))) > MOST_MATERIALS:
+        raise InputError(
+            f"the levels make {count} materials, more than {MOST_MATERIALS}",
+            remedy="give fewer levels, or design: {kind: sobol, points: ...}",
             place="parameters",
         )
     ends = {name: sorted({min(levels), max(levels)}) for name, levels in given.items()}

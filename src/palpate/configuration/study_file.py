@@ -26,7 +26,10 @@ from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
-RESERVED = ("figures", "logs", "recordings", "report.html", "snapshots", "snapshots.csv", "surrogates")
+RESERVED = (
+    "figures", "logs", "recordings", "report.html", "report.manifest.json", "snapshots", "snapshots.csv", "surrogates",
+    "tracking",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -201,7 +204,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         model = law_of(material.pop("model")).key
     source = source_from(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
-    levels = checked_levels(model, material, values["parameters"])
+    levels = checked_levels(model, material, values["parameters"], settings["design"]["kind"])
     with part_of("indenter"):
         indenter = Indenter.from_mapping(values["indenter"])
     recordings = _recordings(values.get("recordings", {}))

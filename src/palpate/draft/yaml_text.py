@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import textwrap
@@ -94,7 +95,7 @@ def study_text(
 
 def study_name(folder: Path) -> str:
     """Return a name for a study after a folder, other than those of folders of results."""
-    name = re.sub(r"[^A-Za-z0-9._-]+", "_", folder.resolve().name).lstrip("._-") or "study"
+    name = re.sub(r"[^A-Za-z0-9._-]+", "_", os.path.basename(os.path.realpath(folder))).lstrip("._-") or "study"
     return f"{name}_study" if name in SHARED else name
 
 

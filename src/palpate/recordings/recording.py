@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -118,7 +119,7 @@ class Recording:
         path = Path(path)
         if path.exists() and not path.is_file():
             raise InputError("the output is no file", remedy="name a file", file=path)
-        path = path.resolve()
+        path = Path(os.path.realpath(path))
         text = io.StringIO()
         for note in self.notes:
             text.write(f"# {' '.join(note.split())}\n")

@@ -25,6 +25,7 @@ from palpate.study.protocol import DISPLACEMENT, LOAD
 LOAD_HISTORY = "time_s,load_mN"
 DISPLACEMENT_HISTORY = "time_s,displacement_nm"
 BLOCK = 1 << 22  # bytes that are read at once
+LONGEST = 1 << 20  # letters of a line
 MOST = 200_000  # points that are kept of one recording
 LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
 
@@ -113,7 +114,13 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     """Yield the lines of a text file with their numbers; raises `InputError`."""
     refuse_special(path)
     with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
-        yield from enumerate(stream, 1)
+        for number, line in enumerate(iter(lambda: stream.readline(LONGEST), ""), 1):
+            if len(line) == LONGEST:
+                remedy = "export or copy the test again"
+                raise InputError(
+                    "the line is longer than that of any table", remedy=remedy, file=path, place=f"line {number}"
+                )
+            yield number, line
 
 
 def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:

@@ -12,8 +12,6 @@ import functools
 import hashlib
 import json
 import math
-import zipfile
-import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,12 +23,13 @@ import pandas as pd
 from palpate.base.fingerprint import content, fingerprint
 from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.simulation import Simulation, alike, simulate_batch
 from palpate.study.specification import Specification, of_equivalent_cone
 
 STORE = Path("results/store")
+FIELDS = {"time", "load", "depth", "quantity", "status", "reason", "parameters", "condition"}
 AT_ONCE = 2 * LANES  # cells under each condition that are solved together; chosen
 LEAST_CELLS = 24  # of a job: seconds of work, so that its start, two seconds, is not most of it
 JOBS = 400  # of a large study: Snakemake plans thousands of jobs in minutes, hundreds in seconds
@@ -122,10 +121,10 @@ def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict
     """Return the contents of a study's snapshots under one condition; what is missing is computed with its batch."""
     contents: list[dict[str, Any]] = []
     for batch in plan(study):
-        own = [place(each.address, store) for each in batch.snapshots if each.condition == condition]
-        if None in map(_intact, own):
+        own = [snapshot for snapshot in batch.snapshots if snapshot.condition == condition]
+        if None in (_intact(place(snapshot.address, store)) for snapshot in own):
             computed(batch.snapshots, store)
-        contents += map(read, own)
+        contents += [_of(snapshot, store) for snapshot in own]
     return contents
 
 
@@ -191,7 +190,7 @@ def computed(
         seconds = sum(simulation.solver_seconds for simulation in simulations)
         report(f"{first + len(chosen)} of {len(missing)} snapshots computed, {seconds:.1f} s")
     report(f"{len(snapshots)} snapshots, {len(missing)} computed")
-    return [known for snapshot in snapshots if (known := found[snapshot.address])]
+    return [known | {"parameters": dict(s.cell)} for s in snapshots if (known := found[s.address])]
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
@@ -209,6 +208,8 @@ def write(path: Path, simulation: Simulation, cell: Mapping[str, float], conditi
         Name of the condition.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        raise InputError("is a folder where a curve is kept", remedy="remove it", file=path)
     with written_whole(path) as partial, partial.open("wb") as stream:
         np.savez(
             stream,
@@ -220,6 +221,7 @@ def write(path: Path, simulation: Simulation, cell: Mapping[str, float], conditi
             reason=simulation.reason,
             parameters=json.dumps(dict(cell)),
             condition=condition,
+            address=path.stem,
         )
 
 
@@ -231,11 +233,17 @@ def read(path: str | Path) -> dict[str, Any]:
 
 
 def _intact(path: Path) -> dict[str, Any] | None:
-    """Return the content of a snapshot file, or nothing where it is missing, cut or altered."""
+    """Return the content of a snapshot file; nothing where it is missing, cut, altered or that of another address."""
     try:
-        return read(path)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+        found = read(path)
+    except Exception:  # a damaged archive may raise anything
         return None
+    return found if found.keys() >= FIELDS and found.get("address", path.stem) == path.stem else None
+
+
+def _of(snapshot: Snapshot, store: Path) -> dict[str, Any]:
+    """Return the content of a snapshot's file, with the parameters that are on the grid of its own study."""
+    return read(place(snapshot.address, store)) | {"parameters": dict(snapshot.cell)}
 
 
 def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

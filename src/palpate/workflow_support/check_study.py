@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -64,16 +65,20 @@ def _check_folders(study: Study) -> None:
 
     The workflow empties the folder of a set that it writes: files of the user's in it would be lost.
     """
+    for kept in (Path("results"), Path("results") / study.name):
+        if os.path.lexists(kept) and not kept.is_dir():
+            raise InputError("is no folder, where results are kept", remedy="move it away", file=kept)
     results = Path("results").resolve()
     written: dict[Path, str] = {}
     for name, folder in study.recordings.items():
-        if written_by_workflow(study, name) and written.setdefault(folder.resolve(), name) != name:
+        place = Path(os.path.realpath(folder))
+        if written_by_workflow(study, name) and written.setdefault(place, name) != name:
             raise InputError(
-                f"the workflow writes this set and {written[folder.resolve()]} into one folder, {folder}",
+                f"the workflow writes this set and {written[place]} into one folder, {folder}",
                 remedy=f"give it results/{study.name}/recordings/{name}",
                 place=f"recordings.{name}",
             )
-        own = results in folder.resolve().parents and "recordings" in folder.resolve().relative_to(results).parts[1:-1]
+        own = results in place.parents and "recordings" in place.relative_to(results).parts[1:-1]
         if written_by_workflow(study, name) and not own:
             raise InputError(
                 f"the workflow writes this set, and would empty {folder} first",

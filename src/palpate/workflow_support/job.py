@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import sys
 import time
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from palpate.configuration.study_file import Study, study_from
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, of_system
+from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
 CONFIGURATION = "configuration of the workflow"
@@ -44,21 +46,30 @@ def _with_numbers(value: Any) -> Any:
 
 
 @contextmanager
-def logged(path: str | Path) -> Iterator[None]:
+def logged(path: str | Path, results: Iterable[str] = ()) -> Iterator[None]:
     """Do a job with an empty log at `path`, and write to its end how long it took or why it failed.
+
+    Parameters
+    ----------
+    results
+        Files that it makes, of which checksums are kept, see `palpate.workflow_support.result_files`.
 
     Raises
     ------
     SystemExit
-        With one line, when palpate refuses or cannot go on; anything else is raised as it is.
+        With one line, when palpate or the system refuses, or cannot go on; anything else is raised as it is.
     """
     began, log = time.perf_counter(), Path(path)
-    log.write_text("", encoding="utf-8")
     try:
+        unseal(log)
+        log.write_text("", encoding="utf-8")
         yield
-    except PalpateError as error:
-        note(log, f"palpate: {error}")
-        sys.exit(f"palpate: {error}")
+        seal(log, results)
+    except (PalpateError, OSError, MemoryError) as error:
+        line = f"palpate: {error if isinstance(error, PalpateError) else of_system(error)}"
+        with contextlib.suppress(OSError):  # the disk may be full
+            note(log, line)
+        sys.exit(line)
     except Exception:
         note(log, traceback.format_exc())
         raise

@@ -17,9 +17,10 @@ import psutil
 KEPT, MARK = Path(".snakemake"), "run_by_palpate_on_"
 
 
-def locks(folder: Path) -> list[Path]:
-    """Return Snakemake's locks of a folder."""
-    return sorted((folder / KEPT / "locks").glob("*.lock"))
+def locks(folder: Path, results: str = "") -> list[Path]:
+    """Return Snakemake's locks of a folder, those on files whose names begin with `results`."""
+    found = sorted((folder / KEPT / "locks").glob("*.lock"))
+    return [lock for lock in found if not results or f"\n{results}" in "\n" + lock.read_text(errors="replace")]
 
 
 def unlocked(folder: Path) -> bool:

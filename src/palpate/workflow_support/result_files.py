@@ -1,15 +1,21 @@
-"""Results as JSON files, and the checksum of a file."""
+"""Results as JSON files, and the checksums by which a result that was altered is recognised.
+
+Each job leaves the checksums of its results beside its log, in a file that ``sha256sum --check`` reads. A result that
+is no longer as its job made it is set aside before the next execution, which makes it again.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from palpate.base.whole_file import written_whole
 from palpate.errors import PalpateError
+
+SEAL, ASIDE = ".sha256", ".altered"
 
 
 def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
@@ -26,17 +32,47 @@ def read_json(path: str | Path) -> Any:
     Raises
     ------
     PalpateError
-        When it was cut or altered so that it is JSON no more.
+        When it was cut or altered so that it is JSON no more, or is no file.
     """
     try:
         return json.loads(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
+    except (ValueError, RecursionError, IsADirectoryError) as error:
         raise PalpateError(f"{path} is damaged ({error}); delete it and run the study again") from error
 
 
 def checksum(file: Path) -> str:
     """Return the SHA-256 of a file."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def seal(log: str | Path, results: Iterable[str | Path]) -> None:
+    """Write the checksums of a job's results beside its log."""
+    lines = [f"{checksum(Path(file))}  {file}\n" for file in map(str, results) if Path(file).is_file()]
+    Path(log).with_suffix(SEAL).write_text("".join(lines), encoding="utf-8")
+
+
+def unseal(log: str | Path) -> None:
+    """Remove the checksums of a job's former results, which it is about to replace."""
+    Path(log).with_suffix(SEAL).unlink(missing_ok=True)
+
+
+def altered(logs: Path) -> Iterator[Path]:
+    """Yield the results that are no longer as the jobs whose logs lie in a folder made them; missing ones are not."""
+    for sealed in sorted(logs.rglob(f"*{SEAL}")):
+        for line in sealed.read_text(encoding="utf-8", errors="replace").splitlines():
+            known, _, name = line.partition("  ")
+            file = Path(name)
+            if name and file.is_relative_to(logs.parent) and file.is_file() and checksum(file) != known:
+                yield file
+
+
+def set_aside(logs: Path) -> Iterator[str]:
+    """Move the results that were altered to ``NAME.altered``, and yield a line on each."""
+    for file in altered(logs):
+        aside = file.with_name(file.name + ASIDE)
+        file.replace(aside)
+        yield f"{file} is not as it was made; it is kept as {aside.name}, and made again"
 
 
 def estimate_of(file: str | Path) -> dict[str, float]:

@@ -7,18 +7,20 @@ folder of records, by checksum: a second run sends nothing twice.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import logging
 import os
 import re
+import sqlite3
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
+from palpate.errors import PalpateError
 from palpate.surrogate.saved import load
 from palpate.workflow_support.result_files import checksum, read_json, write_json
 
@@ -51,8 +53,7 @@ def send(folder: Path) -> list[str]:
             left, problem = len(waiting) - number, _problem(str(error))
             print(f"tracking: {left} records stay on disk ({problem}); palpate track --send sends them")
             return waiting[number:]
-        sent = read_json(ledger) if ledger.is_file() else {}
-        write_json(ledger, {**sent, name: checksum(folder / name)})
+        write_json(ledger, {**_sent(folder), name: checksum(folder / name)})
     return []
 
 
@@ -75,20 +76,28 @@ def _uri() -> str:
 
 def pending(folder: Path) -> list[str]:
     """Return the names of a study's records that have not been sent, or have changed since."""
-    ledger = folder / "sent.json"
-    sent: dict[str, str] = read_json(ledger) if ledger.is_file() else {}
-    records = sorted(set(folder.rglob("*.json")) - {ledger, folder / "receipt.json"})
-    names = [str(file.relative_to(folder)) for file in records]
+    sent = _sent(folder)
+    records = sorted(set(folder.rglob("*.json")) - {folder / "sent.json", folder / "receipt.json"})
+    names = [str(file.relative_to(folder)) for file in records if file.is_file()]
     return [name for name in names if sent.get(name) != checksum(folder / name)]
+
+
+def _sent(folder: Path) -> dict[str, Any]:
+    """Return the checksum of each record that was sent; of none where that list is damaged, so that no run is lost."""
+    with contextlib.suppress(PalpateError, FileNotFoundError):
+        found = read_json(folder / "sent.json")
+        return found if isinstance(found, dict) else {}
+    return {}
 
 
 def _send(record: Mapping[str, Any]) -> None:
     """Send the runs of one record."""
+    uri = _uri()
+    _check_file(uri)
     os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
     import mlflow
 
     logging.getLogger("mlflow").setLevel(logging.ERROR)
-    uri = _uri()
     with _alone(uri):
         mlflow.set_tracking_uri(uri)
         client = mlflow.MlflowClient()
@@ -105,6 +114,19 @@ def _send(record: Mapping[str, Any]) -> None:
         client.log_metric(parent, key, value)
     if record["runs"]:
         client.set_terminated(parent, end_time=max(run["ended"] for run in record["runs"]))
+
+
+def _check_file(uri: str) -> None:
+    """Refuse a file that is no SQLite database, which MLflow would try to open for minutes; raises `PalpateError`."""
+    file = Path(uri.removeprefix("sqlite:///"))
+    if not uri.startswith("sqlite:///") or not os.path.lexists(file):
+        return
+    try:
+        with contextlib.closing(sqlite3.connect(file, timeout=SECONDS)) as database:
+            database.execute("select count(*) from sqlite_master").fetchone()
+    except sqlite3.Error as error:
+        remedy = "try again later" if "locked" in str(error) else "move it away, or correct its permissions"
+        raise PalpateError(f"{file} cannot be read as a database, {error}: {remedy}") from None
 
 
 def _experiment(client: Any, study: str, uri: str) -> str:
@@ -159,7 +181,7 @@ def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
         yield entries[first : first + size]
 
 
-@contextmanager
+@contextlib.contextmanager
 def _alone(uri: str) -> Iterator[None]:
     """Wait until no other process makes the store: a lock beside an SQLite file, elsewhere one of this machine's user.
 

@@ -33,6 +33,7 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.readers.zero import Contact, zeroed_each
 
+LARGEST = 1 << 29  # bytes of a file; text takes several times as much memory
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
 __all__ = [
@@ -101,6 +102,8 @@ def read_each(
     path = Path(path)
     refuse_special(path)
     try:
+        if path.stat().st_size > LARGEST:
+            raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once", file=path)
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
