@@ -13,9 +13,10 @@ import yaml
 from palpate.base.yaml_file import read_yaml
 from palpate.cli.main import main
 from palpate.configuration.study_file import study_from
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.recordings.readers import read_vendor_file
 from palpate.recordings.recording_file import read_recording
+from palpate.workflow_support import manifest
 
 PALPATE = Path(sys.executable).parent / "palpate"
 CONTENT_TYPES = (
@@ -118,16 +119,20 @@ def test_aliases_that_multiply_are_refused(tmp_path):
 
 
 @pytest.mark.faults(before="gigabytes, or minutes")
-@pytest.mark.parametrize("kind", ["study", "entries", "recording", "vendor"])
+@pytest.mark.parametrize("kind", ["study", "entries", "recording", "vendor", "lines"])
 def test_what_is_far_too_long_is_refused_soon(tmp_path, kind):
     file, began = tmp_path / ("a_1.csv" if kind == "recording" else "study.yaml"), time.process_time()
     if kind == "entries":
         file.write_text("\n".join(f"k{number}: 1" for number in range(100_000)))
+    elif kind == "lines":
+        file.write_bytes(b"1\t2\t3\n" * 3_500_000)
     else:
         with file.open("wb") as stream:
             stream.truncate(20 << 30)  # a file that is all hole
-    read = {"recording": read_recording, "vendor": read_vendor_file}.get(kind, read_yaml)
-    with pytest.raises(InputError, match=f"{file.name}.*(longer than|more than 100000 entries|larger than)"):
+    read = {"recording": read_recording, "vendor": read_vendor_file, "lines": read_vendor_file}.get(kind, read_yaml)
+    with pytest.raises(
+        InputError, match=f"{file.name}.*(longer than|larger than|more than 100000 entries|more than 3000000 lines)"
+    ):
         read(file)
     assert time.process_time() - began < 10.0
 
@@ -203,6 +208,21 @@ def test_an_output_that_is_full_or_closed_costs_no_traceback(tmp_path, output, c
     )
     assert found.returncode == code
     assert len(found.stderr.splitlines()) == (code == 2)
+
+
+@pytest.mark.faults(before="a traceback")
+def test_a_path_that_no_system_accepts_is_refused(tmp_path):
+    (tmp_path / "study.yaml").write_text('recordings: {lab: "a\\0b"}')
+    with pytest.raises(InputError, match=r"line 1: is not valid YAML .*a text holds a zero byte"):
+        read_yaml(tmp_path / "study.yaml")
+
+
+@pytest.mark.faults(before="a traceback")
+@pytest.mark.parametrize("left", ["[]", '{"configuration": 3, "files": []}', '{"configuration"', ""])
+def test_a_damaged_manifest_is_named(tmp_path, left):
+    (tmp_path / manifest.NAME).write_text(left)
+    with pytest.raises(PalpateError, match=f"{manifest.NAME} is damaged"):
+        manifest.changed(None, {}, tmp_path)
 
 
 @pytest.mark.faults(before="held")

@@ -14,6 +14,7 @@ import psutil
 import pytest
 import yaml
 
+from palpate.cli.main import main
 from palpate.workflow_support import killed_run
 
 ROOT = Path(__file__).parent.parent
@@ -115,6 +116,26 @@ def test_what_ends_the_command_ends_its_jobs(number):
     process.send_signal(number)
     assert process.wait(timeout=30) != 0
     assert not job.is_running()
+
+
+@pytest.mark.faults(before="44 lines of traceback")
+def test_a_study_is_planned_without_a_home_folder(folder):
+    environment = {key: value for key, value in os.environ.items() if key != "XDG_CACHE_HOME"}
+    environment["HOME"] = str(folder / "study.yaml")  # in which no folder can be made, not even by root
+    command = [PALPATE, "run", "study.yaml", "--cores", "1", "--dry-run"]
+    found = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr[-3000:]
+
+
+@pytest.mark.faults(before="pages of traceback")
+def test_a_disk_without_room_is_named_before_anything_runs(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: shutil._ntuple_diskusage(10**12, 10**12 - 10**6, 10**6))
+    assert main(["run", "study.yaml"]) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        f"palpate: {folder}: less than 20 MB of the disk are free; free space on the disk"
+    ]
+    assert [file.name for file in folder.iterdir()] == ["study.yaml"]
 
 
 @pytest.mark.faults(before="an edited number went into the report; a cut table was a traceback")

@@ -48,7 +48,7 @@ def _place(given: Path) -> Path:
 
 def kept(name: str) -> Path | None:
     """Return the first folder of a name that can be written; none where there is no such place."""
-    return next((parent / name for parent in _parents() if _usable(parent / name)), None)
+    return next((parent / name for parent in _parents() if usable(parent / name)), None)
 
 
 def require() -> None:
@@ -66,7 +66,7 @@ def require() -> None:
         raise InputError(
             f"compiled kernels can be kept in none of {tried}: they are read-only, or another user's", remedy=remedy
         )
-    if not _usable(Path(given)):
+    if not usable(Path(given)):
         raise InputError(f"{VARIABLE} is {_place(Path(given))}, which cannot be written", remedy=remedy)
     from palpate.base import checked_kernels
 
@@ -76,10 +76,14 @@ def require() -> None:
 def _parents() -> Iterator[Path]:
     """Return the folders that may hold the cache, the best first."""
     yield PACKAGE / "__pycache__"
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "palpate"
-    if cache.is_absolute():  # else the user has no home folder
-        yield cache
+    if (own_cache := user_cache() / "palpate").is_absolute():  # else the user has no home folder
+        yield own_cache
     yield Path(_temporary(), f"palpate-kernels-{os.getuid()}")
+
+
+def user_cache() -> Path:
+    """Return the user's folder for what programs keep, which may be missing or read-only."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
 
 
 def _temporary() -> str:
@@ -89,7 +93,7 @@ def _temporary() -> str:
         return os.environ.get("TMPDIR", "/tmp")
 
 
-def _usable(folder: Path) -> bool:
+def usable(folder: Path) -> bool:
     """Return whether a file can be written to a folder, which is made where it is missing."""
     if folder.parent.name.startswith("palpate-kernels-") and not own(folder.parent):
         return False

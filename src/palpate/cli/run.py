@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,12 +13,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from palpate.cli import warn
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
 
 NAME = "run"
 HELP = "run a study, from its recordings to its report"
 CLONE = Path(__file__).parents[3]
 WHEEL = Path(__file__).parents[1] / "workflow"
+ROOM = 20 << 20  # bytes of the results of a small study
 PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
 
 
@@ -46,8 +48,10 @@ def run(arguments: argparse.Namespace) -> int:
     command += ["--config", f"data={arguments.data}"] if arguments.data else []
     command += ["--dry-run"] if arguments.dry_run else []
     if arguments.dry_run:
-        return subprocess.run(command, check=False).returncode
+        return subprocess.run(command, env=_environment(), check=False).returncode
     here = Path.cwd()
+    if shutil.disk_usage(here).free < ROOM:
+        raise InputError(f"less than {ROOM >> 20} MB of the disk are free", remedy="free space on the disk", file=here)
     if killed_run.unlocked(here):
         warn("the last run was killed; continuing where it stopped")
     if killed_run.locks(here, f"results/{study.name}/"):
@@ -71,6 +75,14 @@ def _holder(folder: Path) -> str:
     return f"another execution, or by one that was killed; {remedy}"
 
 
+def _environment() -> dict[str, str]:
+    """Return the environment of an execution, which keeps some files where the user's own folder can be written."""
+    from palpate.base import kernel_cache
+
+    kept = None if kernel_cache.usable(kernel_cache.user_cache() / "snakemake") else kernel_cache.kept("cache")
+    return os.environ | ({"XDG_CACHE_HOME": str(kept)} if kept else {})
+
+
 def _executed(command: Sequence[str]) -> int:
     """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted."""
     from palpate.workflow_support import killed_run
@@ -78,7 +90,7 @@ def _executed(command: Sequence[str]) -> int:
     for asked_to_end in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(asked_to_end) is not signal.SIG_IGN:  # as nohup sets it
             signal.signal(asked_to_end, signal.default_int_handler)
-    process = subprocess.Popen(command, start_new_session=True)
+    process = subprocess.Popen(command, env=_environment(), start_new_session=True)
     try:
         return process.wait()
     except KeyboardInterrupt:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.configuration.study_file import Study
+from palpate.errors import PalpateError
 from palpate.inference.study_recordings import find
 from palpate.workflow_support.result_files import checksum, read_json
 from palpate.workflow_support.run_records import git_commit
@@ -56,6 +57,8 @@ def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> lis
     if not (folder / NAME).is_file():
         return []
     then = read_json(folder / NAME)
+    if not isinstance(then, dict) or not all(isinstance(then.get(key), dict) for key in ("configuration", "files")):
+        raise PalpateError(f"{folder / NAME} is damaged; delete it and run the study again")
     lines, now = [], json.loads(json.dumps(without_data(configuration)))
     if now != then["configuration"]:
         keys = [key for key in {**now, **then["configuration"]} if now.get(key) != then["configuration"].get(key)]

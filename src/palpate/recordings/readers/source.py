@@ -19,6 +19,7 @@ IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
 TEST = re.compile(r"t(?:est)?[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
+MOST_LINES = 3_000_000  # of a text file; more take more than 1 GB of memory
 PADDING = "\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -47,6 +48,10 @@ class Source:
         """
         if self.content.startswith((OLE, ZIP, HDF5)):
             return []
+        if self.content.count(b"\n") > MOST_LINES:
+            raise InputError(
+                f"holds more than {MOST_LINES} lines", remedy="thin it, or export fewer tests at once", file=self.path
+            )
         try:
             text = self.content.decode(self._encoding)
         except UnicodeDecodeError:
