@@ -255,7 +255,7 @@ def test_a_damaged_snapshot_is_recognised_and_computed_again(tmp_path, fault):
 @pytest.mark.faults(before="a traceback")
 def test_a_folder_in_the_place_of_a_curve_is_named(tmp_path):
     s = study(tmp_path)
-    file = store.place(store.snapshots_under(s, "a")[0].address, tmp_path)
+    file = store.place(snapshots_under(s, "a")[0].address, tmp_path)
     file.mkdir(parents=True)
     with pytest.raises(InputError, match=f"{file.name}: is a folder where a curve is kept; remove it"):
         run(s, tmp_path)
