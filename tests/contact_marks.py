@@ -25,7 +25,8 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.stats import binomtest
 
-from palpate.recordings.contact_point import first_touch, noise_of
+from palpate.base.channel_noise import noise_of
+from palpate.recordings.contact_point import first_touch
 from palpate.recordings.readers import VendorTest, read_each
 
 BEFORE = 20

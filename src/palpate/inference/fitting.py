@@ -109,7 +109,9 @@ class Fitter:
         Raises
         ------
         PalpateError
-            When the forward model fails at all starts, or the fit was stopped.
+            When the forward model fails at all starts.
+        CancelledError
+            When the fit was stopped.
         """
         problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
@@ -125,13 +127,13 @@ class Fitter:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, False, stop)
+            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, exact=False, stop=stop)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         fit = replace(fit, errors=replace(fit.errors, refinements=problem.refinements(record)))
         goal = self._without_discrepancy(fit) if self.near(fit) else misfit
         if record is model:
-            end = descend(goal, model, [end], limit, tolerance, False, stop)
+            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop)
         else:
             end = resumed(goal, record, end, limit, tolerance, stop)
         return self._fit(explanation, record, end, fit.errors)
@@ -221,7 +223,9 @@ class Fitter:
         Raises
         ------
         PalpateError
-            When the forward model fails at all of them, or the search was stopped.
+            When the forward model fails at all of them.
+        CancelledError
+            When the search was stopped.
         """
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
         room = model.together(places[0]) if len(places) > 1 else 1

@@ -17,6 +17,7 @@ is given up.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import CancelledError
 from dataclasses import replace
 from threading import Event
 
@@ -67,7 +68,9 @@ def descend(
     Raises
     ------
     PalpateError
-        When the model fails at all starts, or the search was stopped.
+        When the model fails at all starts.
+    CancelledError
+        When the search was stopped.
     """
     searches = [replace(s, length=LARGEST_STEP, converged=False, active=True) for s in starts if isinstance(s, Descent)]
     _check(stop)
@@ -107,20 +110,22 @@ def resumed(
     """
     (outcome,) = model.curves([way.u])
     if not isinstance(outcome, str):
-        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, False, stop)
+        return descend(
+            misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact=False, stop=stop
+        )
     failed = outcome
     for start in reversed(way.path):
         try:
-            return descend(misfit, model, [start], iterations, tolerance, False, stop)
+            return descend(misfit, model, [start], iterations, tolerance, exact=False, stop=stop)
         except PalpateError as error:
             failed = str(error)
     raise PalpateError(failed)
 
 
 def _check(stop: Event | None) -> None:
-    """Raise `PalpateError` once a search is to end."""
+    """Raise `CancelledError`, which no search takes for a failure of the model, once a search is to end."""
     if stop and stop.is_set():
-        raise PalpateError("stopped")
+        raise CancelledError
 
 
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:

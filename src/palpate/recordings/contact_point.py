@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import median_filter
 
-from palpate.base.channel_noise import long_run_noise, noise_of, noises_of  # noqa: F401 - readers take it from here
+from palpate.base.channel_noise import long_run_noise, noise_of
 from palpate.errors import InputError
 from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
 from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched

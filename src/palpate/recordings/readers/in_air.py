@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.channel_noise import noise_of, noises_of
 from palpate.errors import InputError
-from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, noise_of, noises_of, rough_contact
+from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, rough_contact
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
 SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
@@ -145,7 +146,7 @@ def risen_before(r: Recording, begin: int) -> tuple[str, ...]:
         return ()
     return (
         f"the load rises by {rest[-1]:.3g} mN over the last {early:.3g} nm before the file's contact, "
-        "which may be marked too late (--contact auto finds the contact)",
+        f"which may be marked too late ({FINDS})",
     )
 
 

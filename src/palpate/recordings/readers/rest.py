@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
+from palpate.base.channel_noise import noise_of
 from palpate.recordings.borne_load import OUTLIER
-from palpate.recordings.contact_point import CLEAR, noise_of
+from palpate.recordings.contact_point import CLEAR
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
 FEWEST = 3  # sampling steps, chosen: the first sample or two are where a test begins

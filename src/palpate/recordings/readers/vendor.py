@@ -10,8 +10,9 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy.ndimage import median_filter
 
+from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
-from palpate.recordings.contact_point import noise_of, way_in
+from palpate.recordings.contact_point import way_in
 from palpate.recordings.readers.several_tests import padding, written_twice
 from palpate.recordings.readers.source import Source
 from palpate.recordings.recording import Recording

@@ -14,6 +14,7 @@ from palpate.recordings.borne_load import LEAST_RISE, check_borne
 from palpate.recordings.contact_interval import interval_note
 from palpate.recordings.contact_point import ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
+    FINDS,
     SHARE,
     VAGUE,
     air_at_start,
@@ -228,7 +229,7 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     """Return a warning where contact is elsewhere than where a test begins."""
     if not begins_off_contact(recording):
         return ()
-    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact (--contact auto finds the contact)",)
+    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact ({FINDS})",)
 
 
 def _under_load(r: Recording) -> tuple[str, ...]:
