@@ -326,7 +326,7 @@ def begun(
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     bodies = Specimens.of(specimens, mesh, units)
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
-    contacts = [case.contacts for case in hosts]
+    contacts = [case.contacts for case in lanes]
     sticking = [attraction(c.specimen, resolution, most, area) for c, (_, most) in zip(lanes, contacts, strict=True)]
     expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
     protocols = [case.protocol for case in lanes]

@@ -27,8 +27,9 @@ from palpate.study.specimen import Specimen, plane_strain_modulus
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
 BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
+BLEND_OF_SPHERE, CUBE_OF_GROWTH = 0.551, 8.0  # b under a sphere, and what it grows by with the cube of that growth
+BLEND_OF_EXCESS = 0.045  # what that one grows by with the growth times the squared logarithm of the pressure's excess
 ROUNDS = 12  # towards the radius of the first contact, from which the iteration only begins
-BLEND_OF_SPHERE, BLEND_OF_EXCESS = 0.554, 0.0043  # b under a sphere, and what it grows by with the squared logarithm
 
 
 def elastic_excess(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> float:
@@ -74,13 +75,15 @@ def contact_of(
     spacing = np.minimum(spacing, (growth - 1.0) * np.maximum(distance, distance[2]))
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
-    blend = BLEND + BLEND_OF_GROWTH * (growth - 1.0)
+    widened = growth - 1.0
+    under_cone = BLEND + BLEND_OF_GROWTH * widened
+    under_sphere = BLEND_OF_SPHERE + CUBE_OF_GROWTH * widened**3 + BLEND_OF_EXCESS * widened * np.log(excess) ** 2
     return Contact(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
         area,
         STIFFNESS * excess ** STIFFNESS_POWER[:, None],
-        np.stack([np.full(LANES, blend), BLEND_OF_SPHERE + BLEND_OF_EXCESS * np.log(excess) ** 2]),
+        np.stack([np.full(LANES, under_cone), under_sphere]),
         *attraction,
         np.array(friction),
         SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
