@@ -14,8 +14,8 @@ NANOSCOPE = re.compile(rb"[\\?]\*(force )?file list", re.IGNORECASE)
 
 
 def of_nanoscope(source: Source) -> bool:
-    """Return whether a file begins as those of NanoScope do: with a header of text, before binary channels."""
-    return NANOSCOPE.match(source.content) is not None
+    """Return whether a file is one of NanoScope: a header of text, before binary channels, which a text has not."""
+    return NANOSCOPE.match(source.content) is not None and b"\0" in source.content
 
 
 def unknown(source: Source) -> InputError:
@@ -23,7 +23,7 @@ def unknown(source: Source) -> InputError:
     kind, remedy = source.container, f"unpack it, or export its tests as text; {LIST}"
     if of_nanoscope(source):
         kind = "a NanoScope file, which the library afmformats does not read either"
-        remedy = "export the force curve as text with time, force and separation, and name these by --columns"
+        remedy = "export the force curve as text with time, force and separation, by NanoScope Analysis"
     elif may_be_wave(source.content):
         kind = "an Igor wave that is cut off, or has no note on a cantilever"
         remedy = "copy it again, or export the force curve as text with time, force and separation"
