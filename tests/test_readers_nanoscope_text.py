@@ -14,7 +14,12 @@ PRESSED = np.clip(WAY - 600.0, 0.0, None)
 FORCE = 2.0 * PRESSED**1.5  # pN
 DEFLECTION = FORCE / (1e3 * SPRING)
 TIME = 1e-3 * np.arange(2 * COUNT)
-HEADER = '"\\*File list"\n"\\Date: 05:06:07 PM Fri Mar 05 2021"\n"\\*Ciao force image list"\n"\\Spring Constant: 0.1"\n'
+HEADER = "".join(
+    f'"\\{entry}"\n'
+    for entry in (
+        "*File list", "*Ciao force image list", "Spring Constant: 0.1", "Tip Radius: 30"
+    )
+)  # fmt: skip
 
 
 def both(name, values, unit_last=True):
@@ -68,7 +73,8 @@ def test_extension_and_retraction_are_one_test(tmp_path, columns, messages, head
     assert test.recording.load == pytest.approx(1e-9 * np.concatenate([FORCE, FORCE[::-1]]), rel=1e-6, abs=1e-15)
     assert test.recording.depth == pytest.approx(ORDERED, abs=1e-4)
     assert (test.marked, test.warnings) == (False, messages)
-    assert Stated.by_all([test.metadata]).spring == (pytest.approx(1e-6 * SPRING) if header else None)
+    stated = Stated.by_all([test.metadata])
+    assert (stated.spring, stated.radius) == ((pytest.approx(1e-6 * SPRING), 30.0) if header else (None, None))
 
 
 def test_the_extension_alone_is_read(tmp_path):

@@ -25,6 +25,7 @@ HEADING = re.compile(r"(\w+?)_(?:(Ex|Rt)_([^\W_]+)|([^\W_]+)_(Ex|Rt))")
 DIRECTIONS = ("Ex", "Rt")  # extension, retraction
 TIME, DEFLECTION, SEPARATION = "Time", "Defl", "Separation"
 HEIGHTS = ("Height_Sensor", "Calc_Ramp")
+WITH_UNIT = {"Tip Radius": "Tip Radius [nm]"}
 HALF = 0.5  # of the load's rise within a segment: one that is beyond it is turned at, not away from the surface
 Columns = dict[tuple[str, str, str], int]
 
@@ -124,12 +125,12 @@ def _check_turn(extended: np.ndarray, retracted: np.ndarray) -> None:
 
 
 def _facts(lines: Sequence[str]) -> dict[str, str]:
-    r"""Return the header's entries, ``\name: value``, the first of each name."""
+    r"""Return the header's entries, ``\name: value``, the first of each name; the radius of the tip is in nm."""
     entries: dict[str, str] = {}
     for line in lines:
         name, _, value = line.strip('"').lstrip("\\@").partition(": ")
         if name and value.strip():
-            entries.setdefault(name.strip(), value.strip())
+            entries.setdefault(WITH_UNIT.get(name.strip(), name.strip()), value.strip())
     return entries
 
 
