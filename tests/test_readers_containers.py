@@ -233,3 +233,33 @@ def test_a_nanoscope_file_is_called_one(tmp_path, begin):
         read_vendor_file(tmp_path / "x.000")
     with pytest.raises(InputError, match="palpate knows: a NanoScope file"):
         read_vendor_file(tmp_path / "x.000", columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}))
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"TDSm" + bytes(range(256)) * 9, "a TDMS file; export its tests as text"),
+        (b"II*\0" + bytes(range(256)) * 9, "a TIFF image; export"),
+        (b"[DataSet]\r\nVersion=2\r\n#!" + bytes(range(256)) * 9, "a Nanosurf file; export"),
+        (bytes(range(256)) * 9, "a binary file; export its tests as text"),
+        (b'<?xml version="1.0" ?>\n<Workbook/>', "an XML file; save it as a workbook"),
+        (
+            b'<?xml version="1.0" ?>\n<usi:tdm version="1.0"></usi:tdm>',
+            "the header of a TDM file, whose numbers lie in",
+        ),
+        (b"\xef\xbb\xbf\r\n<HTML><table></table></HTML>", "an HTML page; save it as a workbook"),
+    ],
+)
+@pytest.mark.parametrize("columns", [None, ColumnMap({"time": "1", "load": "2", "depth": "3"})])
+def test_what_is_neither_text_nor_a_workbook_is_called_by_its_kind(tmp_path, content, kind, columns):
+    (tmp_path / "x.dat").write_bytes(content)
+    with pytest.raises(InputError, match=f"is of no format that palpate knows: {kind}"):
+        read_vendor_file(tmp_path / "x.dat", columns=columns)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le", "utf-16-be", "iso2022_jp"])
+def test_a_text_in_any_encoding_is_no_binary_file(tmp_path, encoding):
+    rows = "".join(f"{k}\t{k}\t{k}\n" for k in range(50))
+    (tmp_path / "x.txt").write_bytes(("s\tmN\tnm\n" + rows).encode(encoding) + bytes(64))
+    (test,) = read_vendor_file(tmp_path / "x.txt", columns=ColumnMap({"time": "1", "load": "2", "depth": "3"}))
+    assert test.recording.load.max() == 49.0

@@ -154,12 +154,12 @@ def test_a_correction_that_is_not_stated_is_missed_only_when_it_is_asked_for(
     ("channels", "name", "unit", "known"),
     [
         *(
-            (KLA_UNITS, "Load", unit, "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf")
+            (KLA_UNITS, "Load", unit, "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf, kN, daN")
             for unit in ("ms", "s", "nm", "N/m")
         ),
         *((KLA_UNITS, "Depth", unit, "nm, um, mm, cm, m, A, pm, inch") for unit in ("mN", "N/m", "nm/s")),
         (KLA_UNITS, "Time", "nm", "s, ms, us, min, h, d"),
-        (XP_UNITS, "Load On Sample", "nm", "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf"),
+        (XP_UNITS, "Load On Sample", "nm", "mN, uN, nN, pN, cN, N, gf, mgf, kgf, dyne, lbf, kN, daN"),
         (XP_UNITS, "Harmonic Contact Stiffness", "nm", "N/m"),
         (XP_UNITS, "Frame Stiffness", "nm", "N/m"),
     ],
@@ -266,7 +266,7 @@ def test_a_sheet_without_rows_does_no_harm_to_the_others(tmp_path, head, capsys)
             "sheet A, row 3: '1.0, lost, 1.0' is not three numbers",
         ),
         ([["t", "P", "h", "h"], [0, 0, 0, 0], [1, 1, 1, 1]], "A: several columns are called 'h'"),
-        ([["t", "P", "h"], ["s", "kN", "nm"], [0, 0, 0], [1, 1, 1]], "the load's unit 'kN' is not known"),
+        ([["t", "P", "h"], ["s", "V", "nm"], [0, 0, 0], [1, 1, 1]], "the load's unit 'V' is not known"),
     ],
 )
 def test_a_table_that_cannot_be_read_is_named_and_the_others_are_read(tmp_path, spoilt, words, capsys):

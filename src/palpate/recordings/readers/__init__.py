@@ -17,7 +17,7 @@ from palpate.recordings.readers.columns import missing_channel, read_columns
 from palpate.recordings.readers.source import Source, numbers_of
 from palpate.recordings.readers.tagged import remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
-from palpate.recordings.readers.unknown import of_nanoscope, unknown
+from palpate.recordings.readers.unknown import no_table, unknown
 from palpate.recordings.readers.vendor import (
     CORRECTIONS,
     PLACES,
@@ -183,13 +183,13 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
-    if columns is not None and not source.container and not of_nanoscope(source):
+    if columns is not None and not no_table(source):
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
     for reader in READERS.values():
         if reader.matches(source):
             return reader.read(source, corrections)
-    missing = None if source.container else missing_channel(source)
+    missing = None if no_table(source) else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
         raise InputError(

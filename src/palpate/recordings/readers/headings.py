@@ -27,8 +27,12 @@ CHANNEL_WORDS = {
 
 def channel_of(heading: str) -> str | None:
     """Return the channel whose name a heading holds, such as ``load`` for ``Load On Sample``; None for any other."""
-    words = {word.casefold() for word in LETTERS.findall(BRACKETED.sub(" ", plain(heading)))}
-    return next((key for key, known in CHANNEL_WORDS.items() if words & known), None)
+    return next((key for key, known in CHANNEL_WORDS.items() if words_in(heading) & known), None)
+
+
+def words_in(heading: str) -> set[str]:
+    """Return the words of a heading in small letters, without units in brackets."""
+    return {word.casefold() for word in LETTERS.findall(BRACKETED.sub(" ", plain(heading)))}
 
 
 def is_word(cell: str) -> bool:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import LARGEST, numbers
+from palpate.recordings.readers.headings import is_word
 
 
 def number(cell: str) -> float:
@@ -57,11 +59,13 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
     places = list(filled)
     short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
     values = numbers(rows[:short], lambda row: places[row])
-    words = np.flatnonzero(np.isnan(values).any(axis=1))
-    if len(words):
+    words = [int(k) for k in np.flatnonzero(np.isnan(values).any(axis=1))]
+    if short < len(rows) and any(map(is_word, rows[short])):
+        words.append(short)
+    if words:
         raise InputError(
             f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
-            remedy="export the test again",
+            remedy="export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)",
             file=path,
             place=places[words[0]],
         )
@@ -73,6 +77,29 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
             place=places[short],
         )
     return np.where(np.isfinite(values), values, np.nan)
+
+
+def refuse_unlike(headings: str, known: Callable[[str], object], values: np.ndarray, path: Path) -> None:
+    """Raise `InputError` where a line of headings repeats one with other `values` (n, k) below.
+
+    Parameters
+    ----------
+    headings, path
+        See `require_tabs`.
+    known
+        Whether a heading is one that counts.
+    """
+    first: dict[str, int] = {}
+    for k, heading in enumerate(headings.rstrip().split("\t")):
+        name = " ".join(heading.split())
+        if known(heading) and not np.array_equal(values[:, first.setdefault(name, k)], values[:, k], equal_nan=True):
+            raise several_of(name, path)
+
+
+def several_of(name: str, path: Path) -> InputError:
+    """Return the error of a file in which several columns with different numbers have the same name."""
+    remedy = "give the columns by their numbers, from 1 (--columns time=...,load=...,depth=...)"
+    return InputError(f"several columns are called {name!r}", remedy=remedy, file=path)
 
 
 def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
@@ -94,8 +121,9 @@ def counted(lines: list[str], first_line: int, columns: int, path: Path, announc
         )
     values = table(lines, first_line, columns, path)
     if len(values) != int(count):
+        odd = "the file is cut off" if len(values) < int(count) else "more than one test may be in it"
         raise InputError(
-            f"holds {len(values)} points, {int(count)} were announced; the file is cut off",
+            f"holds {len(values)} points, {int(count)} were announced; {odd}",
             remedy="copy or export it again",
             file=path,
         )

@@ -12,7 +12,7 @@ import re
 
 import numpy as np
 
-from palpate.recordings.readers.numbers_in_text import table
+from palpate.recordings.readers.numbers_in_text import refuse_unlike, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import scale
 from palpate.recordings.readers.vendor import (
@@ -49,6 +49,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     start = next(k for k, line in enumerate(lines) if {*COLUMNS} <= {*columns(line)})
     places = columns(lines[start])
     values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
+    refuse_unlike(lines[start], columns, values, path)
     channels = [values[:, places[name][0]] * scale(key, places[name][1]) for name, key in COLUMNS.items()]
     kept, warnings = usable(source, "measured values", *channels)
     time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)

@@ -12,6 +12,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import BRACKETED, is_word
+from palpate.recordings.readers.numbers_in_text import several_of
 from palpate.recordings.readers.source import Source, number_of
 from palpate.recordings.readers.units import SCALES, STIFFNESS, plain, unit_of
 from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
@@ -111,6 +112,10 @@ def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
             f"{called} is in {stated!r}" if stated else f"states no unit of {called}, in brackets or in its second row",
             remedy=f"export it in one of: {', '.join(known)}", file=source.path, place=f"sheet {sheet}",
         )  # fmt: skip
+    alike = [[row[k] for row in rows[:start]] for k in range(len(rows[0]))]
+    twice = [k for k, heading in enumerate(alike) if k != index and heading == alike[index]]
+    if any(row[k] != row[index] for row in rows[start:] for k in twice):
+        raise several_of(str(rows[0][index]), source.path)
     cells = [[row[index]] for row in rows[start:]]
     (values,) = numbers(cells, lambda row: f"sheet {sheet}, row {first + start + row}").T
     return known[unit] * np.where(np.isfinite(values), values, np.nan)

@@ -71,6 +71,11 @@ class Source:
         return "utf-8-sig"
 
     @property
+    def wide(self) -> bool:
+        """Whether the text takes two bytes a letter."""
+        return self._encoding.startswith("utf-16")
+
+    @property
     def first(self) -> str:
         """The first line that holds more than blanks; empty where there is none."""
         return next((line.strip() for line in self.lines if line.strip()), "")

@@ -16,7 +16,7 @@ SCALES = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0},
     "load": {
         "mN": 1.0, "uN": 1e-3, "nN": 1e-6, "pN": 1e-9, "cN": 10.0, "N": 1e3, "gf": 9.80665, "mgf": 9.80665e-3,
-        "kgf": 9806.65, "dyne": 1e-2, "lbf": 4448.2216152605,
+        "kgf": 9806.65, "dyne": 1e-2, "lbf": 4448.2216152605, "kN": 1e6, "daN": 1e4,
     },
     "depth": {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "A": 0.1, "pm": 1e-3, "inch": 2.54e7},
 }  # fmt: skip
@@ -27,7 +27,7 @@ SPELLED = {
         "minuten": "min", "min": "min", "hour": "h", "heure": "h", "stunde": "h", "stunden": "h", "hr": "h", "day": "d",
         "segundo": "s",
     },
-    "load": {"newton": "N", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
+    "load": {"newton": "N", "lb": "lbf", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
     "depth": {"meter": "m", "metre": "m", "mètre": "m", "micron": "um", "angstrom": "A", "angström": "A", "ang": "A"},
 }  # fmt: skip
 PREFIX = {

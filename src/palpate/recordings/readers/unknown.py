@@ -10,25 +10,53 @@ from palpate.recordings.readers.source import Source
 
 LIST = "`palpate read --formats` lists formats and units"
 BY_COLUMNS = "name the columns of its table (--columns time=...,load=...,depth=...); " + LIST
+AS_TEXT = "export its tests as text; " + LIST
+FORCE_CURVE = "export the force curve as text with time, force and separation"
 NANOSCOPE = re.compile(rb"[\\?]\*(force )?file list", re.IGNORECASE)
+TDM = re.compile(rb"\s*<\?xml[^>]*>\s*<usi:tdm", re.IGNORECASE)
+KINDS = {
+    b"TDSm": ("a TDMS file", AS_TEXT),
+    b"GWYP": ("a Gwyddion file", AS_TEXT),
+    b"[DataSet]": ("a Nanosurf file", AS_TEXT),
+    b"II*\0": ("a TIFF image", AS_TEXT),
+    b"MM\0*": ("a TIFF image", AS_TEXT),
+    b"<?xml": ("an XML file", "save it as a workbook (.xlsx) or as text; " + LIST),
+    b"<html": ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST),
+}
+BEGINNING = 100_000  # bytes by which a file is judged
+CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a\x1b"))
+MOST_CONTROLS = 0.02  # of a text's bytes, chosen: those of random numbers have a tenth
 
 
-def of_nanoscope(source: Source) -> bool:
-    """Return whether a file begins as those of NanoScope do: with a header of text, before binary channels."""
-    return NANOSCOPE.match(source.content) is not None
+def no_table(source: Source) -> tuple[str, str] | None:
+    """Return what a file is that holds neither text nor a workbook, and what its owner can do; None for others."""
+    content = source.content
+    if source.container:
+        return source.container, f"unpack it, or {AS_TEXT}"
+    if source.workbook or source.wide:
+        return None
+    if NANOSCOPE.match(content) and b"\0" in content:
+        return "a NanoScope file, which the library afmformats does not read either", FORCE_CURVE
+    if may_be_wave(content):
+        return "an Igor wave that is cut off, or has no note on a cantilever", f"copy it again, or {FORCE_CURVE}"
+    if TDM.match(content):
+        return "the header of a TDM file, whose numbers lie in the .tdx file beside it", AS_TEXT
+    begun = content.removeprefix(b"\xef\xbb\xbf").lstrip()
+    kind = next((words for magic, words in KINDS.items() if begun[: len(magic)].lower() == magic.lower()), None)
+    return kind or (("a binary file", AS_TEXT) if _binary(source) else None)
+
+
+def _binary(source: Source) -> bool:
+    """Return whether a file's first bytes, less what pads its end, hold more control characters than a text does."""
+    begun = source.content[:BEGINNING].rstrip(b"\0\x1a")
+    return len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
 
 
 def unknown(source: Source) -> InputError:
-    """Return the error of a file of no known format: a container, a file of NanoScope or Igor, or another."""
-    kind, remedy = source.container, f"unpack it, or export its tests as text; {LIST}"
-    if of_nanoscope(source):
-        kind = "a NanoScope file, which the library afmformats does not read either"
-        remedy = "export the force curve as text with time, force and separation, and name these by --columns"
-    elif may_be_wave(source.content):
-        kind = "an Igor wave that is cut off, or has no note on a cantilever"
-        remedy = "copy it again, or export the force curve as text with time, force and separation"
-    if kind:
-        return InputError(f"is of no format that palpate knows: {kind}", remedy=remedy, file=source.path)
+    """Return the error of a file of no known format: of a kind that holds no table, or a text."""
+    known = no_table(source)
+    if known:
+        return InputError(f"is of no format that palpate knows: {known[0]}", remedy=known[1], file=source.path)
     first = " ".join(source.first.split())
     begins = f"; its first line is {first[:60]!r}" if first.isprintable() and first else ""
     return InputError(f"is of no format that palpate knows{begins}", remedy=BY_COLUMNS, file=source.path)
