@@ -133,10 +133,7 @@ def mechanisms() -> str:
     for mechanism in every:
         parts += [f"## {mechanism.title[0].upper()}{mechanism.title[1:]} {{ #{mechanism.key} }}\n"]
         parts += [documentation(mechanism.plausible) + "\n", parameters(mechanism.parameters)]
-        searched = "; ".join(
-            f"`{name}` {number(found.lower)} to {number(found.upper)}"
-            for name, found in mechanism.plausible(scale).items()
-        )
+        searched = "; ".join(_searched(mechanism, *found) for found in mechanism.plausible(scale).items())
         facts = [("Key", f"`{mechanism.key}`"), ("Searched", searched)]
         facts += [("Acts on", _acts(mechanism)), ("Value", _values(mechanism))]
         facts += [("Considered", "where a study names it")] if not getattr(mechanism, "by_default", True) else []
@@ -164,9 +161,22 @@ def mechanism_table() -> str:
     return table(("mechanism", "effect on a recording", "quantities of `ranges`", "value", "considered"), rows)
 
 
+def _own(mechanism: Any, name: str) -> Any:
+    """Return the parameter of a mechanism, or None for another quantity."""
+    return next((p for p in mechanism.parameters if p.name == name), None)
+
+
+def _searched(mechanism: Any, name: str, searched: Any) -> str:
+    """Return the plausible range of a quantity with its unit, and what it means where it is no parameter."""
+    own = _own(mechanism, name)
+    shown = (own or searched).unit
+    text = f"`{name}` {span(searched.lower, searched.upper)}{'' if shown == '-' else f' {unit(shown)}'}"
+    return text if own else f"{text} ({searched.meaning})"
+
+
 def _quantity(mechanism: Any, name: str, searched: Any) -> str:
     """Return a quantity with its unit, limits and meaning: a parameter's own, or those of its range."""
-    own = next((p for p in mechanism.parameters if p.name == name), None)
+    own = _own(mechanism, name)
     shown, meaning = (own.unit, own.meaning) if own else (searched.unit, searched.meaning)
     lower, upper = (own.lower, own.upper) if own else (searched.least, searched.largest)
     limits = span(lower, upper) if math.isfinite(upper) else f"from {number(lower)}"

@@ -301,7 +301,7 @@ def test_a_pull_off_that_is_cut_is_told(capsys):
     depth = sneddon.depth(np.maximum(load, 0.0), MODULUS, 0.35, 70.3) + np.minimum(load, 0.0) * 100
     Recording(TIME, load, depth).write("sticky.csv")
     assert drafted("sticky.csv", "-o", "out") == 0
-    assert "holds the tip by up to 0.198 mN while it leaves" in capsys.readouterr().err
+    assert "pulls on the tip by up to 0.198 mN while it leaves" in capsys.readouterr().err
 
 
 def test_pop_ins_are_found_and_told(capsys):

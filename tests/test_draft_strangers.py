@@ -248,7 +248,7 @@ def test_a_stated_tip_that_is_not_taken_is_told(capsys):
     assert drafted(HLD, "-o", "ball", "--sphere", "5000") == 0
     assert "tip" not in capsys.readouterr().err
     assert drafted(HLD, XP, "-o", "both", law="bilinear_plasticity") == 0
-    assert "stated unlike" in remark(Path("both"), capsys, "tip")
+    assert "differs between the files" in remark(Path("both"), capsys, "tip")
 
 
 @needs_recordings

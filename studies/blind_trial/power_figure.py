@@ -56,7 +56,7 @@ def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str
     left.axvline(3.0, color="0.6", lw=0.8, ls="--")
     left.set_xscale("log")
     left.set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
-    left.set_xlabel("projected signature / detection limit")
+    left.set_xlabel("strength of the effect")
     left.set_title("single concealed effects: the answer")
     left.legend(
         fontsize=6.5, loc="upper left", bbox_to_anchor=(-0.35, -0.16), ncols=6, columnspacing=0.8, handletextpad=0.1

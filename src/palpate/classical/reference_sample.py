@@ -1,6 +1,6 @@
 r"""The frame's compliance from unloadings of a solid of known modulus under a tip of known area, all from one load.
 
-    C_f = dh/dP - sqrt(pi) / (2 beta E_r sqrt(A(h_c)))      h_c = h_max - C_f P - eps P dh_c/dP
+    C_f = dh/dP - sqrt(pi) / (2 beta E_r sqrt(A(h_c)))      h_c = h_max - C_f P - eps P (dh/dP - C_f)
 
 What is known of modulus and tip limits it: the contact yields much more than the frame, so 1 % of E_r sqrt(A) is 1 % of
 the contact's compliance, often a good part of the frame's. Unloadings from several loads need neither

@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("specification", type=Path, metavar="SPEC.yaml", help="the specification of a test")
     parser.add_argument("--format", required=True, choices=("abaqus", "calculix"), help="the other program")
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="DECK.inp", help="a folder for Abaqus, a file for CalculiX"
+        "-o", "--output", type=Path, required=True, metavar="PATH", help="a folder for Abaqus, a file for CalculiX"
     )
 
 

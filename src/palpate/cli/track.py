@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 NAME = "track"
-HELP = "send to MLflow the runs that are still on disk only"
+HELP = "list the runs that have not reached MLflow yet, or send them"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -113,7 +113,7 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
         return []
     most = max(test.pull for test in found)
     return [
-        f"{found[0].recording.name}{and_more(found)}: the surface holds the tip by up to {most:.3g} mN while it "
+        f"{found[0].recording.name}{and_more(found)}: the surface pulls on the tip by up to {most:.3g} mN while it "
         "leaves; that part is cut off, as a test ends where its load is zero"
     ]
 

@@ -86,7 +86,7 @@ def _remark(what: str, entries: Mapping[str, str], reason: str, instead: str) ->
     shown = []
     for value, names in tests_of.items():
         shown.append(f"{value or 'nothing'} by {names[0]}{and_more(names)}")
-    return [f"{what} is stated unlike and not taken: {'; '.join(shown)}; {instead}"]
+    return [f"{what} differs between the files and is not taken: {'; '.join(shown)}; {instead}"]
 
 
 def _ideal(area: tuple[float, ...]) -> bool:

@@ -1,7 +1,7 @@
 """Yielding that pressure impedes (Drucker-Prager) with isochoric flow: sigma_e = sigma_Y + H alpha + mu p.
 
-The pressure p is positive in compression. Under tension the yield stress does not fall below a hundredth of sigma_Y:
-isochoric flow cannot return a stress to the apex of the cone.
+The pressure p is positive in compression, and sigma_Y is the yield stress without pressure. Under tension the yield
+stress does not fall below a hundredth of sigma_Y: isochoric flow cannot return a stress to the apex of the cone.
 
 Source: D.C. Drucker and W. Prager, Q. Appl. Math. 10 (1952) 157-165; P.B. Bowden and J.A. Jukes, J. Mater. Sci. 7
 (1972) 52-63, for polymers.
