@@ -163,6 +163,23 @@ def test_check_reports_no_oscillation_of_a_load_that_is_not_followed(tmp_path, c
     assert f"({condition['load_history']} is followed)" in said
 
 
+def test_check_reports_a_pull_off_and_no_noise_below_zero(tmp_path, capsys):
+    """Both tests have noisy loads; the surface holds the tip of the second while it leaves."""
+    time, rng = np.linspace(0.0, 63.0, 631), np.random.default_rng(1)
+    load = np.interp(time, [0.0, 30.0, 60.0, 61.0, 62.5, 63.0], [0.0, 1.0, 0.0, -0.2, -0.2, 0.0])
+    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "hold_time": 0, "unloading_time": 30}
+    study = ELASTIC | {"conditions": [condition], "recordings": {"lab": str(tmp_path)}}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
+    said = []
+    for number, least in ((1, 0.0), (2, -0.2)):
+        noisy = np.append(0.0, np.maximum(load, least)[1:] + 0.015 * rng.standard_normal(630))
+        Recording(time, noisy, 400.0 * np.sqrt(np.maximum(load, 0.0))).write(tmp_path / f"A_{number}.csv")
+        assert main(["check", str(tmp_path / "study.yaml")]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if "pulls" in line])
+    assert said[0] == []
+    assert "A_2.csv: the surface pulls on the tip by up to 0.2" in said[1][0]
+
+
 def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
     time = np.linspace(0.0, 60.0, 81)
     load = np.minimum(time / 30.0, 2.0 - time / 30.0)

@@ -45,7 +45,7 @@ from palpate.configuration.study_file import load_study, study_from
 from palpate.inference.study_recordings import files_of, written_by_workflow
 from palpate.workflow_support import job
 from palpate.workflow_support.check_study import checked
-from palpate.workflow_support.result_files import checksum, read_json, set_aside
+from palpate.workflow_support.result_files import checksum, move_altered, read_json
 
 
 @functools.cache
@@ -128,7 +128,7 @@ STUDY = read_study()
 FOLDER = f"results/{STUDY.name}"
 if workflow.is_main_process:
     try:
-        for line in set_aside(Path(FOLDER, "logs")):
+        for line in move_altered(Path(FOLDER, "logs")):
             print(f"palpate: {line}", file=sys.stderr)
     except OSError as error:
         refuse(of_system(error))

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import median_filter
 
-from palpate.base.channel_noise import noise_of
 from palpate.base.sentences import and_more
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
-from palpate.recordings.borne_load import NEAR_START, check_borne
+from palpate.recordings.borne_load import check_borne
+from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.recording import BARELY_LOADED, Recording
@@ -24,8 +23,6 @@ from palpate.recordings.segments import segments
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which an assumed loading is not reported
-PULLED = 0.02  # of the largest load, a pull on the tip that is reported
-CLEAR = 10.0  # standard deviations of the load, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +80,7 @@ class Drafted:
             raise error.located(file=name) from None
         assumed = _assumed(test.recording, begun)
         preload = float(test.recording.load[0]) if assumed else 0.0
-        pull = _pull(whole.recording, begun) if whole else 0.0
+        pull = pull_off(whole.recording) if whole else 0.0
         notes = _provenance(file, test, corrections)
         if pull:
             notes += (f"a pull of {pull:.3g} mN on the tip after the test is cut off",)
@@ -116,15 +113,6 @@ def pulled(tests: Sequence[Drafted]) -> list[str]:
         f"{found[0].recording.name}{and_more(found)}: the surface holds the tip by up to {most:.3g} mN while it "
         "leaves; that part is cut off, as a test ends where its load is zero"
     ]
-
-
-def _pull(whole: Recording, begun: Recording) -> float:
-    """Return by how much the load falls below what it reads without contact after the largest [mN]; 0 within noise."""
-    peak = int(np.argmax(whole.load))
-    free = float(np.median(whole.load[:NEAR_START])) if whole.time[0] < 0.0 else 0.0
-    pull = free - float(median_filter(whole.load, 3, mode="nearest")[peak:].min())
-    largest = begun.load.max()
-    return pull if pull > max(PULLED * largest, CLEAR * noise_of(whole.load)) else 0.0
 
 
 def _assumed(recording: Recording, begun: Recording) -> float:
