@@ -78,6 +78,18 @@ def test_the_vendor_s_contact_area_tells_a_sphere_from_a_pyramid():
     assert KnownTip.of(Stated.by_all([*spheres, of_sphere(1e5, 9e3)]), deepest=2e4) == KnownTip()
 
 
+def test_an_area_function_may_lack_its_first_term():
+    """As one that was fitted to a sphere: A = 2 pi R h."""
+    tip = KnownTip.of(Stated(area=(0.0, 2.0 * math.pi * 1e4)), None, 200.0)
+    assert tip.keys["shape"] == "area_function"
+
+
+def test_an_area_function_is_as_sharp_as_its_first_term():
+    cube_corner = KnownTip({"shape": "cone", "half_angle": 42.28})
+    tip = KnownTip.of(Stated(area=(math.pi * math.tan(math.radians(42.28)) ** 2, 100.0)), None, 500.0)
+    assert tip.elastic_load(500.0, 0.3) == pytest.approx(cube_corner.elastic_load(500.0, 0.3))
+
+
 def test_a_contact_area_of_another_tip_is_reported_where_it_is_not_taken():
     named = [("a", anton_paar(2.6 * 1000.0**2, 1000.0))]
     (remark,) = not_taken(named, Stated(poisson_ratio=0.3), KnownTip())
