@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import difflib
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import jsonschema
 
+from palpate.base.parameters import is_finite_number
 from palpate.errors import InputError
 
 REFERENCE = "docs/study.md"
@@ -60,8 +60,9 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=order)
     if not errors:
         for path, value in _numbers(values):
-            if not math.isfinite(value):
-                raise InputError(f"{value} is given, expected a number", remedy="correct it", place=_place(path))
+            if not is_finite_number(value):
+                problem = f"{str(value)[:LONGEST]} is given, expected a number"
+                raise InputError(problem, remedy="correct it", place=_place(path))
         return
     error = errors[0]
     place = _place(error.absolute_path)
@@ -85,8 +86,8 @@ def _place(path: Iterable[str | int]) -> str:
 
 
 def _numbers(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], float]]:
-    """Yield every number that is no integer, with its place."""
-    if isinstance(values, float):
+    """Yield every number with its place."""
+    if isinstance(values, int | float) and not isinstance(values, bool):
         yield path, values
     elif isinstance(values, Mapping | list):
         entries = values.items() if isinstance(values, Mapping) else enumerate(values)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import sys
 import time
 import traceback
@@ -12,13 +11,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from palpate.base.yaml_file import EXPONENT
 from palpate.configuration.study_file import Study, study_from
 from palpate.errors import PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
 CONFIGURATION = "configuration of the workflow"
-EXPONENT = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+$")
 
 
 def study(snakemake: Any) -> Study:
