@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from palpate.base.sentences import and_more
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
@@ -87,32 +85,6 @@ class Drafted:
         if assumed:
             notes += (f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed",)
         return cls(replace(begun, notes=notes), test, assumed, preload, pull)
-
-
-def assumed(tests: Sequence[Drafted]) -> list[str]:
-    """Return a remark on tests that begin under load, none where there is no such test."""
-    found = [test for test in tests if test.assumed]
-    if not found:
-        return []
-    first, others = found[0], and_more(found)
-    longest = max(test.assumed for test in found)
-    return [
-        f"{first.recording.name}{others} begin{'' if others else 's'} under load ({first.preload:.3g} mN): the loading "
-        f"up to there{', up to' if others else ','} {longest:.3g} s, was not recorded and is assumed to be as fast as "
-        "what follows; export from contact on if you can"
-    ]
-
-
-def pulled(tests: Sequence[Drafted]) -> list[str]:
-    """Return a remark on pulls that were cut off, none where there is none."""
-    found = [test for test in tests if test.pull]
-    if not found:
-        return []
-    most = max(test.pull for test in found)
-    return [
-        f"{found[0].recording.name}{and_more(found)}: the surface holds the tip by up to {most:.3g} mN while it "
-        "leaves; that part is cut off, as a test ends where its load is zero"
-    ]
 
 
 def _assumed(recording: Recording, begun: Recording) -> float:

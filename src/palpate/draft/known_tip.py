@@ -58,7 +58,7 @@ class KnownTip:
     why: str = "guess: a Berkovich tip, by its equivalent cone"
 
     @classmethod
-    def of(cls, stated: Stated = Stated(), sphere: float | None = None, deepest: float = 0.0) -> KnownTip:  # noqa: B008
+    def of(cls, stated: Stated, sphere: float | None, deepest: float) -> KnownTip:
         """Return the tip that was given as a sphere of a radius [nm], is stated, or is guessed.
 
         A radius that is stated without a shape is a sphere's where a test is less than one radius deep, else that of

@@ -25,7 +25,7 @@ SPREAD = 1.5  # ratio of the sizes of one condition, the largest to the least
 MANY = 6  # tests that distinguish a spread from levels
 GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
 GRID = np.linspace(0.0, 1.0, 201)  # of the time of a test, where normalised histories are compared
-LOADED = 0.98  # of the largest load, where loading ends
+LOADED = 0.98  # of the largest load or displacement, where loading ends: noise and overshoot move the maximum itself
 Groups = list[list[Recording]]
 
 
@@ -45,6 +45,11 @@ def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list
     sizes = np.log([[drive.of(recording).max(), recording.time[-1]] for recording in recordings])
     middle = int(np.argmin(np.abs(sizes - np.median(sizes, axis=0)).sum(axis=1)))
     return [recordings[middle], *recordings[:middle], *recordings[middle + 1 :]]
+
+
+def end_of_loading(channel: np.ndarray) -> int:
+    """Return the index at which a load or displacement (n,) has risen."""
+    return int(np.argmax(channel >= LOADED * channel.max()))
 
 
 def _by_method(groups: Groups, drive: Drive) -> Groups:
@@ -104,5 +109,5 @@ def _same_depth(one: Recording, other: Recording) -> bool:
 
 
 def _at_end_of_loading(recording: Recording) -> tuple[float, float]:
-    end = int(np.argmax(recording.load >= LOADED * recording.load.max()))
+    end = end_of_loading(recording.load)
     return float(recording.load[end]), float(recording.depth[end])
