@@ -137,11 +137,9 @@ def of_diagnosis(content: Mapping[str, Any], settings: Mapping[str, Any], files:
     The former holds verdict, names, probabilities, gain, p-value and the best explanation's amplitudes; the latter
     evidence, errors before and after, amplitudes and material.
     """
-    names = "+".join(content["mechanisms"]) or "none"
-    tags = {"verdict": content["verdict"], "mechanisms": names, "mlflow.note.content": content["sentence"]}
+    tags = _verdict(content) | {"mlflow.note.content": content["sentence"]}
     metrics = {"p_value": content["p_value"], "noise_nm": content["fit"]["noise_nm"]}
-    for role in ("calibrate", "validate"):
-        metrics |= {f"{role}.{k}": v for k, v in content["fit"][role].items() if v is not None}
+    metrics |= _errors(content, "calibrate") | _errors(content, "validate")
     for candidate in content["candidates"]:
         metrics["probability." + "-".join(candidate["mechanisms"])] = candidate["probability"]
     for name, found in next(iter(content["candidates"]), {"parameters": {}})["parameters"].items():
@@ -163,14 +161,21 @@ def _of_explanation(row: Mapping[str, Any], content: Mapping[str, Any], of: Mapp
 
 def answer_of(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return a diagnosis for an execution's own run: verdict, names and sentence; held-out error and noise."""
-    of, names = content["recordings"], "+".join(content["mechanisms"]) or "none"
-    tags = {"verdict": content["verdict"], "mechanisms": names, "answer": content["sentence"]}
-    errors = {f"validate.{k}": v for k, v in content["fit"]["validate"].items() if v is not None}
-    metrics = errors | {"noise_nm": content["fit"]["noise_nm"]}
+    of, tags = content["recordings"], _verdict(content) | {"answer": content["sentence"]}
+    metrics = _errors(content, "validate") | {"noise_nm": content["fit"]["noise_nm"]}
     return {
         "tags": {f"{of}.{key}": value for key, value in tags.items()},
         "metrics": {f"{of}.{key}": value for key, value in metrics.items()},
     }
+
+
+def _verdict(content: Mapping[str, Any]) -> dict[str, str]:
+    return {"verdict": content["verdict"], "mechanisms": "+".join(content["mechanisms"]) or "none"}
+
+
+def _errors(content: Mapping[str, Any], role: str) -> dict[str, float]:
+    """Return the errors of one role of conditions, before and after, where there are any."""
+    return {f"{role}.{key}": value for key, value in content["fit"][role].items() if value is not None}
 
 
 def _now() -> int:
