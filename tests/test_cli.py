@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from palpate.base.overwrite import written_beside
 from palpate.cli.main import main
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
@@ -324,6 +325,16 @@ def test_no_command_writes_over_what_it_reads(tmp_path, refused):
         before = source.read_text()
         assert f"{source}: the output would replace the file that is read; name another output" in refused(*line)
         assert source.read_text() == before
+
+
+def test_what_cannot_be_written_leaves_no_part(tmp_path):
+    def half(place):
+        place.write_text("half")
+        raise OSError("no space left on the disk")
+
+    with pytest.raises(OSError, match="no space"):
+        written_beside(tmp_path / "curve.csv", half)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_recording_of_the_same_name_is_never_replaced(tmp_path, capsys):

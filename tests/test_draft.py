@@ -166,6 +166,7 @@ def test_what_gives_all_work_back_is_elastic():
         (["missing.csv", "-o", "out"], "missing.csv: cannot be read"),
         (["good.csv", "-o", "standing"], "standing/study.yaml: exists already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
+        (["good.csv", "-o", "out", "--sphere", "inf"], "--sphere"),
         (["short.csv", "-o", "out"], "short.csv, short, time_s: only 5 points follow contact"),
         (["unloaded.csv", "-o", "out"], "unloaded.csv, unloaded: the load is 0 mN at all 401 points"),
         (["pulled.csv", "-o", "out"], "pulled.csv, pulled, load_mN: the load never rises above zero"),

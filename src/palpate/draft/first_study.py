@@ -17,7 +17,7 @@ from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import chosen_law
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.remarks import on_stiffness, remarks_on
-from palpate.draft.rollback_on_error import taken_back_if_unsound
+from palpate.draft.rollback_on_error import rolled_back_on_error
 from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
@@ -180,7 +180,7 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
         for group in groups
         for number, recording in enumerate(group.recordings, 1)
     }
-    with taken_back_if_unsound(file, folder):
+    with rolled_back_on_error(file, folder):
         folder.mkdir(parents=True)
         for path, recording in recordings.items():
             recording.write(path)

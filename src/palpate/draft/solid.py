@@ -132,22 +132,20 @@ def check_unit(recording: Recording, tip: KnownTip) -> None:
         With the recording's name as the file.
     """
     modulus = secant_modulus(recording, tip)
+    if SOFTEST <= modulus <= STIFFEST:
+        return
     if modulus > STIFFEST:
-        load, depth = peak_of(recording)
-        raise InputError(
-            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {modulus:.3g} GPa, stiffer than "
-            "diamond; are depths in micrometres, or loads in uN, or the two swapped?",
-            remedy="write depths in nm and loads in mN, or name the columns and their units "
-            "(--columns time=...,load=...,depth=... --units depth=um)",
-            file=recording.name,
-            place="depth_nm",
-        )
-    if modulus < SOFTEST:
-        load, depth = peak_of(recording)
-        raise InputError(
-            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {1e9 * modulus:.3g} Pa, softer than any "
-            "gel; is the unit of the depth or of the load another one?",
-            remedy="write depths in nm and loads in mN, or name their units (--units depth=...,load=...)",
-            file=recording.name,
-            place="depth_nm",
-        )
+        body = f"{modulus:.3g} GPa, stiffer than diamond"
+        question = "are depths in micrometres, or loads in uN, or the two swapped?"
+        naming = "name the columns and their units (--columns time=...,load=...,depth=... --units depth=um)"
+    else:
+        body = f"{1e9 * modulus:.3g} Pa, softer than any gel"
+        question = "is the unit of the depth or of the load another one?"
+        naming = "name their units (--units depth=...,load=...)"
+    load, depth = peak_of(recording)
+    raise InputError(
+        f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {body}; {question}",
+        remedy=f"write depths in nm and loads in mN, or {naming}",
+        file=recording.name,
+        place="depth_nm",
+    )
