@@ -69,13 +69,11 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
         known = error.schema.get("properties", {})
         key = next(key for key in error.instance if key not in known)
+        place = f"{place}.{key}".lstrip(".")
         if gone := error.schema.get("removed", {}).get(key):
-            raise InputError(f"{key} was removed: {gone}", remedy="take it out", place=f"{place}.{key}".lstrip("."))
-        raise InputError(
-            f"unknown key {key!r}{suggestion(key, known)}",
-            remedy=f"use one of: {', '.join(known)}",
-            place=f"{place}.{key}".lstrip("."),
-        )
+            raise InputError(f"{key} was removed: {gone}", remedy="take it out", place=place)
+        problem = f"unknown key {key!r}{suggestion(key, known)}"
+        raise InputError(problem, remedy=f"use one of: {', '.join(known)}", place=place)
     section = next(iter(error.absolute_path), "the keys")
     remedy = error.schema.get("description", f"see {section} in {REFERENCE}")
     raise InputError(_problem(error), remedy=remedy, place=place or "top level")

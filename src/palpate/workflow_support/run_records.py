@@ -92,18 +92,9 @@ def git_commit() -> str:
 def of_surrogate(
     condition: str, settings: Mapping[str, Any], levels: Mapping[str, Iterable[float]], summary: Mapping[str, Any]
 ) -> Run:
-    """Return the run of a surrogate: its settings, the levels of the grid, its figures of merit.
+    """Return the run of the surrogate of a condition.
 
-    Parameters
-    ----------
-    condition
-        Name of the condition.
-    settings
-        Settings of the surrogate.
-    levels
-        Levels of the grid for each parameter.
-    summary
-        Figures of merit, see `palpate.workflow_support.steps.fit_surrogate`.
+    It holds its settings, the levels of the grid, and the summary of `palpate.workflow_support.steps.fit_surrogate`.
     """
     params = dict(settings) | {
         f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in levels.items()
