@@ -29,6 +29,8 @@ class Quantity:
     ----------
     name
         ``depth`` or ``load``.
+    unit
+        ``nm`` or ``mN``.
     nm
         Change of depth under the same load that corresponds to one unit [nm].
     share
@@ -37,13 +39,9 @@ class Quantity:
     """
 
     name: str
+    unit: str
     nm: float
     share: float
-
-    @property
-    def unit(self) -> str:
-        """Unit of the response."""
-        return UNITS[self.name]
 
     @classmethod
     def of(cls, protocol: Protocol, indenter: Indenter, response: np.ndarray) -> Quantity:
@@ -53,11 +51,11 @@ class Quantity:
         peak = int(np.argmax(response))
         load, displacement = float(response[peak]), float(protocol.sample_drive[peak])
         if load <= 0.0:
-            return cls(LOAD, max(protocol.compliance, 1.0), -1.0)
+            return cls(LOAD, "mN", max(protocol.compliance, 1.0), -1.0)
         depth = max(displacement - protocol.compliance * load, 1e-6 * displacement)
         nm = depth / ((1.5 if indenter.shape == "sphere" else 2.0) * load) + protocol.compliance
-        return cls(LOAD, nm, -depth / (nm * load))
+        return cls(LOAD, "mN", nm, -depth / (nm * load))
 
 
 UNITS = {"depth": "nm", "load": "mN"}
-DEPTH = Quantity("depth", 1.0, 1.0)
+DEPTH = Quantity("depth", "nm", 1.0, 1.0)
