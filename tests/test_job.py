@@ -90,9 +90,9 @@ def test_a_defect_keeps_its_traceback(log):
 
 def test_a_study_keeps_its_own_keys_that_are_called_like_those_of_the_command_line():
     diagnosis = {"reference": {"youngs_modulus": "7.2e1", "area": [24.5, ".5e3"]}}
-    given = {"study": "glass", "quick": 1, "reference": "curves", "data": "files", "diagnosis": diagnosis}
+    given = {"study": "1e5", "quick": 1, "reference": "curves", "data": "files", "diagnosis": diagnosis}
     assert job.plain(given) == {
-        "study": "glass",
+        "study": "1e5",
         "diagnosis": {"reference": {"youngs_modulus": 72.0, "area": [24.5, 500.0]}},
     }
     assert job.plain({**given, "source": {}})["data"] == "files"

@@ -131,9 +131,7 @@ if workflow.is_main_process:
     except OSError as error:
         refuse(of_system(error))
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
-CALIBRATED = [
-    condition.name for condition in STUDY.conditions if condition.role == "calibrate"
-]
+CALIBRATED = [condition.name for condition in STUDY.calibrated]
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

@@ -134,6 +134,11 @@ class Study:
         bounds = {name: (min(self.levels[name]), max(self.levels[name])) for name in self.free_parameters}
         return [{**constant, **point} for point in sobol(bounds, self.design["points"], self.seed)]
 
+    @property
+    def calibrated(self) -> list[Condition]:
+        """Conditions with the role ``calibrate``."""
+        return [condition for condition in self.conditions if condition.role == "calibrate"]
+
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`."""
         return next(condition for condition in self.conditions if condition.name == name)

@@ -10,7 +10,7 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.draft.methods import LOADED, end_of_loading, of_one_method, with_the_middle_first
+from palpate.draft.methods import LOADED, classes_of, end_of_loading, of_one_method, with_the_middle_first
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
@@ -63,14 +63,8 @@ def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
     InputError
         When a test is too short to find its segments; with the recording's name as the file.
     """
-    found: list[list[Recording]] = []
-    for recording in recordings:
-        members = next((group for group in found if _alike(group[0], recording, drive)), None)
-        if members is None:
-            found.append(members := [])
-        members.append(recording)
-    exact = found
-    found = of_one_method(found, drive)
+    exact = classes_of(recordings, lambda first, other: _alike(first, other, drive))
+    found = of_one_method(exact, drive)
     found.sort(key=lambda members: (drive.of(members[0]).max(), _loading_time(members[0], drive)))
     given: Counter[str] = Counter()
     groups: list[Group] = []

@@ -17,6 +17,7 @@ from palpate.errors import PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
+TEXTS = ("study", "title")  # which may look like a number
 CONFIGURATION = "configuration of the workflow"
 
 
@@ -32,7 +33,8 @@ def plain(config: Mapping[str, Any]) -> dict[str, Any]:
     so is the place of vendors' files where the study at hand has none.
     """
     apart = COMMAND_LINE if "source" in config else (*COMMAND_LINE, "data")
-    return {str(key): _with_numbers(value) for key, value in config.items() if key not in apart}
+    kept = {str(key): value for key, value in config.items() if key not in apart}
+    return {key: value if key in TEXTS else _with_numbers(value) for key, value in kept.items()}
 
 
 def _with_numbers(value: Any) -> Any:

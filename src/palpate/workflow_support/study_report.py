@@ -25,7 +25,7 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
-    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.conditions if c.role == "calibrate"]
+    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.calibrated]
     notes = [summary["missing"] for summary in summaries if summary["missing"]]
     notes += [
         f"Recordings “{recordings}” are synthetic: written by a virtual laboratory, not measured."
