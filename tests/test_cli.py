@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from palpate.base.overwrite import written_beside
 from palpate.cli.main import main
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
@@ -126,6 +127,13 @@ def test_what_a_laboratory_cannot_conceal_is_found_by_check(tmp_path, refused, c
     assert words in line and f"{file}, laboratory.lab.mechanisms." in line
 
 
+def checked(folder, capsys, **changes):
+    """Return what `palpate check` prints of the elastic study with some of its keys changed."""
+    (folder / "study.yaml").write_text(yaml.safe_dump(ELASTIC | changes))
+    assert main(["check", str(folder / "study.yaml")]) == 0
+    return capsys.readouterr().out
+
+
 def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     """One begins far from contact; one outlasts the load that the condition follows; one is no .csv file."""
     folder = tmp_path / "lab"
@@ -135,10 +143,8 @@ def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     load = np.minimum(time / 20.0, 2.0 - time / 20.0)
     for name, kept, offset in (("A_1", time <= 30.0, 0.0), ("A_2", time <= 40.0, 400.0)):
         Recording(time[kept], load[kept], 400.0 * np.sqrt(load[kept]) + offset).write(folder / f"{name}.csv")
-    study = ELASTIC | {"conditions": [{"name": "A", "load_history": "recorded"}], "recordings": {"lab": str(folder)}}
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
-    assert main(["check", str(tmp_path / "study.yaml")]) == 0
-    said = capsys.readouterr().out
+    condition = {"name": "A", "load_history": "recorded"}
+    said = checked(tmp_path, capsys, conditions=[condition], recordings={"lab": str(folder)})
     assert "A_2.csv begins at a depth of 400 nm, not at contact" in said
     assert "A_3.txt is not read" in said
     assert "A_2.csv lasts 40 s, the recorded load that its condition follows ends after 30 s" in said
@@ -154,13 +160,24 @@ def test_check_reports_no_oscillation_of_a_load_that_is_not_followed(tmp_path, c
     noisy = load + 0.02 * np.random.default_rng(1).standard_normal(len(time)) * (load > 0.0)
     Recording(time, noisy, 400.0 * np.sqrt(load)).write(tmp_path / "lab/A_1.csv")
     condition = {"name": "A", "load_history": str(tmp_path / "load.csv")}
-    study = ELASTIC | {"conditions": [condition], "recordings": {"lab": str(tmp_path / "lab")}}
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
-    assert main(["check", str(tmp_path / "study.yaml")]) == 0
-    said = capsys.readouterr().out
+    said = checked(tmp_path, capsys, conditions=[condition], recordings={"lab": str(tmp_path / "lab")})
     assert "oscillates" not in said
     assert "A_1.csv lasts 45 s, the recorded load that its condition follows ends after 40 s" in said
     assert f"({condition['load_history']} is followed)" in said
+
+
+def test_check_reports_a_pull_off_and_no_noise_below_zero(tmp_path, capsys):
+    """Both tests have noisy loads; the surface holds the tip of the second while it leaves."""
+    time, rng = np.linspace(0.0, 63.0, 631), np.random.default_rng(1)
+    load = np.interp(time, [0.0, 30.0, 60.0, 61.0, 62.5, 63.0], [0.0, 1.0, 0.0, -0.2, -0.2, 0.0])
+    said = []
+    for number, least in ((1, 0.0), (2, -0.2)):
+        noisy = np.append(0.0, np.maximum(load, least)[1:] + 0.015 * rng.standard_normal(630))
+        Recording(time, noisy, 400.0 * np.sqrt(np.maximum(load, 0.0))).write(tmp_path / f"A_{number}.csv")
+        lines = checked(tmp_path, capsys, recordings={"lab": str(tmp_path)}).splitlines()
+        said.append([line for line in lines if "pulls" in line])
+    assert said[0] == []
+    assert "A_2.csv: the surface pulls on the tip by up to 0.2" in said[1][0]
 
 
 def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
@@ -168,11 +185,7 @@ def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
     load = np.minimum(time / 30.0, 2.0 - time / 30.0)
     for number, scale in enumerate((1.0, 1.02, 10.0), 1):
         Recording(time, load, scale * 400.0 * np.sqrt(load)).write(tmp_path / f"A_{number}.csv")
-    condition = {"name": "A", "max_load": 1.0, "loading_time": 30, "hold_time": 0, "unloading_time": 30}
-    study = ELASTIC | {"conditions": [condition], "recordings": {"lab": str(tmp_path)}}
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study))
-    assert main(["check", str(tmp_path / "study.yaml")]) == 0
-    said = capsys.readouterr().out
+    said = checked(tmp_path, capsys, recordings={"lab": str(tmp_path)})
     assert "A_3.csv is 4000 nm deep, the median of its condition's tests 408 nm" in said
     assert "A_1.csv is" not in said
 
@@ -307,6 +320,16 @@ def test_no_command_writes_over_what_it_reads(tmp_path, refused):
         before = source.read_text()
         assert f"{source}: the output would replace the file that is read; name another output" in refused(*line)
         assert source.read_text() == before
+
+
+def test_what_cannot_be_written_leaves_no_part(tmp_path):
+    def half(place):
+        place.write_text("half")
+        raise OSError("no space left on the disk")
+
+    with pytest.raises(OSError, match="no space"):
+        written_beside(tmp_path / "curve.csv", half)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_recording_of_the_same_name_is_never_replaced(tmp_path, capsys):

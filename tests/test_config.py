@@ -102,6 +102,7 @@ def test_defaults_and_order(tmp_path):
         ),
         ({"calibration": {"solver_error": float("nan")}}, "calibration.solver_error", "nan is given"),
         ({"surrogate": {"shape": float("inf")}}, "surrogate.shape", "inf is given"),
+        ({"indenter": {"shape": "area_function", "area": [10**400]}}, "indenter.area[0]", "expected a number"),
         ({"indenter": {"shape": ["cone"], "half_angle": 70.3}}, "indenter.shape", "cone"),
         ({"source": SOURCE | {"recordings": "lib"}, "recordings": {"lab": "x"}}, "source.recordings", "'lab'"),
         ({"source": SOURCE | {"condition": "P1"}, "recordings": {"lab": "x"}}, "source.condition", "P1_T30"),

@@ -13,6 +13,7 @@ from palpate.draft.grouping import grouped
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import chosen_law
+from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import Solid
 from palpate.materials import LAWS
 from palpate.recordings.recording import Recording
@@ -37,7 +38,7 @@ def elastic(load, loading, hold=0.0, name="test", noise=0.0, history=None):
 
 def test_tests_of_one_load_history_are_one_condition():
     tests = [elastic(4.0, 20), elastic(1.0, 20, noise=2e-3), elastic(4.05, 20), elastic(1.0, 60), elastic(1.0, 20, 30)]
-    groups = grouped(tests)
+    groups = grouped(tests, Drive())
     assert [(group.name, len(group.recordings)) for group in groups] == [
         ("P1_T20", 1), ("P1_T20b", 1), ("P1_T60", 1), ("P4_T20", 2),
     ]  # fmt: skip
@@ -47,13 +48,13 @@ def test_tests_of_one_load_history_are_one_condition():
 
 def test_the_order_of_the_tests_does_not_matter():
     tests = [elastic(1.0, 20), elastic(1.0, 20, 30), elastic(1.01, 20)]
-    sizes = [sorted(len(group.recordings) for group in grouped(order)) for order in (tests, tests[::-1])]
+    sizes = [sorted(len(group.recordings) for group in grouped(order, Drive())) for order in (tests, tests[::-1])]
     assert sizes == [[1, 2], [1, 2]]
 
 
 def test_no_two_conditions_have_one_name():
     holds = [elastic(1.0, 20, 10.0 * k) for k in range(30)]
-    names = [group.name for group in grouped(holds)]
+    names = [group.name for group in grouped(holds, Drive())]
     assert len(names) == len(set(names)) == 30
     assert names[:2] == ["P1_T20", "P1_T20b"]
 
@@ -61,14 +62,14 @@ def test_no_two_conditions_have_one_name():
 def test_what_is_no_trapezoid_follows_its_recording():
     time = np.linspace(0.0, 40.0, 400)
     curved = replace(elastic(1.0, 20), time=time, load=np.sin(np.pi * time / 40.0) ** 2, depth=time)
-    assert grouped([curved])[0].history == {"load_history": "recorded"}
+    assert grouped([curved], Drive())[0].history == {"load_history": "recorded"}
 
 
 def test_a_test_that_was_cut_short_while_it_was_unloaded_follows_its_recording():
     whole = elastic(1.0, 20)
     short, nearly = (whole.at(whole.time < end) for end in (34.0, 39.5))
-    assert "load_history" not in grouped([nearly])[0].history
-    assert [group.history.get("load_history") for group in grouped([short, whole])] == ["recorded", None]
+    assert "load_history" not in grouped([nearly], Drive())[0].history
+    assert [group.history.get("load_history") for group in grouped([short, whole], Drive())] == ["recorded", None]
 
 
 def test_the_ranges_hold_what_was_pressed():
@@ -165,6 +166,7 @@ def test_what_gives_all_work_back_is_elastic():
         (["missing.csv", "-o", "out"], "missing.csv: cannot be read"),
         (["good.csv", "-o", "standing"], "standing/study.yaml: exists already"),
         (["good.csv", "-o", "out", "--sphere", "-5"], "--sphere"),
+        (["good.csv", "-o", "out", "--sphere", "inf"], "--sphere"),
         (["short.csv", "-o", "out"], "short.csv, short, time_s: only 5 points follow contact"),
         (["unloaded.csv", "-o", "out"], "unloaded.csv, unloaded: the load is 0 mN at all 401 points"),
         (["pulled.csv", "-o", "out"], "pulled.csv, pulled, load_mN: the load never rises above zero"),

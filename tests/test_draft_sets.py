@@ -138,14 +138,14 @@ def depth_limited(stiffness, name, duration=40.0):
 
 def test_tests_to_one_depth_are_one_condition_with_loads_of_their_own():
     tests = [depth_limited(s, str(k), 40 + k) for k, s in enumerate((0.86, 1.0, 1.12))]
-    (group,) = grouped(tests)
+    (group,) = grouped(tests, Drive())
     assert group.history == {"load_history": "recorded", "own_loads": True}
     assert group.recordings[0].name == "1"
 
 
 def test_many_tests_whose_loads_spread_are_one_condition():
     loads = np.linspace(1.0, 1.3, 36)
-    assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads])] == [36]
+    assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads], Drive())] == [36]
 
 
 def test_many_tests_behind_a_cantilever_are_few_conditions():
@@ -163,7 +163,7 @@ def test_many_tests_behind_a_cantilever_are_few_conditions():
 
 def test_loads_that_form_levels_stay_conditions_of_their_own():
     loads = np.repeat([1.0, 1.2, 1.44], 12) * np.tile(np.linspace(0.995, 1.005, 12), 3)
-    assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads])] == [12, 12, 12]
+    assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads], Drive())] == [12, 12, 12]
 
 
 @pytest.fixture

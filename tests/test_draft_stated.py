@@ -9,7 +9,7 @@ from test_readers import XP, needs_recordings
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft.known_tip import KnownTip
-from palpate.draft.metadata import not_taken
+from palpate.draft.remarks import not_taken
 from palpate.draft.solid import Solid
 from palpate.draft.stated import Stated, modulus_and_hardness
 from palpate.recordings.readers import read_vendor_file
@@ -70,19 +70,33 @@ def of_sphere(radius, depth):
 
 def test_the_vendor_s_contact_area_tells_a_sphere_from_a_pyramid():
     spheres = [of_sphere(5e5, depth) for depth in (9e3, 12e3, 16e3)]
-    tip = KnownTip.of(Stated.by_all(spheres), deepest=2e4)
+    tip = KnownTip.of(Stated.by_all(spheres), None, 2e4)
     assert (tip.keys["shape"], tip.keys["radius"]) == ("sphere", pytest.approx(5e5, rel=0.01))
     assert "contact area" in tip.why
     pyramid = [anton_paar(24.5 * depth**2 + 2000.0 * depth, depth) for depth in (900.0, 1500.0)]
-    assert KnownTip.of(Stated.by_all(pyramid), deepest=1800.0) == KnownTip()
-    assert KnownTip.of(Stated.by_all([*spheres, of_sphere(1e5, 9e3)]), deepest=2e4) == KnownTip()
+    assert KnownTip.of(Stated.by_all(pyramid), None, 1800.0) == KnownTip()
+    assert KnownTip.of(Stated.by_all([*spheres, of_sphere(1e5, 9e3)]), None, 2e4) == KnownTip()
+
+
+def test_an_area_function_may_lack_its_first_term():
+    """As one that was fitted to a sphere: A = 2 pi R h."""
+    tip = KnownTip.of(Stated(area=(0.0, 2.0 * math.pi * 1e4)), None, 200.0)
+    assert tip.keys["shape"] == "area_function"
+
+
+def test_an_area_function_is_as_sharp_as_its_first_term():
+    cube_corner = KnownTip({"shape": "cone", "half_angle": 42.28})
+    tip = KnownTip.of(Stated(area=(math.pi * math.tan(math.radians(42.28)) ** 2, 100.0)), None, 500.0)
+    assert tip.elastic_load(500.0, 0.3) == pytest.approx(cube_corner.elastic_load(500.0, 0.3))
 
 
 def test_a_contact_area_of_another_tip_is_reported_where_it_is_not_taken():
     named = [("a", anton_paar(2.6 * 1000.0**2, 1000.0))]
-    (remark,) = not_taken(named, Stated(poisson_ratio=0.3), KnownTip())
+    (remark,) = not_taken(named, Stated(poisson_ratio=0.3), KnownTip(), 1000.0, 0.3)
     assert "2.6 times the square of its depth" in remark
-    assert not not_taken([("a", anton_paar(24.6 * 1000.0**2, 1000.0))], Stated(poisson_ratio=0.3), KnownTip())
+    assert not not_taken(
+        [("a", anton_paar(24.6 * 1000.0**2, 1000.0))], Stated(poisson_ratio=0.3), KnownTip(), 1000.0, 0.3
+    )
 
 
 def test_the_ratio_that_optics11_writes_into_its_modulus_is_taken():

@@ -13,7 +13,7 @@ from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
-from palpate.draft.metadata import not_taken
+from palpate.draft.remarks import not_taken
 from palpate.draft.solid import Solid
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import scalar, study_name
@@ -233,9 +233,8 @@ def test_files_that_disagree_are_told(capsys):
     ids=["none", "ideal", "cube corner", "unlike", "taken", "no radius", "unlike radii", "radius"],
 )
 def test_a_tip_is_told_where_it_is_stated_and_not_taken(tips, words):
-    told = not_taken(
-        [(str(number), tip) for number, tip in enumerate(tips)], Stated.by_all(tips), KnownTip.of(Stated.by_all(tips))
-    )
+    stated, named = Stated.by_all(tips), [(str(number), tip) for number, tip in enumerate(tips)]
+    told = not_taken(named, stated, KnownTip.of(stated, None, 0.0), 0.0, 0.35)
     assert len(told) == (words is not None)
     assert words is None or words in told[0]
 

@@ -226,8 +226,10 @@ def test_a_draft_stays_where_a_folder_is_given(file):
 def test_a_draft_says_what_to_look_at(file):
     stiff = replace(measured(), depth=0.2 * measured().depth)
     said = []
-    study = Study.draft([file, file, stiff], report=said.append)
+    (file.parent / "notes.txt").write_text("no test")
+    study = Study.draft([file, file.parent / "notes.txt", file, stiff], report=said.append)
     assert any("the same recording as" in line for line in said)
+    assert any("notes.txt" in line and "the file is left out" in line for line in said)
     assert any("different materials" in line for line in study.remarks)
     assert "different materials" in study.summary() and "different materials" in study._repr_html_()
 

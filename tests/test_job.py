@@ -65,11 +65,11 @@ def test_a_result_that_was_altered_is_set_aside_and_others_stay(tmp_path, monkey
             file.write_text("1.0")
     results[0].write_text("1.1")
     results[1].unlink()
-    (line,) = result_files.set_aside(logs)
+    (line,) = result_files.move_altered(logs)
     assert line == f"{results[0]} is not as it was made; it is kept as a.json.altered, and made again"
     assert [file.exists() for file in results] == [False, False, True]
     assert Path("results/s/a.json.altered").read_text() == "1.1"
-    assert list(result_files.set_aside(logs)) == []
+    assert list(result_files.move_altered(logs)) == []
 
 
 def test_a_result_that_a_job_is_replacing_is_not_set_aside(tmp_path, monkeypatch):
@@ -89,10 +89,10 @@ def test_a_defect_keeps_its_traceback(log):
 
 
 def test_a_study_keeps_its_own_keys_that_are_called_like_those_of_the_command_line():
-    diagnosis = {"reference": {"youngs_modulus": "7.2e1", "area": [24.5, 1e3]}}
-    given = {"study": "glass", "quick": 1, "reference": "curves", "data": "files", "diagnosis": diagnosis}
+    diagnosis = {"reference": {"youngs_modulus": "7.2e1", "area": [24.5, ".5e3"]}}
+    given = {"study": "1e5", "quick": 1, "reference": "curves", "data": "files", "diagnosis": diagnosis}
     assert job.plain(given) == {
-        "study": "glass",
-        "diagnosis": {"reference": {"youngs_modulus": 72.0, "area": [24.5, 1000.0]}},
+        "study": "1e5",
+        "diagnosis": {"reference": {"youngs_modulus": 72.0, "area": [24.5, 500.0]}},
     }
     assert job.plain({**given, "source": {}})["data"] == "files"

@@ -17,9 +17,8 @@ os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
 )
 sys.path[:0] = SOURCE  # so that what is planned here is what scripts compute
-sys.executable = shlex.quote(
-    sys.executable
-)  # Snakemake puts it into shell commands as it is, spaces and all
+# Snakemake puts it into shell commands as it is, spaces and all.
+sys.executable = shlex.quote(sys.executable)
 
 from palpate.base.threads import one_thread_each
 
@@ -43,9 +42,9 @@ from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
 from palpate.inference.study_recordings import files_of, written_by_workflow
-from palpate.workflow_support import job
+from palpate.workflow_support import job, manifest
 from palpate.workflow_support.check_study import checked
-from palpate.workflow_support.result_files import checksum, read_json, set_aside
+from palpate.workflow_support.result_files import checksum, move_altered, read_json
 
 
 @functools.cache
@@ -56,9 +55,8 @@ def read_study(file=None):
             return checked(load_study(file, config.get("data")))
         given = [str(each) for each in workflow.configfiles]
         for each in given:
-            read_yaml(
-                each
-            )  # refuses a key that is given twice, of which Snakemake keeps the last
+            # It refuses a key that is given twice, of which Snakemake keeps the last.
+            read_yaml(each)
         name = given[-1] if given else job.CONFIGURATION
         values = job.plain(config)
         if "data" in config and given and not DEFAULT:
@@ -128,14 +126,12 @@ STUDY = read_study()
 FOLDER = f"results/{STUDY.name}"
 if workflow.is_main_process:
     try:
-        for line in set_aside(Path(FOLDER, "logs")):
+        for line in move_altered(Path(FOLDER, "logs")):
             print(f"palpate: {line}", file=sys.stderr)
     except OSError as error:
         refuse(of_system(error))
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
-CALIBRATED = [
-    condition.name for condition in STUDY.conditions if condition.role == "calibrate"
-]
+CALIBRATED = [condition.name for condition in STUDY.calibrated]
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

@@ -79,9 +79,7 @@ rule report:
         "../../envs/palpate.yaml"
     params:
         title=constant(STUDY.title),
-        configuration=constant(
-            job.plain({key: config[key] for key in config if key != "data"})
-        ),
+        configuration=constant(manifest.without_data(job.plain(config))),
         code=code("scripts/report.py"),
     message:
         "report"

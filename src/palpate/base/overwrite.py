@@ -30,10 +30,13 @@ def written_beside(path: Path, write: Callable[[Path], object]) -> Path:
         Writes it to a place.
     """
     made = path.with_name(f".{path.name}.new{path.suffix}")
-    write(made)
-    content, number, place = made.read_bytes(), 1, path
-    while place.exists() and not (place.is_file() and place.read_bytes() == content):
-        number += 1
-        place = path.with_name(f"{path.stem}_{number}{path.suffix}")
-    made.replace(place)
+    try:
+        write(made)
+        content, number, place = made.read_bytes(), 1, path
+        while place.exists() and not (place.is_file() and place.read_bytes() == content):
+            number += 1
+            place = path.with_name(f"{path.stem}_{number}{path.suffix}")
+        made.replace(place)
+    finally:
+        made.unlink(missing_ok=True)
     return place

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from palpate.errors import InputError
 
@@ -13,6 +14,11 @@ from palpate.errors import InputError
 def in_words(name: str) -> str:
     """Return a parameter's name as people write it: ``youngs_modulus`` is Young's modulus."""
     return name.replace("_", " ").replace("youngs", "Young's").replace("poisson ratio", "Poisson's ratio")
+
+
+def is_finite_number(value: object) -> TypeGuard[float]:
+    """Return whether a value of a YAML file is a number that fits a float; true and false are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class Parameter:
                 remedy="give a number" + ("" if self.unit == "-" else f" in {self.unit}"),
                 place=self.name,
             )
-        number = math.inf if abs(value) > sys.float_info.max else float(value)
+        number = float(value) if is_finite_number(value) else math.inf
         if not math.isfinite(number) or not self.lower <= number <= self.upper:
             given = f"{number:g}" if self.unit == "-" else f"{number:g} {self.unit}"
             raise InputError(

@@ -14,6 +14,7 @@ import yaml
 from palpate.errors import InputError
 
 LARGEST, LONGEST = 100_000, 10_000_000  # entries and bytes, far above those of a study; more take minutes to read
+EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # which PyYAML takes for text where a sign or dot lacks
 FROM_RECORDINGS = "give a YAML file; `palpate draft FILE -o FOLDER` writes one from recordings or a vendor's file"
 
 
@@ -48,9 +49,7 @@ class _Loader(yaml.SafeLoader):
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark) from error
 
 
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
-)
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", EXPONENT, list("-+.0123456789"))
 
 
 def refuse_special(path: str | Path) -> None:

@@ -65,15 +65,14 @@ def _described(
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
 
-    roles = {role: [c.name for c in study.conditions if c.role == role] for role in ("calibrate", "validate")}
-    count = len(study.cells) * len(roles["calibrate"])
-    plural = "s" if len(study.conditions) > 1 else ""
-    yield f"{study.file}: {len(study.cells)} materials, {len(study.conditions)} condition{plural}, {count} snapshots"
+    calibrated, materials = [condition.name for condition in study.calibrated], len(study.cells)
+    plural, count = "s" if len(study.conditions) > 1 else "", materials * len(calibrated)
+    yield f"{study.file}: {materials} materials, {len(study.conditions)} condition{plural}, {count} snapshots"
     for conditions in conditions_by_shape(study):
         if len(conditions) > 1:
             yield f"{', '.join(c.name for c in conditions)} differ in size alone: one simulation gives them all"
-    held_out = ", ".join(roles["validate"]) or "no condition"
-    yield f"calibrated on {', '.join(roles['calibrate'])}; validated on {held_out}"
+    held_out = ", ".join(c.name for c in study.conditions if c.role == "validate") or "no condition"
+    yield f"calibrated on {', '.join(calibrated)}; validated on {held_out}"
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():
@@ -82,6 +81,6 @@ def _described(
         yield f"recordings {name} in {os.path.realpath(folder)}: {found}"
         unread = () if written_by_workflow(study, name) else passed_over(folder)
         yield from (f"recordings {name}: {remark}" for remark in (*unread, *remarks[name]))
-        repeated = [condition for condition in roles["calibrate"] if tests[condition] > 1]
-        if study.diagnosis["enabled"] and 2 * len(repeated) <= len(roles["calibrate"]):
+        repeated = [condition for condition in calibrated if tests[condition] > 1]
+        if study.diagnosis["enabled"] and 2 * len(repeated) <= len(calibrated):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 
 from palpate.cli import check, read, warn
@@ -46,7 +47,7 @@ def _length(text: str) -> float:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not value > 0.0:
+    if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive length in nm")
     return value
 

@@ -175,7 +175,7 @@ def _write_table(
             rows.append((found, decided))
         else:
             warn(f"{found.located(file=file)}; left out of the survey")
-    text = table([row[0] for row in rows], [row[1] for row in rows]).to_csv(index=False, sep="\t", float_format="%.5g")
+    text = table(*zip(*rows, strict=True)).to_csv(index=False, sep="\t", float_format="%.5g")
     path = folder / f"{file.stem}_survey.txt"
     print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
 

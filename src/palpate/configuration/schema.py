@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import difflib
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import jsonschema
 
+from palpate.base.parameters import is_finite_number
 from palpate.errors import InputError
 
 REFERENCE = "docs/study.md"
@@ -60,21 +60,20 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=order)
     if not errors:
         for path, value in _numbers(values):
-            if not math.isfinite(value):
-                raise InputError(f"{value} is given, expected a number", remedy="correct it", place=_place(path))
+            if not is_finite_number(value):
+                problem = f"{str(value)[:LONGEST]} is given, expected a number"
+                raise InputError(problem, remedy="correct it", place=_place(path))
         return
     error = errors[0]
     place = _place(error.absolute_path)
     if error.validator == "additionalProperties" and isinstance(error.instance, Mapping):
         known = error.schema.get("properties", {})
         key = next(key for key in error.instance if key not in known)
+        place = f"{place}.{key}".lstrip(".")
         if gone := error.schema.get("removed", {}).get(key):
-            raise InputError(f"{key} was removed: {gone}", remedy="take it out", place=f"{place}.{key}".lstrip("."))
-        raise InputError(
-            f"unknown key {key!r}{suggestion(key, known)}",
-            remedy=f"use one of: {', '.join(known)}",
-            place=f"{place}.{key}".lstrip("."),
-        )
+            raise InputError(f"{key} was removed: {gone}", remedy="take it out", place=place)
+        problem = f"unknown key {key!r}{suggestion(key, known)}"
+        raise InputError(problem, remedy=f"use one of: {', '.join(known)}", place=place)
     section = next(iter(error.absolute_path), "the keys")
     remedy = error.schema.get("description", f"see {section} in {REFERENCE}")
     raise InputError(_problem(error), remedy=remedy, place=place or "top level")
@@ -85,8 +84,8 @@ def _place(path: Iterable[str | int]) -> str:
 
 
 def _numbers(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], float]]:
-    """Yield every number that is no integer, with its place."""
-    if isinstance(values, float):
+    """Yield every number with its place."""
+    if isinstance(values, int | float) and not isinstance(values, bool):
         yield path, values
     elif isinstance(values, Mapping | list):
         entries = values.items() if isinstance(values, Mapping) else enumerate(values)

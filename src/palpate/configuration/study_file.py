@@ -31,6 +31,11 @@ RESERVED = (
     "tracking",
 )  # fmt: skip
 
+TAKEN_AS_THEY_ARE = (
+    "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "points", "seed",
+    "surrogate",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Condition:
@@ -129,6 +134,11 @@ class Study:
         bounds = {name: (min(self.levels[name]), max(self.levels[name])) for name in self.free_parameters}
         return [{**constant, **point} for point in sobol(bounds, self.design["points"], self.seed)]
 
+    @property
+    def calibrated(self) -> list[Condition]:
+        """Conditions with the role ``calibrate``."""
+        return [condition for condition in self.conditions if condition.role == "calibrate"]
+
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`."""
         return next(condition for condition in self.conditions if condition.name == name)
@@ -221,22 +231,13 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         model=model,
         fixed=material,
         levels=levels,
-        design=settings["design"],
         indenter=indenter,
-        kinematics=settings["kinematics"],
-        accuracy=settings["accuracy"],
-        points=settings["points"],
         conditions=conditions,
         condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
         recordings=recordings,
-        cells_per_job=settings["cells_per_job"],
-        seed=settings["seed"],
-        surrogate=settings["surrogate"],
-        calibration=settings["calibration"],
-        diagnosis=settings["diagnosis"],
-        challenge=settings["challenge"],
         laboratory=settings.get("laboratory", {}),
         source=source,
+        **{key: settings[key] for key in TAKEN_AS_THEY_ARE},
     )
     study.specification(study.cells[0], conditions[0])
     _check_laboratories(study)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import median_filter
 
-from palpate.base.channel_noise import noise_of
-from palpate.base.sentences import and_more
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
-from palpate.recordings.borne_load import NEAR_START, check_borne
+from palpate.recordings.borne_load import check_borne
+from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers import VendorTest
 from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.recording import BARELY_LOADED, Recording
@@ -24,8 +21,6 @@ from palpate.recordings.segments import segments
 CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which an assumed loading is not reported
-PULLED = 0.02  # of the largest load, a pull on the tip that is reported
-CLEAR = 10.0  # standard deviations of the load, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +78,7 @@ class Drafted:
             raise error.located(file=name) from None
         assumed = _assumed(test.recording, begun)
         preload = float(test.recording.load[0]) if assumed else 0.0
-        pull = _pull(whole.recording, begun) if whole else 0.0
+        pull = pull_off(whole.recording) if whole else 0.0
         notes = _provenance(file, test, corrections)
         if pull:
             notes += (f"a pull of {pull:.3g} mN on the tip after the test is cut off",)
@@ -92,6 +87,7 @@ class Drafted:
         return cls(replace(begun, notes=notes), test, assumed, preload, pull)
 
 
+<<<<<<< HEAD
 def assumed(tests: Sequence[Drafted]) -> list[str]:
     """Return a remark on tests that begin under load, none where there is no such test."""
     found = [test for test in tests if test.assumed]
@@ -127,6 +123,8 @@ def _pull(whole: Recording, begun: Recording) -> float:
     return pull if pull > max(PULLED * largest, CLEAR * noise_of(whole.load)) else 0.0
 
 
+=======
+>>>>>>> tidyb
 def _assumed(recording: Recording, begun: Recording) -> float:
     """Return how long the loading is that was put before the first point [s]."""
     if len(begun) == len(recording) or recording.load[0] <= BARELY_LOADED * recording.load.max():

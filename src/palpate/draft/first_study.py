@@ -9,23 +9,22 @@ from pathlib import Path
 import numpy as np
 
 from palpate.configuration.study_file import Study, load_study
-from palpate.draft.drafted import Drafted, assumed, pulled
+from palpate.draft.drafted import Drafted
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
-from palpate.draft.guesses import LINEAR, ranges
+from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
-from palpate.draft.law_choice import POLYMER, chosen_law
-from palpate.draft.metadata import not_taken, of_the_instrument
+from palpate.draft.law_choice import chosen_law
 from palpate.draft.prescribed_drive import Drive
-from palpate.draft.rollback_on_error import taken_back_if_unsound
-from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit, unlike
+from palpate.draft.remarks import on_stiffness, remarks_on
+from palpate.draft.rollback_on_error import rolled_back_on_error
+from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
 from palpate.recordings.recording import copies
 
-SOFTEST_PLASTIC = 0.01  # GPa, chosen: below it a remark asks, and nothing is refused
 LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
 Report = Callable[[str], None]
 
@@ -140,10 +139,9 @@ def _drafted(
 ) -> FirstStudy:
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
-    facts_by_name = [(recording.name, fact) for recording, fact in zip(recordings, facts, strict=True)]
     stated = Stated.by_all(facts)
     solid = Solid.of(recordings, tip, stated.poisson_ratio or POISSON_RATIO)
-    ratio = stated.poisson_ratio or (OF_GELS if solid.secant < LINEAR else POISSON_RATIO)
+    ratio = stated.poisson_ratio or (OF_GELS if solid.soft else POISSON_RATIO)
     solid = Solid.of(recordings, tip, ratio)
     chosen = (law, "as given") if law else chosen_law(solid)
     used = tip.of_diamond if solid.stiff else tip
@@ -151,18 +149,11 @@ def _drafted(
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     guessed = ranges(chosen[0], solid, shortest)
     table = guess_table(chosen, solid, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
-    deepest = float(np.median([recording.depth.max() for recording in recordings]))
-    remarks = [
-        *not_taken(facts_by_name, stated, tip, deepest, ratio),
-        *of_the_instrument(facts_by_name),
-        *unlike(recordings, tip),
-        *assumed(tests),
-        *pulled(tests),
-    ]
+    remarks = remarks_on(tests, stated, tip, ratio)
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
     study = _written(output / "study.yaml", text, folder, groups, tests)
-    return FirstStudy(study, [*_on_stiffness(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
+    return FirstStudy(study, [*on_stiffness(chosen[0], solid), *remarks], [*table, *evaluated(solid, facts, ratio)])
 
 
 def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
@@ -172,16 +163,6 @@ def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
         report(f"{copy.name}: the same recording as {first.name}; left out")
         left_out.add(copy)
     return [test for test in tests if test.recording not in left_out]
-
-
-def _on_stiffness(law: str, solid: Solid) -> list[str]:
-    """Return a remark on a solid that is as stiff as no polymer is, or as soft as no plastic."""
-    remark = f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa, which is"
-    if law == POLYMER and solid.stiff:
-        return [f"{remark} no polymer's; --law bilinear_plasticity is for metals and ceramics; or are loads in uN?"]
-    if solid.secant < SOFTEST_PLASTIC:
-        return [f"{remark} a gel's or a rubber's; where it is neither: are depths in pm, or loads in N?"]
-    return []
 
 
 def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests: Sequence[Drafted]) -> Study:
@@ -199,7 +180,7 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
         for group in groups
         for number, recording in enumerate(group.recordings, 1)
     }
-    with taken_back_if_unsound(file, folder):
+    with rolled_back_on_error(file, folder):
         folder.mkdir(parents=True)
         for path, recording in recordings.items():
             recording.write(path)

@@ -10,7 +10,7 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.draft.methods import of_one_method, with_the_middle_first
+from palpate.draft.methods import LOADED, classes_of, end_of_loading, of_one_method, with_the_middle_first
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
@@ -22,7 +22,6 @@ from palpate.study.protocol import LOAD
 
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
-REACHED = 0.98  # of the largest drive, where loading ends: noise and overshoot move the maximum itself
 UNLIKE = 1.25  # ratio of sizes from which on two tests need not be compared
 
 
@@ -46,7 +45,7 @@ class Group:
     history: Mapping[str, object]
 
 
-def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Group]:  # noqa: B008
+def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
     """Return the tests by history of their drive, the smallest first.
 
     Two tests are alike where a study would take each for a recording of a condition that follows the other. Groups of
@@ -64,14 +63,8 @@ def grouped(recordings: Sequence[Recording], drive: Drive = Drive()) -> list[Gro
     InputError
         When a test is too short to find its segments; with the recording's name as the file.
     """
-    found: list[list[Recording]] = []
-    for recording in recordings:
-        members = next((group for group in found if _alike(group[0], recording, drive)), None)
-        if members is None:
-            found.append(members := [])
-        members.append(recording)
-    exact = found
-    found = of_one_method(found, drive)
+    exact = classes_of(recordings, lambda first, other: _alike(first, other, drive))
+    found = of_one_method(exact, drive)
     found.sort(key=lambda members: (drive.of(members[0]).max(), _loading_time(members[0], drive)))
     given: Counter[str] = Counter()
     groups: list[Group] = []
@@ -150,7 +143,7 @@ def _departure(corners: Sequence[float] | np.ndarray, time: np.ndarray, drive: n
 
 def _loading_time(recording: Recording, drive: Drive) -> float:
     prescribed = drive.of(recording)
-    return float(recording.time[np.argmax(prescribed >= REACHED * prescribed.max())]) / REACHED
+    return float(recording.time[end_of_loading(prescribed)]) / LOADED
 
 
 def _short(value: float, digits: int = 3) -> str:

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.draft.guesses import LINEAR, reason
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import OF_GELS, Solid
@@ -66,12 +65,22 @@ def guess_table(
         rows.append(Guess("tip's modulus", f"{tip.keys['modulus']:g} GPa", "guess: diamond, as the solid is stiff"))
     rows.append(Guess("Poisson's ratio", f"{ratio[0]:g}", FILES if ratio[1] else _guessed_ratio(ratio[0])))
     for name, values in guessed.items():
-        why = reason(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
-        if name in CREEP and solid.secant < LINEAR:
+        why = _of_modulus(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
+        if name in CREEP and solid.soft:
             why = "linear creep, as of gels and rubbers"
         shown = " to ".join(f"{value:.4g}" for value in values)
         rows.append(Guess(name, f"{shown} {'' if units[name] == '-' else units[name]}".strip(), f"guess: {why}"))
     return rows
+
+
+def _of_modulus(law: str, solid: Solid) -> str:
+    """Return in words where the range of the modulus comes from."""
+    if "yield_stress" in [parameter.name for parameter in law_of(law).declared({})]:
+        if math.isnan(solid.modulus):
+            return f"no unloading gives a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
+        return f"about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
+    more = "" if law == "elastic" else "; creep requires a larger one"
+    return f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa{more}"
 
 
 def _guessed_ratio(ratio: float) -> str:

@@ -10,7 +10,6 @@ from palpate.errors import InputError
 from palpate.materials import law_of
 
 EPOXY_MODULUS = 3.25  # GPa, of the solid whose creep the guesses are taken from, see config/config.yaml
-LINEAR = 0.1  # GPa, chosen: softer solids are taken to creep linearly
 POINTS = {1: 16, 2: 32, 3: 64}  # snapshots for so many free parameters; more would lie too near to each other
 MOST_POINTS = 128  # snapshots for more of them
 
@@ -79,7 +78,7 @@ def _known(law: str, names: list[str], solid: Solid, shortest: float) -> dict[st
     if law == "burgers_plasticity":
         known |= {"steady_coefficient": (0.0,), "steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"transient_coefficient": (0.0, 0.3 / middle), "retardation_time": (0.5 * shortest,)}
-    elif solid.secant < LINEAR:
+    elif solid.soft:
         known |= {"steady_exponent": (0.0,), "transient_exponent": (0.0,)}
         known |= {"steady_coefficient": (0.0, 0.5 / (middle * shortest)), "transient_coefficient": (0.0, 1.0 / middle)}
     return known
@@ -102,13 +101,3 @@ def _moduli(names: list[str], solid: Solid) -> tuple[float, float, float]:
 def points_for(guessed: Mapping[str, Sequence[float]]) -> int:
     """Return how many snapshots serve for ranges as `ranges` gives them."""
     return POINTS.get(sum(len(values) > 1 for values in guessed.values()), MOST_POINTS)
-
-
-def reason(law: str, solid: Solid) -> str:
-    """Return in words where the range of the modulus comes from."""
-    if "yield_stress" in [parameter.name for parameter in law_of(law).declared({})]:
-        if math.isnan(solid.modulus):
-            return f"no unloading gives a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
-        return f"about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
-    more = "" if law == "elastic" else "; creep requires a larger one"
-    return f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa{more}"

@@ -9,11 +9,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.analytic import hertz, sneddon
-from palpate.classical import AreaFunction
 from palpate.classical.oliver_pharr import DIAMOND
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
-from palpate.study.area_function import BERKOVICH
+from palpate.study.area_function import BERKOVICH, AreaFunction
 from palpate.study.indenter import Indenter
 
 BERKOVICH_CONE = 70.3  # degrees; its sections are as large as those of the pyramid at the same depths
@@ -37,9 +36,9 @@ def unusable(area: Sequence[float], depth: float) -> str:
         return ""
     if not low < depth < high:
         return f"it is positive and grows from {low:.3g} to {high:.3g} nm, where the tests do not lie"
-    share = float(AreaFunction(tuple(area)).area(np.array(depth))) / (area[0] * depth**2)
-    if area[0] > 0.0 and share < THINNEST:
-        return f"at the tests' {depth:.3g} nm it gives {share:.0%} of the area that its first term does"
+    found, ideal = float(AreaFunction(tuple(area)).area(np.array(depth))), area[0] * depth**2
+    if found < THINNEST * ideal:
+        return f"at the tests' {depth:.3g} nm it gives {found / ideal:.0%} of the area that its first term does"
     return ""
 
 
@@ -59,7 +58,7 @@ class KnownTip:
     why: str = "guess: a Berkovich tip, by its equivalent cone"
 
     @classmethod
-    def of(cls, stated: Stated = Stated(), sphere: float | None = None, deepest: float = 0.0) -> KnownTip:  # noqa: B008
+    def of(cls, stated: Stated, sphere: float | None, deepest: float) -> KnownTip:
         """Return the tip that was given as a sphere of a radius [nm], is stated, or is guessed.
 
         A radius that is stated without a shape is a sphere's where a test is less than one radius deep, else that of
@@ -97,6 +96,11 @@ class KnownTip:
         return replace(self, keys={**self.keys, "modulus": modulus, "poisson_ratio": poisson_ratio})
 
     @property
+    def area(self) -> tuple[float, ...]:
+        """Coefficients of the area function [nm]; none without."""
+        return tuple(self.keys.get("area", ()))  # type: ignore[arg-type]
+
+    @property
     def radius(self) -> float:
         """Of the sphere or the round end [nm]; zero without."""
         return float(self.keys.get("radius", 0.0))  # type: ignore[arg-type]
@@ -104,7 +108,9 @@ class KnownTip:
     @property
     def half_angle(self) -> float:
         """Of the cone, or of that whose sections are those of the first term of the area function [degrees]."""
-        return float(self.keys.get("half_angle", BERKOVICH_CONE))  # type: ignore[arg-type]
+        first = self.area[0] if self.area else 0.0
+        angle = math.degrees(math.atan(math.sqrt(first / math.pi))) if first > 0.0 else BERKOVICH_CONE
+        return float(self.keys.get("half_angle", angle))  # type: ignore[arg-type]
 
     def rounded_at(self, depth: float) -> bool:
         """Return whether a sphere describes it at a depth [nm], rather than a cone."""
@@ -112,8 +118,8 @@ class KnownTip:
 
     def area_at(self, depth: float) -> AreaFunction:
         """Return the area function that describes it at a depth [nm]."""
-        if "area" in self.keys:
-            return AreaFunction(tuple(self.keys["area"]))  # type: ignore[arg-type]
+        if self.area:
+            return AreaFunction(self.area)
         if self.rounded_at(depth):
             return AreaFunction((-np.pi, 2.0 * np.pi * self.radius))
         first = np.pi * math.tan(math.radians(self.half_angle)) ** 2

@@ -8,8 +8,9 @@ but spread.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Callable, Iterable, Sequence
+from itertools import chain, pairwise
+from typing import TypeVar
 
 import numpy as np
 
@@ -25,19 +26,26 @@ SPREAD = 1.5  # ratio of the sizes of one condition, the largest to the least
 MANY = 6  # tests that distinguish a spread from levels
 GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
 GRID = np.linspace(0.0, 1.0, 201)  # of the time of a test, where normalised histories are compared
-LOADED = 0.98  # of the largest load, where loading ends
+LOADED = 0.98  # of the largest load or displacement, where loading ends: noise and overshoot move the maximum itself
 Groups = list[list[Recording]]
+Item = TypeVar("Item")
 
 
 def of_one_method(groups: Groups, drive: Drive) -> Groups:
     """Return groups of tests, each of one history of the drive, with those of one method joined."""
-    joined: list[Groups] = []
-    for group in groups:
-        same = next((members for members in joined if _same_shape(members[0][0], group[0], drive)), None)
-        if same is None:
-            joined.append(same := [])
-        same.append(group)
+    joined = classes_of(groups, lambda one, other: _same_shape(one[0], other[0], drive))
     return [group for members in joined for group in _by_method(members, drive)]
+
+
+def classes_of(items: Iterable[Item], alike: Callable[[Item, Item], bool]) -> list[list[Item]]:
+    """Return items by class: each belongs to the first class whose first item it is like."""
+    found: list[list[Item]] = []
+    for item in items:
+        members = next((members for members in found if alike(members[0], item)), None)
+        if members is None:
+            found.append(members := [])
+        members.append(item)
+    return found
 
 
 def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list[Recording]:
@@ -47,16 +55,18 @@ def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list
     return [recordings[middle], *recordings[:middle], *recordings[middle + 1 :]]
 
 
+def end_of_loading(channel: np.ndarray) -> int:
+    """Return the index at which a load or displacement (n,) has risen."""
+    return int(np.argmax(channel >= LOADED * channel.max()))
+
+
 def _by_method(groups: Groups, drive: Drive) -> Groups:
     """Return groups of one shape, joined where they differ as tests of one method do."""
-    found: Groups = []
-    for group in [joined for level in _levels(groups, drive) for joined in _spread(level, drive)]:
-        same = next((members for members in found if drive.control == LOAD and _same_depth(members[0], group[0])), None)
-        if same is None:
-            found.append(group)
-        else:
-            found[found.index(same)] = [*same, *group]
-    return found
+    found = [group for level in _levels(groups, drive) for group in _spread(level, drive)]
+    if drive.control != LOAD:
+        return found
+    to_one_depth = classes_of(found, lambda one, other: _same_depth(one[0], other[0]))
+    return [same[0] if len(same) == 1 else list(chain.from_iterable(same)) for same in to_one_depth]
 
 
 def _levels(groups: Groups, drive: Drive) -> list[Groups]:
@@ -104,5 +114,5 @@ def _same_depth(one: Recording, other: Recording) -> bool:
 
 
 def _at_end_of_loading(recording: Recording) -> tuple[float, float]:
-    end = int(np.argmax(recording.load >= LOADED * recording.load.max()))
+    end = end_of_loading(recording.load)
     return float(recording.load[end]), float(recording.depth[end])

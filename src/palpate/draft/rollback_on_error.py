@@ -1,4 +1,4 @@
-"""What a draft has written is taken back when it turns out that it cannot be read."""
+"""What a draft has written is removed when an error ends it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 @contextmanager
-def taken_back_if_unsound(study: Path, folder: Path) -> Iterator[None]:
+def rolled_back_on_error(study: Path, folder: Path) -> Iterator[None]:
     """Remove a study, its `folder` of recordings and the folders made for them when the block ends with an error.
 
     Neither of the two may exist before; what else lies in an output folder stays.

@@ -12,14 +12,13 @@ import numpy as np
 from palpate.classical import TipConstants, oliver_pharr
 from palpate.draft.known_tip import KnownTip
 from palpate.errors import InputError
-from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 
 POISSON_RATIO, OF_GELS = 0.35, 0.49  # guesses: of plastics; of gels and rubbers, which hardly change their volume
 STIFFEST = 1200.0  # GPa, a little above diamond
 SOFTEST = 1e-9  # GPa, chosen: no solid that bears a tip is softer than 1 Pa
 STIFFEST_POLYMER = 8.0  # GPa; chosen: filled and highly drawn polymers apart, none is stiffer
-UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
+LINEAR = 0.1  # GPa, chosen: softer solids are taken to creep linearly
 HELD = 0.98  # of the largest load, at which a test counts as held
 
 
@@ -62,6 +61,11 @@ class Solid:
     def stiff(self) -> bool:
         """Whether it is stiffer than any polymer, by its unloading or, where that gives none, by its depth."""
         return max(self.secant, 0.0 if math.isnan(self.modulus) else self.modulus) > STIFFEST_POLYMER
+
+    @property
+    def soft(self) -> bool:
+        """Whether it is as soft as gels and rubbers, which creep linearly."""
+        return self.secant < LINEAR
 
 
 def _medians(values: Sequence[tuple[float, ...]], count: int) -> list[float]:
@@ -128,39 +132,20 @@ def check_unit(recording: Recording, tip: KnownTip) -> None:
         With the recording's name as the file.
     """
     modulus = secant_modulus(recording, tip)
+    if SOFTEST <= modulus <= STIFFEST:
+        return
     if modulus > STIFFEST:
-        load, depth = peak_of(recording)
-        raise InputError(
-            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {modulus:.3g} GPa, stiffer than "
-            "diamond; are depths in micrometres, or loads in uN, or the two swapped?",
-            remedy="write depths in nm and loads in mN, or name the columns and their units "
-            "(--columns time=...,load=...,depth=... --units depth=um)",
-            file=recording.name,
-            place="depth_nm",
-        )
-    if modulus < SOFTEST:
-        load, depth = peak_of(recording)
-        raise InputError(
-            f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {1e9 * modulus:.3g} Pa, softer than any "
-            "gel; is the unit of the depth or of the load another one?",
-            remedy="write depths in nm and loads in mN, or name their units (--units depth=...,load=...)",
-            file=recording.name,
-            place="depth_nm",
-        )
-
-
-def unlike(recordings: Sequence[Recording], tip: KnownTip) -> list[str]:
-    """Return a remark when tests of one draft seem to be of different materials, else none.
-
-    Where one begins off contact, its depth is not the body's, and no material is inferred.
-    """
-    if any(map(begins_off_contact, recordings)):
-        return []
-    moduli = [secant_modulus(recording, tip) for recording in recordings]
-    soft, stiff = int(np.argmin(moduli)), int(np.argmax(moduli))
-    if moduli[stiff] <= UNLIKE * moduli[soft]:
-        return []
-    return [
-        f"the tests look like different materials: elastic bodies as deep have moduli from {moduli[soft]:.3g} GPa "
-        f"({recordings[soft].name}) to {moduli[stiff]:.3g} GPa ({recordings[stiff].name}); draft a study of each"
-    ]
+        body = f"{modulus:.3g} GPa, stiffer than diamond"
+        question = "are depths in micrometres, or loads in uN, or the two swapped?"
+        naming = "name the columns and their units (--columns time=...,load=...,depth=... --units depth=um)"
+    else:
+        body = f"{1e9 * modulus:.3g} Pa, softer than any gel"
+        question = "is the unit of the depth or of the load another one?"
+        naming = "name their units (--units depth=...,load=...)"
+    load, depth = peak_of(recording)
+    raise InputError(
+        f"the depth is {depth:.4g} nm at {load:.4g} mN, as of a body of {body}; {question}",
+        remedy=f"write depths in nm and loads in mN, or {naming}",
+        file=recording.name,
+        place="depth_nm",
+    )

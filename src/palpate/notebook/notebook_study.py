@@ -115,7 +115,9 @@ class NotebookStudy(Shown, Study):
         given = several(recordings)
         if not given:
             raise InputError("no recordings are given", remedy="give a file or a test", place="recordings")
-        drafted = [test for each in given for test in _drafted(each, reported)]
+        files = [Path(each) for each in given if isinstance(each, str | Path)]
+        drafted = readable(files, reported) if files else []
+        drafted += [_drafted(each) for each in given if not isinstance(each, str | Path)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
         found = write_study(drafted, output, name, reported, law, sphere)
@@ -194,14 +196,12 @@ def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
     )
 
 
-def _drafted(given: OneTest, report: Callable[[str], None]) -> list[Drafted]:
-    """Return a file, a test or a recording as a draft takes it."""
-    if isinstance(given, str | Path):
-        return readable([Path(given)], report)
+def _drafted(given: OneTest) -> Drafted:
+    """Return a test or a recording as a draft takes it."""
     if isinstance(given, MeasuredTest):
-        return [Drafted.of(given.file, given.source, given.corrections)]
+        return Drafted.of(given.file, given.source, given.corrections)
     recording = recording_of(given)
-    return [Drafted.of(Path(_origin(given)), VendorTest(recording.name, recording), None)]
+    return Drafted.of(Path(_origin(given)), VendorTest(recording.name, recording), None)
 
 
 def _origin(given: OneTest) -> str:

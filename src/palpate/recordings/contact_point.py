@@ -28,7 +28,6 @@ STILL = 0.05  # of the load's range, chosen: within which the load in far air va
 THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
 MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
-
 _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed and drawn, and searched once
 
 

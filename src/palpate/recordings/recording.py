@@ -15,7 +15,7 @@ from palpate.errors import InputError
 
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
-APART = "stiffness"
+STIFFNESS_FOLDER = "stiffness"
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
@@ -138,7 +138,7 @@ class Recording:
         """
         path = Path(path)
         replace(self, stiffness=None).write(path)
-        beside = path.parent / APART / path.name
+        beside = path.parent / STIFFNESS_FOLDER / path.name
         beside.unlink(missing_ok=True)
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)

@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
-from palpate.recordings.recording import APART, HEADER, WITH_STIFFNESS, Recording, check_points
+from palpate.recordings.recording import HEADER, STIFFNESS_FOLDER, WITH_STIFFNESS, Recording, check_points
 from palpate.study.protocol import DISPLACEMENT, LOAD
 
 LOAD_HISTORY = "time_s,load_mN"
@@ -63,7 +63,7 @@ def read_recording(path: str | Path) -> Recording:
     """
     path = Path(path)
     recording = _recording_at(path)
-    apart = path.with_name(APART)
+    apart = path.with_name(STIFFNESS_FOLDER)
     if recording.stiffness is not None or not apart.is_dir() or not (apart / path.name).is_file():
         return recording
     beside = apart / path.name

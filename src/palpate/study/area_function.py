@@ -13,6 +13,7 @@ import numpy as np
 from palpate.errors import InputError
 
 BERKOVICH = 24.5  # C_0 of the ideal tip, 3 sqrt(3) tan(65.27 degrees)^2 rounded
+GIVE_COEFFICIENTS = "give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm"  # a remedy
 DEPTHS = 400  # chosen: so many depths resolve a stretch to 2 % over four decades
 
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from palpate.base.parameters import Parameter, check_values
+from palpate.base.parameters import Parameter, check_values, is_finite_number
 from palpate.errors import InputError
-from palpate.study.area_function import AreaFunction
+from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 
 HALF_ANGLE = Parameter("half_angle", r"\alpha", "deg", 20.0, 89.0, "half-angle of the cone, from its axis")
 FACE_ANGLE = Parameter("face_angle", r"\theta", "deg", 20.0, 89.0, "angle between face and axis", default=65.27)
@@ -139,19 +139,14 @@ class Indenter:
 
 def _checked_area(given: object) -> tuple[float, ...]:
     """Return the coefficients of an area function, or raise `InputError` where they are no tip."""
-    remedy = "give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm"
-    if not isinstance(given, list) or not given or not all(_is_number(value) for value in given):
-        raise InputError(f"{AREA} is {given!r}, expected coefficients", remedy=remedy, place=AREA)
+    if not isinstance(given, list) or not given or not all(map(is_finite_number, given)):
+        raise InputError(f"{AREA} is {given!r}, expected coefficients", remedy=GIVE_COEFFICIENTS, place=AREA)
     area = tuple(map(float, given))
     low, high = AreaFunction(area).holds_between(GROWS_FROM, GROWS_TO)
     if high < LEAST_STRETCH * low:
         raise InputError(
             f"{AREA} is positive and grows over no stretch of depths between {GROWS_FROM:g} and {GROWS_TO:g} nm",
-            remedy=remedy,
+            remedy=GIVE_COEFFICIENTS,
             place=AREA,
         )
     return area
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.base.parameters import Parameter, check_values
+from palpate.base.parameters import Parameter, check_values, is_finite_number
 from palpate.errors import InputError
 from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, sampled, trapezoid
 
@@ -158,8 +158,7 @@ def _corners(values: Mapping[str, Any], drives: str) -> tuple[list[float], list[
     found = []
     for key in ("times", drives):
         given = values.get(key)
-        numbers = isinstance(given, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in given)
-        if not numbers or not given or not np.all(np.isfinite(given)):
+        if not isinstance(given, list) or not given or not all(map(is_finite_number, given)):
             raise InputError(f"{key} is {given!r}, expected a list of numbers", remedy="list the corners", place=key)
         found.append([float(number) for number in given])
     times, drive = found

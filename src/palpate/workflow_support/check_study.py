@@ -16,7 +16,7 @@ from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
-from palpate.study.area_function import AreaFunction
+from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 
@@ -102,12 +102,10 @@ def _check_laboratory(study: Study) -> None:
 
 def _check_reference(study: Study) -> None:
     """Refuse a reference whose tip has no area where tests unload; raises `InputError`."""
-    if given := study.diagnosis.get("reference"):
-        depth = np.geomspace(*UNLOADED, 100)
-        area = AreaFunction(tuple(given["area"])).area(depth)
-        if area[0] <= 0.0 or np.any(np.diff(area) <= 0.0):
-            raise InputError(
-                f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
-                remedy="give the list [C_0, C_1, ...] of A = C_0 h^2 + C_1 h + C_2 h^(1/2) + ..., in nm",
-                place="diagnosis.reference.area",
-            )
+    given = study.diagnosis.get("reference")
+    if given and AreaFunction(tuple(given["area"])).holds_between(*UNLOADED) != UNLOADED:
+        raise InputError(
+            f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
+            remedy=GIVE_COEFFICIENTS,
+            place="diagnosis.reference.area",
+        )

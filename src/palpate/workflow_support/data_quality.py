@@ -11,14 +11,15 @@ from palpate.base.sentences import and_more
 from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
 from palpate.recordings.pop_in import pop_ins
+from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import other_files
-from palpate.study.recorded_history import averaged_noise, averaged_over
+from palpate.study.protocol import LOAD
+from palpate.study.recorded_history import averaged_over, swing
 
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
-PULLED = 0.02  # of the largest load, a pull on the tip that is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
@@ -38,7 +39,7 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
             "(`palpate read --contact auto` finds the contact point)"
         )
     yield from _jumps(tests)
-    yield from _pulled(tests)
+    yield from _pulled(condition, tests)
     yield from _averaged(condition, tests)
     if condition.follows and not condition.own_loads:
         yield from _cut(condition, tests)
@@ -86,12 +87,13 @@ def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
         )
 
 
-def _pulled(tests: Sequence[Recording]) -> Iterator[str]:
-    """Report a test whose load falls below zero, which a condition under load control does not have."""
-    pull, name = max((-float(test.load.min()), test.name) for test in tests)
-    largest = max(float(test.load.max()) for test in tests)
-    if pull > PULLED * largest:
-        yield f"{name}.csv: the surface pulls on the tip by up to {pull:.3g} mN: loads below zero count as zero"
+def _pulled(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
+    """Report the tests that the surface pulls on; a condition under load control has no load below zero."""
+    found = {test.name: pull for test in tests if (pull := pull_off(test))}
+    if found:
+        name, largest = max(found.items(), key=lambda pair: pair[1])
+        counted = ": loads below zero count as zero" if condition.protocol.control == LOAD else ""
+        yield f"{name}.csv{and_more(found)}: the surface pulls on the tip by up to {largest:.3g} mN{counted}"
 
 
 def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
@@ -101,7 +103,7 @@ def _averaged(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     found = [(test, drive, over) for test, drive in drives if (over := averaged_over(test.time, drive)) > 1]
     if found:
         test, drive, over = found[0]
-        share, span = averaged_noise(test.time, drive) / drive.max(), over * float(np.median(np.diff(test.time)))
+        share, span = swing(drive, over) / drive.max(), over * float(np.median(np.diff(test.time)))
         yield (
             f"{test.name}.csv{and_more(found)}: the {condition.protocol.control} oscillates or is noisy by "
             f"{share:.1%} of its largest; its average over {span:.3g} s is followed"

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
-from palpate.materials import law_of
 from palpate.solver.store import conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.12, 0.35, 0.05  # s of processor time of one curve of 100 points
@@ -25,11 +24,10 @@ COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 def expected(study: Study, cores: int) -> Iterator[str]:
     """Yield the time that a study is expected to take on so many cores, and its parts."""
-    judged = [condition for condition in study.conditions if condition.role == "calibrate"]
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
     snapshots = cost * curves / cores
-    together = len(study.recordings) * cost * (1.0 + FURTHER * (len(judged) - 1))
+    together = len(study.recordings) * cost * (1.0 + FURTHER * (len(study.calibrated) - 1))
     fits = together * CALIBRATION * len(study.condition_sets)
     mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
     explanations = together * EXPLANATION * mechanisms
@@ -46,8 +44,8 @@ def expected(study: Study, cores: int) -> Iterator[str]:
 
 def _cost_of_curve(study: Study) -> float:
     """Return the processor time of one curve of a study [s]."""
-    names = [parameter.name for parameter in law_of(study.model).declared({**study.fixed, **study.levels})]
-    cost = PLASTIC if "yield_stress" in names else CREEP if len(names) > 2 else ELASTIC  # modulus, ratio
+    declared = study.declared
+    cost = PLASTIC if "yield_stress" in declared else CREEP if len(declared) > 2 else ELASTIC  # modulus, ratio
     corners = max(len(condition.protocol.knot_time) for condition in study.conditions) - 4
     return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import sys
 import time
 import traceback
@@ -12,13 +11,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from palpate.base.yaml_file import EXPONENT
 from palpate.configuration.study_file import Study, study_from
 from palpate.errors import PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
+TEXTS = ("study", "title")  # which may look like a number
 CONFIGURATION = "configuration of the workflow"
-EXPONENT = re.compile(r"[-+]?\d+(\.\d*)?[eE][-+]?\d+$")
 
 
 def study(snakemake: Any) -> Study:
@@ -33,7 +33,8 @@ def plain(config: Mapping[str, Any]) -> dict[str, Any]:
     so is the place of vendors' files where the study at hand has none.
     """
     apart = COMMAND_LINE if "source" in config else (*COMMAND_LINE, "data")
-    return {str(key): _with_numbers(value) for key, value in config.items() if key not in apart}
+    kept = {str(key): value for key, value in config.items() if key not in apart}
+    return {key: value if key in TEXTS else _with_numbers(value) for key, value in kept.items()}
 
 
 def _with_numbers(value: Any) -> Any:

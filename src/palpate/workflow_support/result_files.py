@@ -48,7 +48,7 @@ def checksum(file: Path) -> str:
 
 def seal(log: str | Path, results: Iterable[str | Path]) -> None:
     """Write the checksums of a job's results beside its log."""
-    lines = [f"{checksum(Path(file))}  {file}\n" for file in map(str, results) if Path(file).is_file()]
+    lines = [f"{checksum(file)}  {file}\n" for file in map(Path, results) if file.is_file()]
     Path(log).with_suffix(SEAL).write_text("".join(lines), encoding="utf-8")
 
 
@@ -67,7 +67,7 @@ def altered(logs: Path) -> Iterator[Path]:
                 yield file
 
 
-def set_aside(logs: Path) -> Iterator[str]:
+def move_altered(logs: Path) -> Iterator[str]:
     """Move the results that were altered to ``NAME.altered``, and yield a line on each."""
     for file in altered(logs):
         aside = file.with_name(file.name + ASIDE)

@@ -92,18 +92,9 @@ def git_commit() -> str:
 def of_surrogate(
     condition: str, settings: Mapping[str, Any], levels: Mapping[str, Iterable[float]], summary: Mapping[str, Any]
 ) -> Run:
-    """Return the run of a surrogate: its settings, the levels of the grid, its figures of merit.
+    """Return the run of the surrogate of a condition.
 
-    Parameters
-    ----------
-    condition
-        Name of the condition.
-    settings
-        Settings of the surrogate.
-    levels
-        Levels of the grid for each parameter.
-    summary
-        Figures of merit, see `palpate.workflow_support.steps.fit_surrogate`.
+    It holds its settings, the levels of the grid, and the summary of `palpate.workflow_support.steps.fit_surrogate`.
     """
     params = dict(settings) | {
         f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in levels.items()
@@ -137,11 +128,9 @@ def of_diagnosis(content: Mapping[str, Any], settings: Mapping[str, Any], files:
     The former holds verdict, names, probabilities, gain, p-value and the best explanation's amplitudes; the latter
     evidence, errors before and after, amplitudes and material.
     """
-    names = "+".join(content["mechanisms"]) or "none"
-    tags = {"verdict": content["verdict"], "mechanisms": names, "mlflow.note.content": content["sentence"]}
+    tags = _verdict(content) | {"mlflow.note.content": content["sentence"]}
     metrics = {"p_value": content["p_value"], "noise_nm": content["fit"]["noise_nm"]}
-    for role in ("calibrate", "validate"):
-        metrics |= {f"{role}.{k}": v for k, v in content["fit"][role].items() if v is not None}
+    metrics |= _errors(content, "calibrate") | _errors(content, "validate")
     for candidate in content["candidates"]:
         metrics["probability." + "-".join(candidate["mechanisms"])] = candidate["probability"]
     for name, found in next(iter(content["candidates"]), {"parameters": {}})["parameters"].items():
@@ -163,14 +152,21 @@ def _of_explanation(row: Mapping[str, Any], content: Mapping[str, Any], of: Mapp
 
 def answer_of(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return a diagnosis for an execution's own run: verdict, names and sentence; held-out error and noise."""
-    of, names = content["recordings"], "+".join(content["mechanisms"]) or "none"
-    tags = {"verdict": content["verdict"], "mechanisms": names, "answer": content["sentence"]}
-    errors = {f"validate.{k}": v for k, v in content["fit"]["validate"].items() if v is not None}
-    metrics = errors | {"noise_nm": content["fit"]["noise_nm"]}
+    of, tags = content["recordings"], _verdict(content) | {"answer": content["sentence"]}
+    metrics = _errors(content, "validate") | {"noise_nm": content["fit"]["noise_nm"]}
     return {
         "tags": {f"{of}.{key}": value for key, value in tags.items()},
         "metrics": {f"{of}.{key}": value for key, value in metrics.items()},
     }
+
+
+def _verdict(content: Mapping[str, Any]) -> dict[str, str]:
+    return {"verdict": content["verdict"], "mechanisms": "+".join(content["mechanisms"]) or "none"}
+
+
+def _errors(content: Mapping[str, Any], role: str) -> dict[str, float]:
+    """Return the errors of one role of conditions, before and after, where there are any."""
+    return {f"{role}.{key}": value for key, value in content["fit"][role].items() if value is not None}
 
 
 def _now() -> int:

@@ -94,18 +94,10 @@ def calibrate_study(
     observed: Mapping[str, Observation],
     report: Callable[[str], None] = print,
 ) -> Calibration:
-    """Calibrate a study's parameters: on its surrogates first, then on the finite elements.
+    """Calibrate a study's parameters on what was observed under each condition.
 
-    Parameters
-    ----------
-    study
-        The study.
-    models
-        Surrogate of each calibrated condition.
-    observed
-        Recordings of every condition.
-    report
-        Called with one line on the progress.
+    They are sought on the surrogates, the models of the calibrated conditions, first, and then on the finite elements;
+    `report` is called with one line on the progress.
     """
     return calibrate(
         Problem.of(study, observed),
@@ -126,10 +118,8 @@ def run_calibration(
 
     Parameters
     ----------
-    study
-        The study.
-    recordings, condition_set
-        Names of the set of recordings and of the conditions.
+    study, recordings, condition_set
+        The study, and the names of the set of recordings and of the conditions.
     surrogate_files
         File of each condition's surrogate.
 
@@ -148,7 +138,6 @@ def run_calibration(
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
         for name, item in measured.items()
     }
-
     result = calibrate_study(study, models, roles, lambda line: print(f"{recordings}, {condition_set}: {line}"))
     return result, curves_beside(study, roles, result)
 

@@ -14,18 +14,10 @@ from palpate.workflow_support.result_files import read_json
 
 
 def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) -> None:
-    """Write the report of a study from what its `folder` holds, and what it was `made_from`, see `manifest`.
+    """Write the report of a study to `path`.
 
-    Parameters
-    ----------
-    study
-        The study.
-    folder
-        Its results.
-    path
-        File that is written.
-    made_from
-        See `palpate.workflow_support.manifest.of`.
+    It shows what the `folder` of results holds, and what the study was `made_from`
+    (`palpate.workflow_support.manifest.of`).
     """
     index = pd.read_csv(folder / "snapshots.csv")
     failed = int((index["status"] != "ok").sum())
@@ -33,7 +25,7 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
     sections: list[tuple[str, list[str]]] = [
         ("Snapshots and surrogates", [summary, html_report.image(folder / "figures/surrogates.png", "surrogates")])
     ]
-    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.conditions if c.role == "calibrate"]
+    summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.calibrated]
     notes = [summary["missing"] for summary in summaries if summary["missing"]]
     notes += [
         f"Recordings “{recordings}” are synthetic: written by a virtual laboratory, not measured."
