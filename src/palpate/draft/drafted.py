@@ -87,44 +87,6 @@ class Drafted:
         return cls(replace(begun, notes=notes), test, assumed, preload, pull)
 
 
-<<<<<<< HEAD
-def assumed(tests: Sequence[Drafted]) -> list[str]:
-    """Return a remark on tests that begin under load, none where there is no such test."""
-    found = [test for test in tests if test.assumed]
-    if not found:
-        return []
-    first, others = found[0], and_more(found)
-    longest = max(test.assumed for test in found)
-    return [
-        f"{first.recording.name}{others} begin{'' if others else 's'} under load ({first.preload:.3g} mN): the loading "
-        f"up to there{', up to' if others else ','} {longest:.3g} s, was not recorded and is assumed to be as fast as "
-        "what follows; export from contact on if you can"
-    ]
-
-
-def pulled(tests: Sequence[Drafted]) -> list[str]:
-    """Return a remark on pulls that were cut off, none where there is none."""
-    found = [test for test in tests if test.pull]
-    if not found:
-        return []
-    most = max(test.pull for test in found)
-    return [
-        f"{found[0].recording.name}{and_more(found)}: the surface pulls on the tip by up to {most:.3g} mN while it "
-        "leaves; that part is cut off, as a test ends where its load is zero"
-    ]
-
-
-def _pull(whole: Recording, begun: Recording) -> float:
-    """Return by how much the load falls below what it reads without contact after the largest [mN]; 0 within noise."""
-    peak = int(np.argmax(whole.load))
-    free = float(np.median(whole.load[:NEAR_START])) if whole.time[0] < 0.0 else 0.0
-    pull = free - float(median_filter(whole.load, 3, mode="nearest")[peak:].min())
-    largest = begun.load.max()
-    return pull if pull > max(PULLED * largest, CLEAR * noise_of(whole.load)) else 0.0
-
-
-=======
->>>>>>> tidyb
 def _assumed(recording: Recording, begun: Recording) -> float:
     """Return how long the loading is that was put before the first point [s]."""
     if len(begun) == len(recording) or recording.load[0] <= BARELY_LOADED * recording.load.max():

@@ -139,7 +139,7 @@ def _on_pull_off(tests: Sequence[Drafted]) -> list[str]:
         return []
     most = max(test.pull for test in found)
     return [
-        f"{found[0].recording.name}{and_more(found)}: the surface holds the tip by up to {most:.3g} mN while it "
+        f"{found[0].recording.name}{and_more(found)}: the surface pulls on the tip by up to {most:.3g} mN while it "
         "leaves; that part is cut off, as a test ends where its load is zero"
     ]
 
@@ -154,7 +154,7 @@ def _remark(what: str, entries: Mapping[str, str], reason: str, instead: str) ->
     if len(tests_of) == 1:
         return [f"{what} is stated as {next(iter(tests_of))} and not taken, as {reason}; {instead}"]
     shown = [f"{value or 'nothing'} by {names[0]}{and_more(names)}" for value, names in tests_of.items()]
-    return [f"{what} is stated unlike and not taken: {'; '.join(shown)}; {instead}"]
+    return [f"{what} differs between the files and is not taken: {'; '.join(shown)}; {instead}"]
 
 
 def _ideal(area: tuple[float, ...]) -> bool:
