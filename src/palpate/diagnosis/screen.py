@@ -104,19 +104,25 @@ class Screen:
 
         At the amplitudes of least misfit, the material's parameters and the other amplitudes take half of their
         first-order step. Where the model is far from linear that step is wrong, so at others they stay; the last is the
-        weakest effect, which leaves the fit about as it is.
+        weakest effect, which leaves the fit about as it is. An effect in proportion to one quantity has the size that
+        lowers the misfit most.
         """
         if not fit.problem.is_simulated(key) and self.trials[key].shape[1] > 1:
             return _linear_starts(fit, key, self.trials[key])
+        places, effects = self.trials[key].copy(), self.effects[key].T
+        for k, searched in enumerate(MECHANISMS[key].searched(fit.problem.scale).values()):
+            if searched.proportional:
+                shares = self._shares(fit, key)[0]
+                places[:, k], effects = shares * places[:, k], shares * effects
         tangent = fit.whiten(fit.tangent)
-        left = fit.whiten(fit.residual[:, None] - self.effects[key].T)
+        left = fit.whiten(fit.residual[:, None] - effects)
         change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]
         moved = np.argsort(np.sum((left - tangent @ change) ** 2, axis=0))[:STARTS]
         change = np.clip(0.5 * change, -0.5, 0.5)
         staying = np.argsort(np.sum(left**2, axis=0))[:STARTS]
-        weakest = np.argmin(np.sum(fit.whiten(self.effects[key].T) ** 2, axis=0))
+        weakest = np.argmin(np.sum(fit.whiten(effects) ** 2, axis=0))
         steps = [(change[:, i], i) for i in moved] + [(np.zeros(len(fit.z)), i) for i in (*staying, weakest)]
-        return [np.concatenate([fit.z + step, self.trials[key][i]]) for step, i in steps]
+        return [np.concatenate([fit.z + step, places[i]]) for step, i in steps]
 
     def _shown(self, key: str) -> int:
         return int(np.abs(self.trials[key] - SHOWN).max(axis=1).argmin())

@@ -57,6 +57,8 @@ class Range:
         Limits, where they are narrower than those of the parameter, or the quantity is not a parameter.
     unit, meaning
         Of a quantity that is not a parameter.
+    proportional
+        Whether the effect grows about in proportion to the quantity, from none at zero, the lower end.
     """
 
     lower: float
@@ -66,6 +68,7 @@ class Range:
     largest: float = np.inf
     unit: str = "-"
     meaning: str = ""
+    proportional: bool = False
 
 
 def unchanged_specification(specification: Specification, values: Values) -> Specification:

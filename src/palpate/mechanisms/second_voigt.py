@@ -50,7 +50,12 @@ MECHANISM = Mechanism(
     source="Findley, Lai & Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 5",
     plausible=lambda s: {
         "compliance": Range(
-            0.0, 0.5 / s.modulus, least=0.0, unit="1/GPa", meaning="compliance at the stress of the tests"
+            0.0,
+            0.5 / s.modulus,
+            least=0.0,
+            unit="1/GPa",
+            meaning="compliance at the stress of the tests",
+            proportional=True,
         ),
         "exponent": Range(0.0, 0.6),
         "retardation_time": Range(0.1 * s.loading_time, s.duration, log=True),
