@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 APART = "stiffness"
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
+MOST = 200_000  # points that are kept of one: curves are compared at a hundred times
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -63,6 +65,11 @@ class Recording:
         """Return the recording at some of its points."""
         stiffness = None if self.stiffness is None else self.stiffness[kept]
         return replace(self, time=self.time[kept], load=self.load[kept], depth=self.depth[kept], stiffness=stiffness)
+
+    def thinned(self) -> Recording:
+        """Return the recording, of more than `MOST` points every second, third, ... and the last."""
+        count, every = len(self), max(math.ceil(len(self) / MOST), 1)
+        return self if every == 1 else self.at(np.append(np.arange(0, count - 1, every), count - 1))
 
     def from_contact(self, drive: np.ndarray | None = None) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.

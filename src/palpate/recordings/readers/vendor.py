@@ -227,7 +227,7 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
         When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
         than two are left.
     """
-    values = np.column_stack([time, *others])
+    values = np.array([time, *others]).T
     zeros = padding(values)
     idle = written_twice(values) | zeros
     whole = np.isfinite(values).all(axis=1) & ~idle
