@@ -66,11 +66,6 @@ class Recording:
         stiffness = None if self.stiffness is None else self.stiffness[kept]
         return replace(self, time=self.time[kept], load=self.load[kept], depth=self.depth[kept], stiffness=stiffness)
 
-    def thinned(self) -> Recording:
-        """Return the recording, of more than `MOST` points every second, third, ... and the last."""
-        count, every = len(self), max(math.ceil(len(self) / MOST), 1)
-        return self if every == 1 else self.at(np.append(np.arange(0, count - 1, every), count - 1))
-
     def from_contact(self, drive: np.ndarray | None = None) -> Recording:
         """Return the recording with time zero where loading began, and zero load there.
 
@@ -150,6 +145,15 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def spaced(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return, of more than `MOST` of some points (n,), every second, third, ... and the last, and in words how many."""
+    every = math.ceil(len(points) / MOST)
+    if every <= 1:
+        return points, ()
+    kept = np.append(points[:-1:every], points[-1])
+    return kept, (f"{len(kept)} of {len(points)} points are kept, evenly spaced: curves are compared at far fewer",)
 
 
 def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: int = 1) -> None:

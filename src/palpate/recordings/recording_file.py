@@ -192,7 +192,7 @@ def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] |
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
 
-    Of more than `MOST` points every second, third, ... is kept, and the last (`Recording.thinned`).
+    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`).
 
     Raises
     ------

@@ -113,7 +113,7 @@ def read_each(
         raise InputError("is empty", remedy="export or copy it again", file=path)
     source = Source(path, content)
     try:
-        tests = [_thinned(_printable(test)) for test in _whole(source, corrections, columns)]
+        tests = [_printable(test) for test in _whole(source, corrections, columns)]
         aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
         return unless_all_fail(remarked(source, aside))
     except InputError as error:
@@ -211,14 +211,6 @@ def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
     recording = replace(test.recording, name=name, notes=tuple(notes))
     facts = {mended(key): mended(value) for key, value in test.metadata.items()}
     return replace(test, name=name, recording=recording, metadata=facts)
-
-
-def _thinned(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test whose recording is thinned, where it is longer than a study needs, with a warning."""
-    if isinstance(test, Unreadable) or (kept := test.recording.thinned()) is test.recording:
-        return test
-    message = f"{len(kept)} of {len(test.recording)} points are kept, evenly spaced: curves are compared at far fewer"
-    return replace(test, recording=kept, warnings=(*test.warnings, message))
 
 
 def select(

@@ -26,7 +26,7 @@ from palpate.recordings.readers.vendor import (
     unfinished,
     unless_all_fail,
 )
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import Recording, spaced
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
@@ -187,7 +187,9 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
         if rows.any()
     ]
     left_out = int((spoilt | late).sum())
-    return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    messages = (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    kept, thinned = spaced(kept)
+    return kept, (*messages, *thinned)
 
 
 def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:

@@ -84,9 +84,7 @@ class Lines(Sequence[str]):
     def one_by_one(self) -> list[str]:
         """Return all lines; raises `InputError` where these are too many."""
         if len(self) > MOST:
-            raise InputError(
-                f"holds more than {MOST} lines, and not numbers alone", remedy="thin it, or export fewer tests at once"
-            )
+            raise InputError(f"holds more than {MOST} lines", remedy="thin it, or export fewer tests at once")
         return list(self)
 
     def blocks(self) -> Iterator[tuple[int, int]]:

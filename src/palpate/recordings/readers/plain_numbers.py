@@ -70,7 +70,7 @@ def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndar
     except pa.ArrowInvalid:
         return None
     columns = [column.to_numpy() for column in found.columns]
-    empty = [np.isnan(column) for column in columns]
+    empty = [~np.isfinite(column) for column in columns]
     if np.all(empty, axis=0).any() or sum(map(np.sum, empty)) > sum(column.null_count for column in found.columns):
         return None
     with np.errstate(invalid="ignore"):
