@@ -102,7 +102,7 @@ class Table:
     source: Source
     name: str
     rows: Sequence[Sequence[Any]]
-    numbers: Sequence[int]
+    numbers: Sequence[int] | np.ndarray
     delimiter: str | None = None
     core: Core | None = None
 
@@ -158,13 +158,13 @@ def _with_core(source: Source) -> Table | None:
     if found is None or len(found[0]) != len(filled):
         return None
     before = [k for k in aside if k < first]
-    places = [*before, *filled.tolist(), *(k for k in aside if k >= last)]
-    rows = OnDemand(len(places), lambda k: split(lines[places[k]]))
+    places = np.concatenate([before, filled, [k for k in aside if k >= last]]).astype(int)
+    rows = OnDemand(len(places), lambda k: split(lines[int(places[k])]))
     return Table(
         source,
         source.path.stem,
         rows,
-        OnDemand(len(places), lambda k: places[k] + 1),
+        places + 1,
         delimiter,
         Core(len(before), *found),
     )
