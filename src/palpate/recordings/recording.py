@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 STIFFNESS_FOLDER = "stiffness"
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
+MOST = 200_000  # points that are kept of one: curves are compared at a hundred times
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -143,6 +145,15 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def spaced(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return, of more than `MOST` of some points (n,), every second, third, ... and the last, and in words how many."""
+    every = math.ceil(len(points) / MOST)
+    if every <= 1:
+        return points, ()
+    kept = np.append(points[:-1:every], points[-1])
+    return kept, (f"{len(kept)} of {len(points)} points are kept, evenly spaced: curves are compared at far fewer",)
 
 
 def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: int = 1) -> None:

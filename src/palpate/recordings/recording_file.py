@@ -19,14 +19,13 @@ import numpy as np
 
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
-from palpate.recordings.recording import HEADER, STIFFNESS_FOLDER, WITH_STIFFNESS, Recording, check_points
+from palpate.recordings.recording import HEADER, MOST, STIFFNESS_FOLDER, WITH_STIFFNESS, Recording, check_points
 from palpate.study.protocol import DISPLACEMENT, LOAD
 
 LOAD_HISTORY = "time_s,load_mN"
 DISPLACEMENT_HISTORY = "time_s,displacement_nm"
 BLOCK = 1 << 22  # bytes that are read at once
 LONGEST = 1 << 20  # letters of a line
-MOST = 200_000  # points that are kept of one recording
 LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
 
 
@@ -193,7 +192,7 @@ def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] |
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
 
-    Of more than `MOST` points every second, third, ... is kept, and the last: curves are compared at a hundred times.
+    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`).
 
     Raises
     ------

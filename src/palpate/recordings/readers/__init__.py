@@ -109,7 +109,7 @@ def read_each(
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     if sha256 is not None and hashlib.sha256(content).hexdigest() != sha256:
         raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again", file=path)
-    if not content.strip():
+    if content.isspace() or not content:
         raise InputError("is empty", remedy="export or copy it again", file=path)
     source = Source(path, content)
     try:

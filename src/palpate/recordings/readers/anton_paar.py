@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 
 from palpate.errors import InputError
@@ -28,10 +28,11 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test of the file; depth and load are the vendor's, from contact on."""
     refuse_corrections(source, corrections)
     lines, path = source.lines, source.path
-    start = next((k for k, line in enumerate(lines) if len(columns(line)) == len(KEYS)), None)
+    start = next((k for k, line in lines.in_words() if len(columns(line)) == len(KEYS)), None)
     if start is None:
-        for line in filter(names_all, lines):
-            require_tabs(line, path)
+        for _, line in lines.in_words():
+            if names_all(line):
+                require_tabs(line, path)
         raise InputError(
             "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
             remedy="export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)",
@@ -72,7 +73,7 @@ def columns(line: str) -> dict[str, tuple[int, str]]:
     return {KEYS[found[1]]: (place, found[2]) for place, found in headings if found}
 
 
-def metadata(lines: list[str]) -> dict[str, str]:
+def metadata(lines: Iterable[str]) -> dict[str, str]:
     """Return the header's entries ``name : value`` and ``name= value`` as text."""
     entries = {}
     for line in lines:

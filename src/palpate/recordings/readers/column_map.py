@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from palpate.errors import InputError
+from palpate.recordings.readers.tables import Table
 from palpate.recordings.readers.units import CHANNELS, plain, scale
 
 
@@ -49,14 +49,14 @@ class ColumnMap:
             scale(key, unit)
 
 
-def columns_of(rows: Sequence[Sequence[Any]], columns: ColumnMap) -> tuple[int | None, list[int]] | None:
+def columns_of(table: Table, columns: ColumnMap) -> tuple[int | None, list[int]] | None:
     """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
     given = [columns.names[key].strip() for key in CHANNELS]
     if all(name.isdecimal() and int(name) > 0 for name in given):
         return None, [int(name) - 1 for name in given]
     wanted = [plain(name) for name in given]
-    for number, row in enumerate(rows):
-        cells = [plain(str(cell)) for cell in row]
+    for number in table.aside:
+        cells = [plain(str(cell)) for cell in table.rows[number]]
         if all(name in cells for name in wanted):
             for name in wanted:
                 if cells.count(name) > 1:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from palpate.recordings.readers.left_out import left_out, nothing_found
 from palpate.recordings.readers.several_tests import Part
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
-from palpate.recordings.readers.tables import NAME_WITH_UNIT, Table, tables_of
+from palpate.recordings.readers.tables import NAME_WITH_UNIT, OnDemand, Table, tables_of
 from palpate.recordings.readers.units import CHANNELS, scale
 from palpate.recordings.readers.vendor import (
     MOST_LEFT_OUT,
@@ -26,7 +27,7 @@ from palpate.recordings.readers.vendor import (
     unfinished,
     unless_all_fail,
 )
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import Recording, spaced
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
@@ -59,9 +60,16 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
 def missing_channel(source: Source) -> str | None:
     """Return the channel that a table lacks whose header, with numbers below, names the others; None without such."""
     parted = re.compile(r"[\t;,]")
-    text = [parted.split(line) if parted.search(line) else NAME_WITH_UNIT.findall(line) for line in source.lines]
-    for rows in [source.sheet(name) for name in source.sheets] or [text]:
-        for row, *below in zip(rows, rows[1:], rows[2:], strict=False):
+    lines = source.lines
+    text = OnDemand(
+        len(lines), lambda k: parted.split(line) if parted.search(line := lines[k]) else NAME_WITH_UNIT.findall(line)
+    )
+    tables: list[tuple[Sequence[Any], Sequence[int]]] = [(text, lines.worded.tolist())]
+    if source.workbook:
+        tables = [(rows, range(len(rows))) for rows in map(source.sheet, source.sheets)]
+    for rows, places in tables:
+        for place in places:
+            row, below = rows[place], rows[place + 1 : place + 3]
             named = {key: k for k, cell in enumerate(row) if isinstance(cell, str) and (key := channel_of(cell))}
             if len(named) == len(CHANNELS) - 1 and any(is_numeric(cells, named.values()) for cells in below):
                 return next(key for key in CHANNELS if key not in named)
@@ -87,7 +95,7 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     whole = np.flatnonzero(np.isfinite(part.values).all(axis=1))
     if body.named is not None or table.delimiter == ",":
         _check_width(table, body.header, part.rows[whole] + skipped)
-    kept, messages = _kept(body.cells.at(part.rows.tolist()), part.values, part.idle)
+    kept, messages = _kept(body.cells, part)
     units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
     messages = (*body.messages, *part.messages, *messages)
     if assumed:
@@ -136,6 +144,9 @@ def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
     In a table split at blanks they have fewer than a header whose names hold blanks.
     """
     width = len(CHANNELS) if header is None else len(table.rows[header])
+    if table.core:  # whose rows are all as wide
+        inside = (rows >= table.core.first) & (rows < table.core.end)
+        rows = rows[~inside | (np.cumsum(inside) == 1)]
     if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
         return
     wider = next((row for row in rows if any(str(cell).strip() for cell in table.rows[row][width:])), None)
@@ -150,12 +161,13 @@ def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
     raise InputError(f"has {len(table.rows[row])} cells, {problem}", remedy=remedy, place=table.place(row))
 
 
-def _kept(body: Table, values: np.ndarray, idle: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return the rows of `values` (n, 3) that make a test, and what is left out in words.
+def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Return the rows of a `part` of the `cells` that make a test, and what is left out in words.
 
-    Rows that are `idle` (n,) count for nothing. Empty cells before the first and after the last whole row are no
+    Idle rows count for nothing. Empty cells before the first and after the last whole row are no
     damage: a channel may begin later or end earlier.
     """
+    values, idle = part.values, part.idle
     whole, partly = np.isfinite(values).all(axis=1) & ~idle, np.isfinite(values).any(axis=1) & ~idle
     complete = np.flatnonzero(whole)
     row = np.arange(len(values))
@@ -166,25 +178,30 @@ def _kept(body: Table, values: np.ndarray, idle: np.ndarray) -> tuple[np.ndarray
     counted = between | (spoilt & (row > complete[-1]) & np.isnan(values).any(axis=1))
     damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(whole & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
-        raise _too_many(body, values, damaged, late, int(counted.sum()))
+        raise _too_many(cells, part, damaged, late, int(counted.sum()))
     if len(kept) < 2:
-        raise InputError("is the only row of numbers", remedy="export the test again", place=body.place(int(kept[0])))
+        raise InputError(
+            "is the only row of numbers", remedy="export the test again", place=cells.place(part.rows[kept[0]])
+        )
     causes = [
-        f"{cause} ({body.place(*np.flatnonzero(rows))})"
+        f"{cause} ({cells.place(*part.rows[rows])})"
         for cause, rows in (("no three numbers", spoilt), ("time does not increase", late))
         if rows.any()
     ]
     left_out = int((spoilt | late).sum())
-    return kept, (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    messages = (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    kept, thinned = spaced(kept)
+    return kept, (*messages, *thinned)
 
 
-def _too_many(body: Table, values: np.ndarray, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
+def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
     """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
-    first = int(damaged[0])
-    cells = ", ".join(str(cell) for cell in body.rows[first])
+    first, values = int(damaged[0]), part.values
+    row = int(part.rows[first])
+    written = ", ".join(str(cell) for cell in cells.rows[row])
     what = "does not come later than the rows before" if late[first] else "is not three numbers"
     remedy = "correct them, export the test again, or write each of several tests to a file of its own"
     if late[damaged].all() and (values[late, 0] == np.fmax.accumulate(values[:, 0])[late]).all():
         what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
-    problem = f"{cells!r} {what}; {len(damaged)} of {count} rows cannot be used"
-    return InputError(problem, remedy=remedy, place=body.place(first))
+    problem = f"{written!r} {what}; {len(damaged)} of {count} rows cannot be used"
+    return InputError(problem, remedy=remedy, place=cells.place(row))

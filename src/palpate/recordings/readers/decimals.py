@@ -26,7 +26,7 @@ WRITTEN = {
 }
 
 
-def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.ndarray:
+def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str], sign: str = "") -> np.ndarray:
     """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
 
     ``1,143.74``, ``1.143,74`` and ``1'143.74`` are one number; ``1,200`` may be two. The sign that makes numbers of
@@ -36,15 +36,17 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.nd
     ----------
     place
         Where a row is in the file, for messages.
+    sign
+        The decimal sign, where other rows of the table show it.
 
     Raises
     ------
     InputError
         When a point and a comma make numbers of as many cells, but not the same numbers.
     """
-    point, comma = (
-        np.array([[_number(cell, sign) for cell in row] for row in rows]).reshape(len(rows), -1) for sign in OTHER
-    )
+    if sign:
+        return _by_sign(rows, sign)
+    point, comma = (_by_sign(rows, sign) for sign in OTHER)
     more = int(np.isfinite(point).sum()) - int(np.isfinite(comma).sum())
     differ = (point != comma) & ~(np.isnan(point) & np.isnan(comma))
     if more == 0 and differ.any():
@@ -55,6 +57,11 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> np.nd
             place=place(row),
         )
     return point if more >= 0 else comma
+
+
+def _by_sign(rows: Sequence[Sequence[Any]], sign: str) -> np.ndarray:
+    """Return the numbers in `rows` of as many cells each by a decimal `sign`."""
+    return np.array([[_number(cell, sign) for cell in row] for row in rows]).reshape(len(rows), -1)
 
 
 def _number(cell: Any, sign: str) -> float:

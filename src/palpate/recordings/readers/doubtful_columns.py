@@ -16,7 +16,7 @@ APART = 1e-6  # of a test's duration: clocks that differ less are one
 
 def doubts(body: TableBody, columns: ColumnMap, rows: np.ndarray) -> tuple[str, ...]:
     """Return warnings on the columns that a user names; `rows` are those of the table that make the test."""
-    found = columns_of(body.table.rows, columns)
+    found = columns_of(body.table, columns)
     if body.header is None or found is None:
         return ()
     headings = [str(cell).strip() for cell in body.table.rows[body.header]]

@@ -43,11 +43,11 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     refuse_corrections(source, corrections)
     application = source.first.removesuffix(APPLICATION).strip()
     dated = re.compile(rf"{re.escape(application)}\s+\d+[./-]\d+[./-]\d+\s+\d+:\d+")
-    starts = [k for k, line in enumerate(source.lines) if dated.match(line)]
+    starts = [k for k, line in source.lines.in_words() if dated.match(line)]
     program = metadata(source.lines[: starts[0]]) if starts else {}
     tests = []
     for number, (start, end) in enumerate(pairwise([*starts, len(source.lines)]), 1):
-        found = next(filter(None, map(BLOCK.match, source.lines[start:end])), None)
+        found = next(filter(None, (BLOCK.match(line) for _, line in source.lines[start:end].in_words())), None)
         name = f"Block {found[1]} Value {found[2]}" if found else f"Test {number}"
         tests.append(attempt(source.path, name, _test, source, name, start, end, program))
     return unless_all_fail(tests)
@@ -56,7 +56,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 def _test(source: Source, name: str, start: int, end: int, program: dict[str, str]) -> VendorTest:
     """Return the test on the lines from `start` up to `end`, with the series' `program` among its facts."""
     lines = source.lines[start:end]
-    header = next((k for k, line in enumerate(lines) if line.split("\t")[: len(COLUMNS)] == COLUMNS), None)
+    header = next((k for k, line in lines.in_words() if line.split("\t")[: len(COLUMNS)] == COLUMNS), None)
     if header is None:
         raise InputError(f"lacks its line of columns {', '.join(COLUMNS)}", remedy="export the test again, with data")
     values = table(lines[header + 1 :], start + header + 2, len(COLUMNS), source.path)

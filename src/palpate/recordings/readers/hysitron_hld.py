@@ -94,7 +94,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
 
 def _announced(source: Source) -> int | None:
     """Return the line that announces how many points follow; None where none does."""
-    return next((k for k, line in enumerate(source.lines) if line.startswith(COUNT)), None)
+    return next((k for k, line in source.lines.in_words() if line.startswith(COUNT)), None)
 
 
 def _places(source: Source, start: int) -> dict[str, tuple[int, float]]:

@@ -48,7 +48,7 @@ def columns(line: str) -> dict[str, tuple[int, float]]:
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the last point without load before it is loaded."""
-    start = next(k for k, line in enumerate(source.lines) if DEPTH.search(line))
+    start = next(k for k, line in source.lines.in_words() if DEPTH.search(line))
     require_tabs(source.lines[start], source.path)
     places = columns(source.lines[start])
     if not {*CHANNELS} <= {*places}:

@@ -13,6 +13,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.afm import BY_PIEZO, not_stated
+from palpate.recordings.readers.lines import Lines
 from palpate.recordings.readers.numbers_in_text import number, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import SCALES
@@ -101,10 +102,9 @@ def _segments(source: Source) -> list[ExportedSegment]:
     found: list[ExportedSegment] = []
     facts: dict[str, str] = {}
     begin = 0
-    lines = [*source.lines, "#"]
-    for k, line in enumerate(lines):
-        if not line.startswith("#"):
-            continue
+    lines = source.lines
+    headers = [(k, line) for k, line in lines.in_words() if line.startswith("#")]
+    for k, line in [*headers, (len(lines), "#")]:
         if any(row.strip() for row in lines[begin:k]):
             found.append(_segment(source, dict(facts), lines[begin:k], begin + 1))
         begin = k + 1
@@ -114,7 +114,7 @@ def _segments(source: Source) -> list[ExportedSegment]:
     return found
 
 
-def _segment(source: Source, facts: dict[str, str], lines: list[str], first_line: int) -> ExportedSegment:
+def _segment(source: Source, facts: dict[str, str], lines: Lines, first_line: int) -> ExportedSegment:
     """Return the segment in `lines`, below its header's entries."""
     names, units = (facts.get(key, "").split() for key in ("columns", "units"))
     if not names or len(names) != len(units):
@@ -122,7 +122,7 @@ def _segment(source: Source, facts: dict[str, str], lines: list[str], first_line
             "its header does not name each column with a unit", remedy="export the force curve again",
             file=source.path, place=f"line {first_line}",
         )  # fmt: skip
-    values = table(["\t".join(line.split()) for line in lines], first_line, len(names), source.path)
+    values = table(lines, first_line, len(names), source.path, delimiter=" ")
     return ExportedSegment(facts, dict(zip(names, zip(values.T, units, strict=True), strict=True)))
 
 

@@ -30,7 +30,7 @@ def left_out(table: Table, columns: ColumnMap) -> Unreadable | None:
 
     A sheet with the columns has a table, be it empty; another has one where two rows fill three cells or more.
     """
-    has_columns = columns_of(table.rows, columns) is not None
+    has_columns = columns_of(table, columns) is not None
     named = any(not columns.names[key].isdecimal() for key in CHANNELS)
     if not (has_columns and named) and sum(_filled(row) >= len(CHANNELS) for row in table.rows) < 2:
         return None
@@ -40,7 +40,7 @@ def left_out(table: Table, columns: ColumnMap) -> Unreadable | None:
 
 def _unsaved(table: Table, columns: ColumnMap) -> InputError | None:
     """Return the error of columns with empty cells in a workbook whose formulas hold no values."""
-    found = columns_of(table.rows, columns)
+    found = columns_of(table, columns)
     if found is None or not without_values(table.source.content):
         return None
     if all(_filled(row) == len(CHANNELS) for row in table.body(*found).rows):
@@ -85,7 +85,7 @@ def _filled(row: Sequence[object]) -> int:
 def _row_with_digits(tables: Sequence[Table], columns: ColumnMap) -> str:
     """Return, for a message, the first row with digits of a table that has the columns but no numbers in them."""
     for table in tables:
-        found = columns_of(table.rows, columns)
+        found = columns_of(table, columns)
         body = table.body(*found) if found else None
         for k, row in enumerate(body.rows if body else ()):
             cells = ", ".join(str(cell) for cell in row)

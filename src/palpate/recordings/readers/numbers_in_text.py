@@ -11,6 +11,8 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.recordings.readers.decimals import LARGEST, numbers
 from palpate.recordings.readers.headings import is_word
+from palpate.recordings.readers.lines import Lines
+from palpate.recordings.readers.plain_numbers import plain_numbers
 
 
 def number(cell: str) -> float:
@@ -30,8 +32,8 @@ def require_tabs(headings: str, path: Path) -> None:
         )
 
 
-def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.ndarray:
-    """Return tab-separated numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
+def table(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str = "\t") -> np.ndarray:
+    """Return numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
 
     The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``.
 
@@ -45,6 +47,8 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
         The file, for messages.
     first_line
         Number of the first of `lines` in the file, for messages.
+    delimiter
+        What parts the cells; a blank means any number of blanks and tabs.
 
     Raises
     ------
@@ -52,10 +56,21 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
         When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
         decimal sign.
     """
-    filled = {f"line {place}": line for place, line in enumerate(lines, first_line) if line.strip()}
+    found = plain_numbers(lines, delimiter)
+    if found and found[0].shape[1] >= columns:
+        values = found[0]
+    else:
+        values = _one_by_one(lines, first_line, columns, path, delimiter)
+    values[~np.isfinite(values)] = np.nan
+    return values[:, :columns]
+
+
+def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str) -> np.ndarray:
+    """Return the numbers of a `table`, infinite for empty cells and for "invalid"."""
+    filled = {f"line {place}": line for place, line in enumerate(lines.one_by_one(), first_line) if line.strip()}
     if not filled:
         raise InputError("holds no measured values", remedy="export the test again", file=path)
-    rows = [line.split("\t")[:columns] for line in filled.values()]
+    rows = [line.split(None if delimiter == " " else delimiter)[:columns] for line in filled.values()]
     places = list(filled)
     short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
     values = numbers(rows[:short], lambda row: places[row])
@@ -76,7 +91,7 @@ def table(lines: list[str], first_line: int, columns: int, path: Path) -> np.nda
             file=path,
             place=places[short],
         )
-    return np.where(np.isfinite(values), values, np.nan)
+    return values
 
 
 def refuse_unlike(headings: str, known: Callable[[str], object], values: np.ndarray, path: Path) -> None:
@@ -102,7 +117,7 @@ def several_of(name: str, path: Path) -> InputError:
     return InputError(f"several columns are called {name!r}", remedy=remedy, file=path)
 
 
-def counted(lines: list[str], first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
+def counted(lines: Lines, first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
     """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``.
 
     Parameters

@@ -9,6 +9,7 @@ A file whose instrument found none counts it from its first point. The two colum
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -33,7 +34,14 @@ LEVEL = 10  # points that give the load without contact
 
 def matches(source: Source) -> bool:
     """Return whether a line names the columns of piezo and cantilever."""
-    return any("piezo" in line.casefold() and {*COLUMNS} <= {*columns(line)} for line in source.lines)
+    return next(_headings(source), None) is not None
+
+
+def _headings(source: Source) -> Iterator[tuple[int, dict[str, tuple[int, str]]]]:
+    """Yield each line that names all columns, by its number, and what it names."""
+    for number, line in source.lines.in_words():
+        if "piezo" in line.casefold() and {*COLUMNS} <= {*(named := columns(line))}:
+            yield number, named
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:
@@ -46,8 +54,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the instrument's contact, load from what the cantilever shows there."""
     refuse_corrections(source, corrections)
     lines, path = source.lines, source.path
-    start = next(k for k, line in enumerate(lines) if {*COLUMNS} <= {*columns(line)})
-    places = columns(lines[start])
+    start, places = next(_headings(source))
     values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
     refuse_unlike(lines[start], columns, values, path)
     channels = [values[:, places[name][0]] * scale(key, places[name][1]) for name, key in COLUMNS.items()]
@@ -80,7 +87,7 @@ def _contact(indentation: np.ndarray, depth: np.ndarray) -> tuple[int, float]:
     return _last_free(indentation), float(np.median((depth - indentation)[indentation > 0]))
 
 
-def metadata(lines: list[str]) -> dict[str, str]:
+def metadata(lines: Iterable[str]) -> dict[str, str]:
     """Return the header's entries, ``name<tab>value`` (several on a line) or ``name: value``, as text."""
     entries: dict[str, str] = {}
     for line in lines:

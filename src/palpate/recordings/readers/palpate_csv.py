@@ -17,7 +17,7 @@ def matches(source: Source) -> bool:
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the recording; there is nothing to leave off in it."""
     refuse_corrections(source, corrections)
-    recording = recording_in(source.lines, source.path)
+    recording = recording_in(source.lines.one_by_one(), source.path)
     return [VendorTest(recording.name, recording)]
 
 

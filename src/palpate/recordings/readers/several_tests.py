@@ -91,7 +91,7 @@ def written_twice(values: np.ndarray) -> np.ndarray:
     """Return which rows of `values` (n, k) are whole and equal to the last whole row before them."""
     whole = np.flatnonzero(np.isfinite(values).all(axis=1))
     twice = np.zeros(len(values), dtype=bool)
-    twice[whole[1:]] = (values[whole[1:]] == values[whole[:-1]]).all(axis=1)
+    twice[whole[1:]] = np.all([(column := channel[whole])[1:] == column[:-1] for channel in values.T], axis=0)
     return twice
 
 
@@ -101,14 +101,16 @@ def padding(values: np.ndarray) -> np.ndarray:
     At the end the time may go on in two rows or more whose other channels jump to zero.
     """
     whole = np.flatnonzero(np.isfinite(values).all(axis=1))
-    zero = (values[whole] == 0).all(axis=1)
+    zeros = [channel[whole] == 0 for channel in values.T]
+    zero = np.all(zeros, axis=0)
     padded = np.zeros(len(values), dtype=bool)
     if zero.all():
         return padded
     padded[whole] = zero & np.append(zero[1:], True) & (np.arange(len(whole)) > np.argmin(zero))
-    others = np.abs(values[whole, 1:])
-    last = int(np.flatnonzero(others.any(axis=1))[-1]) if others.any() else len(whole)
+    pressed = np.flatnonzero(~np.all(zeros[1:], axis=0))
+    last = int(pressed[-1]) if len(pressed) else len(whole)
     if 0 < last < len(whole) - 2:
+        others = np.abs(values[whole, 1:])
         step = np.abs(others[last] - others[last - 1])
         if (others[last] > np.maximum(SAME * others.max(axis=0), TWICE * step)).any():
             padded[whole[last + 1 :]] = True

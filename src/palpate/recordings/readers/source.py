@@ -12,6 +12,7 @@ from typing import Any
 
 from palpate.base.bounded_workbook import Workbook, read_workbook
 from palpate.errors import InputError
+from palpate.recordings.readers.lines import BLOCK, Lines
 
 OLE, ZIP, HDF5 = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04", b"\x89HDF\r\n"
 IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
@@ -19,8 +20,7 @@ IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
 TEST = re.compile(r"t(?:est)?[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
-MOST_LINES = 3_000_000  # of a text file; more take more than 1 GB of memory
-PADDING = "\0\x1a"
+PADDING = b"\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
@@ -40,23 +40,24 @@ class Source:
     content: bytes = field(repr=False)
 
     @cached_property
-    def lines(self) -> list[str]:
+    def lines(self) -> Lines:
         """Lines of text, whatever ends them; a workbook has none.
 
         UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1 otherwise. What pads the
         end of the file (zero bytes, DOS's end of text) is dropped.
         """
-        if self.content.startswith((OLE, ZIP, HDF5)):
-            return []
-        if self.content.count(b"\n") > MOST_LINES:
-            raise InputError(
-                f"holds more than {MOST_LINES} lines", remedy="thin it, or export fewer tests at once", file=self.path
-            )
-        try:
-            text = self.content.decode(self._encoding)
-        except UnicodeDecodeError:
-            text = self.content.decode("latin-1")
-        return re.split(r"\r\n|\r|\n", text.rstrip(PADDING))
+        content, encoding = self.content, self._encoding
+        if content.startswith((OLE, ZIP, HDF5)):
+            return Lines.of(b"", "utf-8")[:0]
+        if encoding != "utf-8":
+            try:
+                content, encoding = content.decode(encoding).encode(), "utf-8"
+            except UnicodeDecodeError:
+                encoding = "latin-1"
+        elif not _is_utf8(content):
+            encoding = "latin-1"
+        begin = len(codecs.BOM_UTF8) if encoding == "utf-8" and content.startswith(codecs.BOM_UTF8) else 0
+        return Lines.of(content.rstrip(PADDING), encoding, begin)
 
     @property
     def _encoding(self) -> str:
@@ -68,14 +69,14 @@ class Source:
             return "utf-16-le"
         if second and fourth and not first and not third:
             return "utf-16-be"
-        return "utf-8-sig"
+        return "utf-8"
 
     @property
     def wide(self) -> bool:
         """Whether the text takes two bytes a letter."""
         return self._encoding.startswith("utf-16")
 
-    @property
+    @cached_property
     def first(self) -> str:
         """The first line that holds more than blanks; empty where there is none."""
         return next((line.strip() for line in self.lines if line.strip()), "")
@@ -124,6 +125,18 @@ class Source:
             problem = f"is no whole Excel workbook ({found.problem})"
             raise InputError(problem, remedy="copy or export it again, or as text", file=self.path)
         return found
+
+
+def _is_utf8(content: bytes) -> bool:
+    """Return whether bytes are text in UTF-8."""
+    decoder = codecs.getincrementaldecoder("utf-8")()
+    try:
+        for begin in range(0, len(content), BLOCK):
+            decoder.decode(content[begin : begin + BLOCK])
+        decoder.decode(b"", final=True)
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def number_of(name: str) -> int | None:

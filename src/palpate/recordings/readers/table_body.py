@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,19 +57,19 @@ class TableBody:
 
 def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     """Return the rows of a table that has the columns and numbers in them; None for another."""
-    found = columns_of(table.rows, columns)
+    found = columns_of(table, columns)
     if found is None:
         return None
     cells = table.body(*found)
-    numeric = [k for k, row in enumerate(cells.rows) if is_numeric(row, (1, 2))]
-    if not numeric:
+    aside, core = {k: cells.rows[k] for k in cells.aside}, cells.core
+    numeric = [k for k, row in aside.items() if is_numeric(row, (1, 2))]
+    if not numeric and not core:
         return None
-    heading = " ".join(str(row[found[1][0]]) for row in table.rows[: numeric[0] + 1] if len(row) > found[1][0])
-    clock = [row[0] for row in cells.rows]
-    shown, messages = seconds([clock[k] for k in numeric], heading)
-    for k, time in zip(numeric, shown, strict=True):
-        clock[k] = time
-    values = numbers([[time, *others] for time, (_, *others) in zip(clock, cells.rows, strict=True)], cells.place)
+    begin = min([*numeric[:1], *([core.first] if core else [])])
+    heading = " ".join(str(row[found[1][0]]) for row in table.rows[: begin + 1] if len(row) > found[1][0])
+    shown, messages = seconds([aside[k][0] for k in numeric], heading)
+    clock = dict(zip(numeric, shown, strict=True))
+    values = _values(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
     whole = np.isfinite(values).all(axis=1)
     if not whole.any():
         return None
@@ -77,10 +77,23 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
     header = row_of_names(above) if found[0] is None else found[0]
     rows, numbered = table.rows[-len(cells.rows) :], np.array(cells.numbers)
-    repeated = np.array([header is not None and [*row] == [*table.rows[header]] for row in rows])
-    blank = np.array([not any(map(str, row)) for row in rows]) | (np.diff(numbered, prepend=numbered[0]) > 1)
-    of_clock = clock[first] != cells.rows[first][0]
+    repeated, blank = np.zeros(len(rows), dtype=bool), np.diff(numbered, prepend=numbered[0]) > 1
+    for k in aside:
+        repeated[k] = header is not None and [*rows[k]] == [*table.rows[header]]
+        blank[k] |= not any(map(str, rows[k]))
+    of_clock = clock.get(first, cells.rows[first][0]) != cells.rows[first][0]
     return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, messages)
+
+
+def _values(cells: Table, aside: Mapping[int, Sequence[Any]]) -> np.ndarray:
+    """Return the numbers (n, 3) in a table's core, and in the rows beside it, given by their numbers."""
+    places, core = list(aside), cells.core
+    values = np.empty((len(cells.rows), 3))
+    if core:
+        values[core.first : core.end] = core.values
+    if places:
+        values[places] = numbers(list(aside.values()), lambda row: cells.place(places[row]), core.sign if core else "")
+    return values
 
 
 def parts_of(body: TableBody) -> list[Part]:

@@ -5,22 +5,82 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+import numpy as np
+
 from palpate.recordings.readers.decimals import PARTING
+from palpate.recordings.readers.plain_numbers import plain_numbers
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import first_few
 
 DELIMITERS = ("\t", ";", "|", ",")
 WORD = re.compile(r"[^\W\d_]")
 LISTED = 12
+SHORTEST = 2  # bytes of an empty line at most; those of three cells have more
 NUMBER = rf"[-+]?(?:(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?|\d{{1,3}}(?:[{PARTING}]\d{{3}})+(?:[.,]\d*)?)"
 NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
 BLANKS, GAPS = re.compile("[ \t]+"), re.compile(" {2,}")
 HALF_OF_DAY = re.compile(r"(?<=:\d\d)([.,]\d+)? +([ap]\.?m\.?)(?= |$)", re.IGNORECASE)
 NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
+
+
+@dataclass(frozen=True, eq=False)
+class Core:
+    """Rows of a table that are nothing but numbers.
+
+    Parameters
+    ----------
+    first
+        The first of them.
+    values : ndarray, shape (n, k)
+        Their numbers; infinite where a cell is empty or invalid.
+    sign
+        The decimal sign; empty where no cell needs one.
+    """
+
+    first: int
+    values: np.ndarray
+    sign: str
+
+    @property
+    def end(self) -> int:
+        """The row after the last."""
+        return self.first + len(self.values)
+
+    def picked(self, start: int, indices: Sequence[int]) -> Core:
+        """Return what a table holds of it that begins at the row `start` and has some of the columns."""
+        values = np.full((len(self.values), len(indices)), np.inf)
+        for column, k in enumerate(indices):
+            if k < self.values.shape[1]:
+                values[:, column] = self.values[:, k]
+        return Core(max(self.first - start, 0), values[max(start - self.first, 0) :], self.sign)
+
+
+@dataclass(frozen=True)
+class OnDemand(Sequence[Any]):
+    """Items of a sequence, made when they are asked for.
+
+    Parameters
+    ----------
+    length
+        How many there are.
+    make
+        Returns the item of a number.
+    """
+
+    length: int
+    make: Callable[[int], Any]
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, wanted: Any) -> Any:
+        chosen = range(self.length)[wanted]
+        return OnDemand(len(chosen), lambda k: self.make(chosen[k])) if isinstance(chosen, range) else self.make(chosen)
 
 
 @dataclass(frozen=True)
@@ -35,28 +95,34 @@ class Table:
         Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
     delimiter
         What parts the cells of a text, where a blank means any number of them; None in a workbook.
+    core
+        The longest run of rows of nothing but numbers in a long text; None in another table.
     """
 
     source: Source
     name: str
     rows: Sequence[Sequence[Any]]
-    numbers: Sequence[int]
+    numbers: Sequence[int] | np.ndarray
     delimiter: str | None = None
+    core: Core | None = None
+
+    @property
+    def aside(self) -> list[int]:
+        """The rows outside the core, in which alone words are."""
+        inside = range(self.core.first, self.core.end) if self.core else range(0)
+        return [*range(inside.start), *range(inside.stop, len(self.rows))]
 
     def place(self, *rows: int) -> str:
         """Return where the first few of `rows` are, and how many more there are."""
         named = first_few([self.numbers[row] for row in rows])
         return (f"sheet {self.name}, row " if self.source.workbook else "line ") + named
 
-    def at(self, kept: Sequence[int]) -> Table:
-        """Return the table of some of its rows."""
-        return replace(self, rows=[self.rows[k] for k in kept], numbers=[self.numbers[k] for k in kept])
-
     def body(self, header: int | None, indices: Sequence[int]) -> Table:
         """Return some columns of the rows below the header, or of all rows where there is none."""
         start = 0 if header is None else header + 1
-        rows = [[row[k] if k < len(row) else "" for k in indices] for row in self.rows[start:]]
-        return Table(self.source, self.name, rows, self.numbers[start:])
+        rows = OnDemand(len(self.rows) - start, lambda row: _picked(self.rows[start + row], indices))
+        core = self.core and self.core.picked(start, indices)
+        return Table(self.source, self.name, rows if core else list(rows), self.numbers[start:], core=core)
 
 
 def tables_of(source: Source) -> list[Table]:
@@ -68,19 +134,57 @@ def tables_of(source: Source) -> list[Table]:
     if source.workbook:
         sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
         return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
-    lines = {number: line for number, line in enumerate(source.lines, 1) if line.strip()}
-    at_blanks = {
-        number: len(BLANKS.split(line.strip())) for number, line in lines.items() if NUMBERS_AT_BLANKS.fullmatch(line)
-    }
+    long = _with_core(source)
+    if long:
+        return [long]
+    lines = {number: line for number, line in enumerate(source.lines.one_by_one(), 1) if line.strip()}
+    delimiter, split = _parting(list(lines.values()))
+    return [Table(source, source.path.stem, [split(line) for line in lines.values()], list(lines), delimiter)]
+
+
+def _with_core(source: Source) -> Table | None:
+    """Return the table of a text most of which is one run of numbers; None for another."""
+    lines = source.lines
+    bounds = np.concatenate([[-1], lines.worded, [len(lines)]])
+    widest = int(np.argmax(np.diff(bounds)))
+    first, last = int(bounds[widest]) + 1, int(bounds[widest + 1])
+    first = next((k for k in range(first, last) if lines[k].strip()), last)
+    if last - first <= len(lines) / 2:
+        return None
+    aside = {k: line for k in (*range(first), *range(last, len(lines))) if (line := lines[k]).strip()}
+    delimiter, split = _parting([lines[first]] * (len(aside) + 1) + list(aside.values()))
+    found = plain_numbers(lines[first:last], delimiter)
+    filled = first + np.flatnonzero(np.diff(lines.starts[first : last + 1]) > SHORTEST)
+    if found is None or len(found[0]) != len(filled):
+        return None
+    before = [k for k in aside if k < first]
+    places = np.concatenate([before, filled, [k for k in aside if k >= last]]).astype(int)
+    rows = OnDemand(len(places), lambda k: split(lines[int(places[k])]))
+    return Table(
+        source,
+        source.path.stem,
+        rows,
+        places + 1,
+        delimiter,
+        Core(len(before), *found),
+    )
+
+
+def _parting(lines: Sequence[str]) -> tuple[str, Callable[[str], list[str]]]:
+    """Return what parts the cells of most lines, and what makes cells of a line."""
+    at_blanks = [len(BLANKS.split(line.strip())) if NUMBERS_AT_BLANKS.fullmatch(line) else 0 for line in lines]
     for delimiter in DELIMITERS:
-        holding = {number for number, line in lines.items() if line.count(delimiter) >= 2}
-        if len(holding - at_blanks.keys()) > len(lines) / 2:
-            split = [_cells(line, delimiter) for line in lines.values()]
-            return [Table(source, source.path.stem, split, list(lines), delimiter)]
-    usual = Counter(len(HALF_OF_DAY.sub(r"\1\2", line).split()) for line in lines.values())
-    width = max(at_blanks.values(), default=max(usual, key=lambda count: usual[count], default=0))
-    split = [_at_blanks(line, width) for line in lines.values()]
-    return [Table(source, source.path.stem, split, list(lines), " ")]
+        holding = [line.count(delimiter) >= 2 and not cells for line, cells in zip(lines, at_blanks, strict=True)]
+        if sum(holding) > len(lines) / 2:
+            return delimiter, partial(_cells, delimiter=delimiter)
+    usual = Counter(len(HALF_OF_DAY.sub(r"\1\2", line).split()) for line in lines)
+    width = max(at_blanks, default=0) or max(usual, key=lambda count: usual[count], default=0)
+    return " ", partial(_at_blanks, width=width)
+
+
+def _picked(row: Sequence[Any], indices: Sequence[int]) -> list[Any]:
+    """Return some cells of a row; those that it lacks are empty."""
+    return [row[k] if k < len(row) else "" for k in indices]
 
 
 def _at_blanks(line: str, width: int) -> list[str]:
@@ -109,6 +213,7 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 def header_of(tables: Sequence[Table]) -> str:
     """Return the names in the row that looks most like a header: the first with most words."""
-    rows = [[cell for cell in row if isinstance(cell, str) and WORD.search(cell)] for t in tables for row in t.rows]
+    all_rows = (table.rows[k] for table in tables for k in table.aside)
+    rows = [[cell for cell in row if isinstance(cell, str) and WORD.search(cell)] for row in all_rows]
     names = max(rows, key=len, default=[])
     return ", ".join(names[:LISTED]) + (", ..." if len(names) > LISTED else "") if names else "none is found"

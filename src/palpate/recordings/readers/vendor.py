@@ -15,7 +15,7 @@ from palpate.errors import InputError
 from palpate.recordings.contact_point import way_in
 from palpate.recordings.readers.several_tests import padding, written_twice
 from palpate.recordings.readers.source import Source
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import Recording, spaced
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
@@ -212,7 +212,7 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
 
     Points without a number before the first whole one and after the last are no damage: a channel may begin later or
     end earlier. Nor are repeated times (the last point of a segment is often written again as the first of the next),
-    points written twice, and zeros at the end.
+    points written twice, and zeros at the end. Of very many points evenly spaced ones are kept (`spaced`).
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
         When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
         than two are left.
     """
-    values = np.column_stack([time, *others])
+    values = np.array([time, *others]).T
     zeros = padding(values)
     idle = written_twice(values) | zeros
     whole = np.isfinite(values).all(axis=1) & ~idle
@@ -253,7 +253,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     lost = sum(map(len, damaged.values()))
     reported = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
     reported += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
-    return kept, tuple(reported)
+    kept, thinned = spaced(kept)
+    return kept, (*reported, *thinned)
 
 
 def first_few(numbers: Sequence[int] | np.ndarray) -> str:

@@ -1,0 +1,91 @@
+"""Rows of nothing but numbers, read by columns: most of what a long text holds.
+
+Numbers that are written with a sign between their thousands, and whatever else may mean one, are none here: such rows
+are read one by one (`palpate.recordings.readers.decimals`), as are those whose decimal sign only other rows show.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from typing import Any
+
+import numpy as np
+
+from palpate.recordings.readers.decimals import LARGEST, MISSING, OTHER, WRITTEN
+from palpate.recordings.readers.lines import Lines
+
+SHORT = 20_000  # bytes, below which rows are read one by one as fast
+SHOWN = 1000  # rows, at most, that show the decimal sign
+NO_NUMBER = [form for text in MISSING for form in {text, text.upper(), text.title(), text.replace("nan", "NaN")}]
+BLANKS, AROUND_BREAK = re.compile(rb"[ \t]+"), re.compile(rb"[ \t]*[\r\n]+[ \t]*")
+
+
+def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None:
+    """Return the numbers (n, k) of many lines of k cells, infinite where one is empty or invalid, and the decimal sign.
+
+        The sign is empty where no cell needs one. None where a line holds anything else, or other than k cells, where
+    nothing shows the decimal sign, or of a few lines. Empty lines are passed over.
+
+    Parameters
+    ----------
+    delimiter
+        What parts the cells; a blank means any number of blanks and tabs.
+    """
+    if lines.starts[-1] - lines.starts[0] < SHORT:
+        return None
+    first = next((line for line in itertools.islice(map(lines.__getitem__, range(len(lines))), SHOWN) if line), "")
+    sign = _decimal_sign(lines, delimiter)
+    if sign is None or not first:
+        return None
+    width = len(first.split() if delimiter == " " else first.split(delimiter))
+    values = np.empty((width, len(lines)))
+    count = 0
+    for begin, end in lines.blocks():
+        columns = _columns(lines.content[lines.starts[begin] : lines.starts[end]], delimiter, sign, width)
+        if columns is None:
+            return None
+        for k, column in enumerate(columns):
+            values[k, count : count + len(column)] = column
+        count += len(columns[0])
+    return values[:, :count].T, sign
+
+
+def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndarray] | None:
+    """Return the columns (n,) of numbers in whole lines of `text`; None where they hold anything else."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    if delimiter == " ":
+        delimiter, text = "\t", BLANKS.sub(b"\t", AROUND_BREAK.sub(b"\n", text.strip(b" \t")))
+    names = [str(k) for k in range(width)]
+    types: dict[str, Any] = dict.fromkeys(names, pa.float64())
+    try:
+        found = csv.read_csv(
+            pa.BufferReader(text),
+            csv.ReadOptions(use_threads=False, column_names=names, block_size=len(text) + 1),
+            csv.ParseOptions(delimiter=delimiter, quote_char=False),
+            csv.ConvertOptions(column_types=types, null_values=NO_NUMBER, decimal_point=sign or "."),
+        )
+    except pa.ArrowInvalid:
+        return None
+    columns = [column.to_numpy() for column in found.columns]
+    empty = [~np.isfinite(column) for column in columns]
+    if np.all(empty, axis=0).any() or sum(map(np.sum, empty)) > sum(column.null_count for column in found.columns):
+        return None
+    with np.errstate(invalid="ignore"):
+        return [np.where(np.abs(column) <= LARGEST, column, np.inf) for column in columns]
+
+
+def _decimal_sign(lines: Lines, delimiter: str) -> str | None:
+    """Return the decimal sign that lines show beyond doubt, empty where no cell needs one; None for doubt."""
+    begin, end = lines.starts[0], lines.starts[-1]
+    written = [sign for sign in OTHER if sign != delimiter and lines.content.find(sign.encode(), begin, end) >= 0]
+    if len(written) != 1:
+        return None if written else ""
+    (sign,) = written
+    for line in itertools.islice(map(lines.__getitem__, range(len(lines))), SHOWN):
+        for cell in line.split() if delimiter == " " else line.split(delimiter):
+            if sign in cell and not WRITTEN[OTHER[sign]].fullmatch(cell.strip()):
+                return sign
+    return None
