@@ -8,7 +8,7 @@ from numba import njit
 from palpate.errors import InputError
 from palpate.materials import LAWS, law_of
 from palpate.materials.flow.point import solve
-from palpate.materials.flow.radial import NOTHING, TOLERANCE, solve_radial
+from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_radial, threshold
 from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
 from palpate.verification.reference_materials import BURGERS
@@ -76,12 +76,26 @@ def test_slopes_are_the_derivatives(model):
         assert (push != 0.0) == (model in PRESSED) or push == 0.0
 
 
-@pytest.mark.parametrize("guess", [1e-12, 1e-3, 10.0])
+@pytest.mark.parametrize("guess", [1e-60, 1e-19, 1e-12, 1e-3, 10.0])
 @pytest.mark.parametrize("model", MODELS)
 def test_solution_does_not_depend_on_the_guess(model, guess):
     row, weights = row_and_weights(model)
     found, expected = (solve(0.05, start, 0.0, 0.02, weights, row)[0] for start in (guess, 0.0))
     assert found == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.parametrize("exponent", [0.05, 0.1, 0.3, 1.0])
+def test_a_yield_stress_is_found_where_creep_grows_exponentially_with_it(exponent):
+    """From a vanishing plastic strain on, of which a small exponent makes a stress that counts."""
+    law = HOOKE | FLOW["eyring"] | {"eyring_stress": 0.005, "pressure_coefficient": 0.0}
+    law |= {"yield_stress": 0.02, "strength": 1.0, "hardening_exponent": exponent}
+    row = law_of("eyring+ludwik_plasticity").coefficients(law)
+    weights = step_weights(row[None], 1.0)[0]
+    for slip in np.geomspace(1e-90, 0.03, 25):
+        expected = threshold.py_func(slip, 0.0, row, weights)[0]
+        total = compliance.py_func(expected, np.log(expected), 0.0, row, weights)[0]
+        found, _, _ = solve(total * expected + 0.5 * np.sqrt(3.0) * slip, 0.0, 0.0, 0.0, weights, row)
+        assert found == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("model", MODELS)
