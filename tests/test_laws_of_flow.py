@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from homogeneous import error, updated
 from numba import njit
+from scipy.optimize import brentq
 
 from palpate.errors import InputError
 from palpate.materials import LAWS, law_of
@@ -86,16 +87,20 @@ def test_solution_does_not_depend_on_the_guess(model, guess):
 
 @pytest.mark.parametrize("exponent", [0.05, 0.1, 0.3, 1.0])
 def test_a_yield_stress_is_found_where_creep_grows_exponentially_with_it(exponent):
-    """From a vanishing plastic strain on, of which a small exponent makes a stress that counts."""
+    """By bisection over plastic strains down to e^-500, of which a small exponent makes a stress that counts."""
     law = HOOKE | FLOW["eyring"] | {"eyring_stress": 0.005, "pressure_coefficient": 0.0}
     law |= {"yield_stress": 0.02, "strength": 1.0, "hardening_exponent": exponent}
     row = law_of("eyring+ludwik_plasticity").coefficients(law)
     weights = step_weights(row[None], 1.0)[0]
-    for slip in np.geomspace(1e-90, 0.03, 25):
-        expected = threshold.py_func(slip, 0.0, row, weights)[0]
-        total = compliance.py_func(expected, np.log(expected), 0.0, row, weights)[0]
-        found, _, _ = solve(total * expected + 0.5 * np.sqrt(3.0) * slip, 0.0, 0.0, 0.0, weights, row)
-        assert found == pytest.approx(expected, rel=1e-6)
+
+    def strain(log_slip):
+        q = threshold.py_func(np.exp(log_slip), 0.0, row, weights)[0]
+        return compliance.py_func(q, np.log(q), 0.0, row, weights)[0] * q + 0.5 * np.sqrt(3.0) * np.exp(log_slip)
+
+    for rho in (0.01, 0.05, 0.2, 1.0):
+        log_slip = brentq(lambda y, rho=rho: strain(y) / rho - 1.0, -500.0, np.log(2.0 * rho))
+        found, _, _ = solve(rho, 0.0, 0.0, 0.0, weights, row)
+        assert found == pytest.approx(threshold.py_func(np.exp(log_slip), 0.0, row, weights)[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("model", MODELS)
