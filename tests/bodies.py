@@ -6,7 +6,8 @@ from numba import njit
 from palpate.solver.axisymmetric import assembly
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.fields import cauchy_stress, displacement_gradient
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch, run_lanes
 from palpate.solver.axisymmetric.mesh import Mesh, _integration
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.solver.variation import applied_to_body

@@ -49,12 +49,12 @@ class RelaxationModulus:
 
     @classmethod
     def of(cls, solid):
-        """Return the modulus of a `palpate.analytic.linear_viscoelastic.LinearBurgers`."""
-        elements = [(c / t, 1.0 / t) for c, t in solid.voigt if c > 0.0]
-        if solid.steady_coefficient > 0.0:
-            elements.append((solid.steady_coefficient, 0.0))
+        """Return the modulus of an incompressible `palpate.classical.viscoelastic_depth.Compliance`, half of J."""
+        elements = [(2.0 * c / t, 1.0 / t) for c, t in solid.terms if c > 0.0]
+        if solid.rate > 0.0:
+            elements.append((2.0 * solid.rate, 0.0))
         rate, fading = np.reshape(elements, (-1, 2)).T
-        root, stiffness = np.sqrt(rate), 2.0 * solid.shear_modulus
+        root, stiffness = np.sqrt(rate), 0.5 / solid.instantaneous
         rates, vectors = np.linalg.eigh(stiffness * np.outer(root, root) + np.diag(fading))
         moduli = stiffness**2 * (vectors.T @ root) ** 2 / rates
         return cls(stiffness - moduli.sum(), moduli, rates)

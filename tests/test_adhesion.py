@@ -11,7 +11,8 @@ from palpate.solver.axisymmetric import adhesive_traction, march_cases
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
 from palpate.solver.axisymmetric.contact import penetration, width_of
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid

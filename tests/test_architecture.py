@@ -61,7 +61,6 @@ LARGE_MODULES = {
     "inference/trust_region.py": "one algorithm",
     "solver/axisymmetric/hencky.py": "one strain measure: its derivatives, forces and stiffness",
     "solver/axisymmetric/lanes.py": "the instructions of one vector type",
-    "solver/axisymmetric/march_cases.py": "from cases to lanes and back",
     "solver/axisymmetric/newton.py": "one algorithm",
     "solver/simulation.py": "the one entry to the solvers",
 }

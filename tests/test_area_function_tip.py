@@ -4,14 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from derivatives import sensitivities
 from scipy.interpolate import CubicSpline
 
 from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, mesh_radii
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.profile import Profile
-from palpate.solver.simulation import sensitivities, simulate, simulate_batch
+from palpate.solver.simulation import simulate, simulate_batch
 from palpate.study.area_function import AreaFunction
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid

@@ -6,25 +6,24 @@ from relaxing import RelaxationModulus, cone, sphere
 from scipy.integrate import quad
 
 from palpate.analytic import hertz, sneddon
-from palpate.analytic.linear_viscoelastic import LinearBurgers
+from palpate.classical.viscoelastic_depth import Compliance
 from palpate.errors import InputError
 from palpate.solver.simulation import simulate, simulate_batch
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import DISPLACEMENT, Protocol, trapezoid
 from palpate.study.specification import Specification
 
-MODULUS, STEADY, VOIGT = 3.0, 0.004, (0.3, 5.0)
-NU = 0.4999
-SOLID = LinearBurgers(MODULUS / (2 * (1 + NU)), STEADY, (VOIGT,))
 LAW = {
-    "youngs_modulus": MODULUS,
-    "poisson_ratio": NU,
-    "steady_coefficient": STEADY,
+    "youngs_modulus": 3.0,
+    "poisson_ratio": 0.4999,
+    "steady_coefficient": 0.004,
     "steady_exponent": 0.0,
-    "transient_coefficient": VOIGT[0],
+    "transient_coefficient": 0.3,
     "transient_exponent": 0.0,
-    "retardation_time": VOIGT[1],
+    "retardation_time": 5.0,
 }
+INCOMPRESSIBLE = 3 * LAW["youngs_modulus"] / (2 * (1 + LAW["poisson_ratio"]))  # GPa, with the same shear modulus
+SOLID = Compliance.of(LAW | {"youngs_modulus": INCOMPRESSIBLE}, 0.5)
 SHALLOW, LARGE_SPHERE = Indenter("cone", 88.0), Indenter("sphere", radius=2e5)
 RELAXATION = RelaxationModulus.of(SOLID)
 TIPS = {"cone": (SHALLOW, *cone(88.0)), "sphere": (LARGE_SPHERE, *sphere(2e5))}
@@ -46,19 +45,18 @@ def specification(protocol, indenter=SHALLOW, law=(), **more):
 
 def test_the_relaxation_modulus_inverts_the_compliance():
     """int_0^t J(t - s) Y(s) ds = t."""
-    solid = LinearBurgers(1.1, 0.02, ((0.24, 0.5), (0.1, 20.0)))
+    solid = Compliance(0.25 / 1.1, 0.01, ((0.12, 0.5), (0.05, 20.0)))
     modulus = RelaxationModulus.of(solid)
     for t in (0.3, 4.0, 60.0):
-        integral = quad(lambda s, t=t: solid.compliance(t - s) * modulus(np.array(s)), 0.0, t, limit=200)[0]
+        integral = quad(lambda s, t=t: 2.0 * solid.at(t - s) * modulus(np.array(s)), 0.0, t, limit=200)[0]
         assert integral == pytest.approx(t, rel=1e-9)
     assert modulus(np.array(0.0)) == pytest.approx(2.2)
 
 
 def test_the_closed_forms_begin_elastic():
     protocol = Protocol([0.0, 1e-6], [0.0, 200.0], [1e-6], DISPLACEMENT)
-    incompressible = 3 * SOLID.shear_modulus
-    assert FORMS["cone"](protocol) == pytest.approx(sneddon.load(200.0, incompressible, 0.5, 88.0), rel=1e-5)
-    assert FORMS["sphere"](protocol) == pytest.approx(hertz.load(200.0, incompressible, 0.5, 2e5), rel=1e-5)
+    assert FORMS["cone"](protocol) == pytest.approx(sneddon.load(200.0, INCOMPRESSIBLE, 0.5, 88.0), rel=1e-5)
+    assert FORMS["sphere"](protocol) == pytest.approx(hertz.load(200.0, INCOMPRESSIBLE, 0.5, 2e5), rel=1e-5)
 
 
 @pytest.mark.parametrize("tip", TIPS)

@@ -11,9 +11,10 @@ from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.contact import contact_forces, fit
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
-from palpate.solver.axisymmetric.march_cases import Case, begun, padded
+from palpate.solver.axisymmetric.march_cases import begun, padded
 from palpate.solver.axisymmetric.mesh import Resolution, polar_mesh
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter

@@ -13,9 +13,10 @@ from palpate.solver.axisymmetric import march, newton
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
+from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
 from palpate.solver.axisymmetric.trial_state import Material, Setup
 from palpate.study.indenter import Indenter
@@ -280,7 +281,7 @@ def test_load_history_of_any_shape(parameters):
 
 def test_a_step_that_cannot_converge_is_reported(monkeypatch):
     def advance(*arguments):
-        arguments[-2][:] = False
+        arguments[-1][:] = False
 
     monkeypatch.setattr(march, "advance", advance)
     (outcome,) = indent_batch([Case(Specimen(law()), CONE, trapezoid(1.0, 30.0, 0.0, 30.0), STANDARD)])

@@ -13,7 +13,8 @@ from palpate.materials import LAWS
 from palpate.materials.flow.point import commit, history, state_size
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import hencky_3d
 from palpate.solver.pyramid.contact_3d import Contact3D

@@ -9,7 +9,8 @@ from palpate.materials import LAWS
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.drive import NO_LOAD
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.adhesion_3d import attract, nodal_areas
 from palpate.solver.pyramid.contact_3d import Contact3D
@@ -40,7 +41,7 @@ def test_areas_add_up_to_the_free_surface():
 @pytest.mark.parametrize("indenter", [Indenter("berkovich", face_angle=65.27), Indenter("sphere", radius=5e3)])
 def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
     mesh, rng = wedge_mesh(1.6 ** np.arange(4), shell(3)), np.random.default_rng(4)
-    attraction = Adhesion.of(1e5, 4.0, 0.3, nodal_areas(mesh))
+    attraction = Adhesion(0.5, 0.2, nodal_areas(mesh))
     problem = Problem3D.of(mesh, tip_of(indenter), Specimen(ELASTIC), adhesion=attraction)
     state, work, free = State.initial(problem), Workspace.of(problem), mesh.equations >= 0
 

@@ -9,7 +9,8 @@ import pytest
 
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETRIC
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.friction_3d import Friction

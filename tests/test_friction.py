@@ -13,8 +13,9 @@ from palpate.solver.axisymmetric import march_cases
 from palpate.solver.axisymmetric.contact import contact_forces, normal_distribution, penetration, width_of
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.axisymmetric.tip import profile_at
 from palpate.study.indenter import Indenter

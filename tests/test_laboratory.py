@@ -55,7 +55,7 @@ def test_noise_has_the_covariance_it_claims():
 
 def test_a_denser_protocol_holds_every_sample_of_the_one_it_refines():
     protocol = trapezoid(1.0, 30.0, 10.0, 30.0, 50)
-    fine = virtual.denser(protocol, 4)
+    fine = virtual.denser(protocol)
     assert len(fine.sample_time) == 4 * len(protocol.sample_time)
     assert np.array_equal(fine.sample_time[3::4], protocol.sample_time)
     assert (np.diff(fine.sample_time) > 0).all()

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from homogeneous import error, updated
 from numba import njit
+from scipy.optimize import brentq
 
 from palpate.errors import InputError
 from palpate.materials import LAWS, law_of
 from palpate.materials.flow.point import solve
-from palpate.materials.flow.radial import NOTHING, TOLERANCE, solve_radial
+from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_radial, threshold
 from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
 from palpate.verification.reference_materials import BURGERS
@@ -76,12 +77,30 @@ def test_slopes_are_the_derivatives(model):
         assert (push != 0.0) == (model in PRESSED) or push == 0.0
 
 
-@pytest.mark.parametrize("guess", [1e-12, 1e-3, 10.0])
+@pytest.mark.parametrize("guess", [1e-60, 1e-19, 1e-12, 1e-3, 10.0])
 @pytest.mark.parametrize("model", MODELS)
 def test_solution_does_not_depend_on_the_guess(model, guess):
     row, weights = row_and_weights(model)
     found, expected = (solve(0.05, start, 0.0, 0.02, weights, row)[0] for start in (guess, 0.0))
     assert found == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.parametrize("exponent", [0.05, 0.1, 0.3, 1.0])
+def test_a_yield_stress_is_found_where_creep_grows_exponentially_with_it(exponent):
+    """By bisection over plastic strains down to e^-500, of which a small exponent makes a stress that counts."""
+    law = HOOKE | FLOW["eyring"] | {"eyring_stress": 0.005, "pressure_coefficient": 0.0}
+    law |= {"yield_stress": 0.02, "strength": 1.0, "hardening_exponent": exponent}
+    row = law_of("eyring+ludwik_plasticity").coefficients(law)
+    weights = step_weights(row[None], 1.0)[0]
+
+    def strain(log_slip):
+        q = threshold.py_func(np.exp(log_slip), 0.0, row, weights)[0]
+        return compliance.py_func(q, np.log(q), 0.0, row, weights)[0] * q + 0.5 * np.sqrt(3.0) * np.exp(log_slip)
+
+    for rho in (0.01, 0.05, 0.2, 1.0):
+        log_slip = brentq(lambda y, rho=rho: strain(y) / rho - 1.0, -500.0, np.log(2.0 * rho))
+        found, _, _ = solve(rho, 0.0, 0.0, 0.0, weights, row)
+        assert found == pytest.approx(threshold.py_func(np.exp(log_slip), 0.0, row, weights)[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("model", MODELS)

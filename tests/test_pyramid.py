@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
+from derivatives import sensitivities
 
 from palpate.analytic import berkovich, scaling
 from palpate.cli.main import main
@@ -19,7 +20,7 @@ from palpate.inference.problem import Problem
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import newton_3d
-from palpate.solver.simulation import sensitivities, simulate, simulate_batch, specification_from
+from palpate.solver.simulation import simulate, simulate_batch, specification_from
 from palpate.solver.store import address, plan
 from palpate.study.indenter import Indenter
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio
 from palpate.solver.simulation import simulate, simulate_batch
 from palpate.solver.variation import applied_to_body

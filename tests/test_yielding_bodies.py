@@ -9,7 +9,8 @@ from bodies import STANDARD, depth
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.discretisation import step_times, steps_of_samples
 from palpate.solver.axisymmetric.fields import Fields
-from palpate.solver.axisymmetric.march_cases import Case, run_lanes
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import run_lanes
 from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid

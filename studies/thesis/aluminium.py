@@ -19,11 +19,10 @@ from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 from studies.thesis.fitted import Fitted, beside_truth
-from studies.thesis.grids import ALUMINIUM
+from studies.thesis.grids import ALUMINIUM, ranges
+from studies.thesis.grids import ALUMINIUM_GRIDS as GRIDS
 from studies.thesis.rules import at_most
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
-
-GRIDS = {"64": "aluminium_full", "36": "aluminium_reduced"}
 
 
 def run(context: Context) -> Outcome:
@@ -31,7 +30,7 @@ def run(context: Context) -> Outcome:
     study = context.studies["aluminium"]
     measured = observations(study, "virtual")
     truth = study.laboratory["virtual"]["parameters"]
-    bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
+    bounds = ranges(study.levels)
     (name,) = ALUMINIUM
     recorded = measured[name].mean
     parameters: Rows = []

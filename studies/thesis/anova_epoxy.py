@@ -10,7 +10,7 @@ from palpate.design.anova import Anova
 from palpate.design.orthogonal import OrthogonalArray
 from palpate.design.reduction import level_counts
 from palpate.inference.study_recordings import observations
-from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, EPOXY_SCREENING
 from studies.thesis.rules import Rule, about, at_most, both, near
 from studies.thesis.screening import alias_table, analyses, contribution_table, means_series
 from studies.thesis.sobol_indices import total_indices
@@ -148,6 +148,6 @@ STUDY = ThesisStudy(
     "anova_epoxy",
     "Analysis of variance, epoxy (chapter 5, L27)",
     run,
-    designs=("epoxy_L27", f"epoxy_{CALIBRATED[0]}"),
+    designs=("epoxy_L27", EPOXY_GRIDS[CALIBRATED[0]]),
     recordings=("epoxy",),
 )

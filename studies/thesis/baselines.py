@@ -20,6 +20,7 @@ from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
+from palpate.verification.reference_materials import BURGERS as EPOXY
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import Outcomes, Studies
 from studies.thesis.rules import Rule, at_least, at_most
@@ -28,15 +29,6 @@ from studies.thesis.study import Context, Outcome, Rows, ThesisStudy, compare
 
 RIGID_CONE = TipConstants(beta=1.0, elastic=None)
 CONE, SPHERE = Indenter("cone", half_angle=70.3), Indenter("sphere", radius=10000.0)
-EPOXY = {
-    "youngs_modulus": 3.28,
-    "poisson_ratio": 0.34,
-    "steady_coefficient": 0.09,
-    "steady_exponent": 0.20,
-    "transient_coefficient": 0.24,
-    "transient_exponent": 0.47,
-    "retardation_time": 0.25,
-}
 LINEAR = {
     **EPOXY,
     "steady_coefficient": 0.005,

@@ -12,7 +12,7 @@ import numpy as np
 from palpate.design.sampling import latin_hypercube, sobol
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted
-from studies.thesis.grids import CALIBRATED, Outcomes, Studies
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, Outcomes, Studies, ranges
 from studies.thesis.runs import Curves, Design, Run, study_runs
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy
 
@@ -24,7 +24,7 @@ SAMPLERS = {"sobol": sobol, "latin_hypercube": latin_hypercube}
 def runs(sampler: str, size: int, studies: Studies, outcomes: Outcomes) -> list[Run]:
     """Return a space-filling design over the ranges of chapter 5's grid."""
     study = studies["epoxy"]
-    bounds = {name: (min(study.levels[name]), max(study.levels[name])) for name in study.free_parameters}
+    bounds = {name: ends for name, ends in ranges(study.levels).items() if name in study.free_parameters}
     held = {name: levels[0] for name, levels in study.levels.items() if name not in bounds}
     points = [{**point, **held} for point in SAMPLERS[sampler](bounds, size, seed=study.seed + 2)]
     return study_runs(study, points, (CONDITION,))
@@ -40,7 +40,7 @@ def run(context: Context) -> Outcome:
     """Fit a surrogate to every design and judge it at points that none saw."""
     study, curves = context.studies["epoxy"], context.curves
     tests = curves["groups_test"].where(condition=CONDITION).succeeded()
-    sets = {("full factorial", 288): curves[f"epoxy_{CONDITION}"]}
+    sets = {("full factorial", 288): curves[EPOXY_GRIDS[CONDITION]]}
     sets |= {("Sobol", size): curves["filling_sobol"].take(range(size)) for size in SIZES}
     sets |= {("Latin hypercube", size): curves[f"filling_latin_hypercube_{size}"] for size in SIZES}
     rows: Rows = []
@@ -81,5 +81,5 @@ STUDY = ThesisStudy(
     "designs",
     "Full factorial, Sobol and Latin hypercube designs",
     run,
-    designs=(f"epoxy_{CONDITION}", "groups_test", *DESIGNS),
+    designs=(EPOXY_GRIDS[CONDITION], "groups_test", *DESIGNS),
 )

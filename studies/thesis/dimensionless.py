@@ -10,14 +10,14 @@ time (3.25 GPa, 30 s), which keeps their ranges small; the first, the third and 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from palpate.design.sampling import sobol
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted
-from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, EPOXY_SCREENING, Outcomes, Studies, ranges
 from studies.thesis.runs import Curves, Design, Run, study_runs
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy
 from studies.thesis.surrogates import epoxy_surrogates
@@ -47,8 +47,7 @@ def groups(parameters: np.ndarray, duration: np.ndarray) -> np.ndarray:
 
 def box() -> dict[str, tuple[float, float]]:
     """Return the range of each group over the parameters' ranges and the loading times."""
-    levels = {name: (min(values), max(values)) for name, values in EPOXY_SCREENING.items()}
-    corners = np.array(np.meshgrid(*levels.values(), TIMES, indexing="ij")).reshape(7, -1)
+    corners = np.array(np.meshgrid(*ranges(EPOXY_SCREENING).values(), TIMES, indexing="ij")).reshape(7, -1)
     values = groups(corners[:6].T, corners[6])
     low, high = values.min(axis=0), values.max(axis=0)
     names = ("log_steady", "steady_exponent", "log_transient", "transient_exponent", "log_retardation")
@@ -73,9 +72,8 @@ def training_runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
 
 def judging_runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
     """Return points that no surrogate saw, at all loading times and two other largest loads; t_eps is 0.25 s."""
-    bounds = {
-        name: (min(levels), max(levels)) for name, levels in EPOXY_SCREENING.items() if name != "retardation_time"
-    }
+    bounds = ranges(EPOXY_SCREENING)
+    del bounds["retardation_time"]
     points = [{**point, "retardation_time": 0.25} for point in sobol(bounds, TESTS, seed=studies["epoxy"].seed + 1)]
     return study_runs(studies["epoxy"], points, (*CALIBRATED, *LOADS))
 
@@ -153,9 +151,11 @@ def conditions_of(part: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return part.matrix(NAMES), part.time[:, -1] / 2, part.load.max(axis=1)
 
 
-def errors(tests: Curves, predicted: Any) -> dict[str, float]:
-    """Return the root mean square and the largest error over the four loading times [nm], and per cent of the depth."""
-    parts = [tests.where(condition=name).succeeded() for name in CALIBRATED]
+def errors(
+    tests: Curves, predicted: Callable[[Curves], np.ndarray], conditions: Sequence[str] = CALIBRATED
+) -> dict[str, float]:
+    """Return the root mean square and the largest error under some conditions [nm], and per cent of the depth."""
+    parts = [tests.where(condition=name).succeeded() for name in conditions]
     error = np.concatenate([predicted(part) - part.depth for part in parts])
     share = np.concatenate([(predicted(part) - part.depth) / part.max_depth[:, None] for part in parts])
     return {
@@ -180,15 +180,8 @@ def loads_table(model: PODRBF, tests: Curves) -> Rows:
     """Return errors at largest loads that the training never saw."""
     rows: Rows = []
     for name in LOADS:
-        part = tests.where(condition=name).succeeded()
-        error = predict(model, *conditions_of(part)) - part.depth
-        rows.append(
-            {
-                "condition": name,
-                "rmse_nm": float(np.sqrt(np.mean(error**2))),
-                "percent": float(100 * np.sqrt(np.mean((error / part.max_depth[:, None]) ** 2))),
-            }
-        )
+        found = errors(tests, lambda part: predict(model, *conditions_of(part)), (name,))
+        rows.append({"condition": name, "rmse_nm": found["rmse_nm"], "percent": found["percent"]})
     return rows
 
 
@@ -196,5 +189,5 @@ STUDY = ThesisStudy(
     "dimensionless",
     "One dimensionless surrogate in place of four",
     run,
-    designs=("groups_training", "groups_test", *(f"epoxy_{name}" for name in CALIBRATED)),
+    designs=("groups_training", "groups_test", *EPOXY_GRIDS.values()),
 )

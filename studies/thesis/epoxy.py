@@ -7,7 +7,7 @@ import numpy as np
 from palpate.inference.study_recordings import observations
 from palpate.workflow_support.steps import calibrate_study
 from studies.thesis.fitted import Fitted, beside_truth
-from studies.thesis.grids import CALIBRATED
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS
 from studies.thesis.rules import Rule, about, at_least
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
 from studies.thesis.surrogates import epoxy_fitted, epoxy_surrogates
@@ -126,6 +126,6 @@ STUDY = ThesisStudy(
     "epoxy",
     "Epoxy from end to end (chapter 5)",
     run,
-    designs=tuple(f"epoxy_{name}" for name in CALIBRATED),
+    designs=tuple(EPOXY_GRIDS.values()),
     recordings=("epoxy",),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -24,6 +24,13 @@ EPOXY_SCREENING = {
 }
 CALIBRATED = ("P1.00_T030", "P1.00_T045", "P1.00_T060", "P1.00_T240")
 ALUMINIUM = ("P4.90_T015",)
+ALUMINIUM_GRIDS = {"64": "aluminium_full", "36": "aluminium_reduced"}  # designs by their number of points
+EPOXY_GRIDS = {name: f"epoxy_{name}" for name in CALIBRATED}  # by condition
+
+
+def ranges(levels: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
+    """Return the least and the largest level of each parameter."""
+    return {name: (min(values), max(values)) for name, values in levels.items()}
 
 
 def l16(studies: Studies, outcomes: Outcomes) -> list[Run]:
@@ -65,5 +72,5 @@ DESIGNS = {
     "aluminium_full": Design(full_grid, material="aluminium"),
     "aluminium_reduced": Design(reduced_grid, after=("anova_aluminium",), material="aluminium"),
     "epoxy_L27": Design(l27),
-    **{f"epoxy_{name}": Design(partial(epoxy_grid, name)) for name in CALIBRATED},
+    **{design: Design(partial(epoxy_grid, name)) for name, design in EPOXY_GRIDS.items()},
 }

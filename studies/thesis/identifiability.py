@@ -20,13 +20,13 @@ from palpate.solver.simulation import simulate_batch
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies
+from studies.thesis.grids import CALIBRATED, EPOXY_SCREENING, Outcomes, Studies, ranges
 from studies.thesis.profiles import profile
 from studies.thesis.rules import Rule
 from studies.thesis.runs import Curves, Design, Run
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
 
-RANGES = {name: (min(v), max(v)) for name, v in EPOXY_SCREENING.items()} | {"poisson_ratio": (0.25, 0.45)}
+RANGES = ranges(EPOXY_SCREENING) | {"poisson_ratio": (0.25, 0.45)}
 CONE, SHARP, SPHERE = (
     Indenter("cone", half_angle=70.3),
     Indenter("cone", half_angle=42.3),

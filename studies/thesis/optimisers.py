@@ -19,7 +19,7 @@ from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.inference.study_recordings import observations
 from palpate.inference.surrogate_forward import Surrogates
 from studies.thesis.fitted import Fitted
-from studies.thesis.grids import CALIBRATED
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
 from studies.thesis.study import Context, Finding, Outcome, ThesisStudy
 from studies.thesis.surrogates import epoxy_surrogates
 
@@ -151,8 +151,7 @@ def run(context: Context) -> Outcome:
     measured = observations(study, "virtual")
     surrogates = epoxy_surrogates(context)
     recorded = {name: measured[name].mean for name in CALIBRATED}
-    bounds = {name: (min(levels), max(levels)) for name, levels in study.levels.items()}
-    model = Surrogates({name: surrogates[name] for name in CALIBRATED}, bounds)
+    model = Surrogates(surrogates, ranges(study.levels))
     least = least_known(model, recorded, study.seed)
     runs: list[dict[str, Any]] = []
     for label, optimiser in OPTIMISERS.items():
@@ -226,6 +225,6 @@ STUDY = ThesisStudy(
     "optimisers",
     "The genetic algorithm against others (chapter 5)",
     run,
-    designs=tuple(f"epoxy_{name}" for name in CALIBRATED),
+    designs=tuple(EPOXY_GRIDS.values()),
     recordings=("epoxy",),
 )

@@ -14,12 +14,12 @@ import numpy as np
 from palpate.inference.measures import relative
 from palpate.surrogate import KERNELS, PODRBF
 from studies.thesis.fitted import Fitted
+from studies.thesis.grids import ALUMINIUM_GRIDS as GRIDS
 from studies.thesis.kernels_as_printed import predict_as_printed
 from studies.thesis.rules import Rule, about, at_most, both, near
 from studies.thesis.runs import Curves
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
 
-GRIDS = {"64": "aluminium_full", "36": "aluminium_reduced"}
 NAMES = ("youngs_modulus", "yield_stress", "hardening")
 SHAPES = (0.5, 0.75, 1.0, 1.25, 1.5)
 NOISES = (0.0, 0.01, 0.05)

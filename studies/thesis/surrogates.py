@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from palpate.surrogate import PODRBF
 from studies.thesis.fitted import Fitted
-from studies.thesis.grids import CALIBRATED
+from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS
 from studies.thesis.study import Context
 
 
 def epoxy_surrogate(context: Context, condition: str) -> PODRBF:
     """Return the surrogate of one loading time over the grid of 288 points."""
-    study, grid = context.studies["epoxy"], context.curves[f"epoxy_{condition}"].succeeded()
+    study, grid = context.studies["epoxy"], context.curves[EPOXY_GRIDS[condition]].succeeded()
     return PODRBF(**study.surrogate).fit(grid.matrix(study.levels), grid.depth)
 
 
@@ -22,7 +22,7 @@ def epoxy_surrogates(context: Context) -> dict[str, PODRBF]:
 def epoxy_fitted(context: Context, models: dict[str, PODRBF]) -> list[Fitted]:
     """Return all four for MLflow."""
     levels = context.studies["epoxy"].levels
-    grids = {name: context.curves[f"epoxy_{name}"].succeeded() for name in models}
+    grids = {name: context.curves[EPOXY_GRIDS[name]].succeeded() for name in models}
     return [
         Fitted.surrogate(f"epoxy {name}", model, grids[name].matrix(levels), grids[name].depth)
         for name, model in models.items()

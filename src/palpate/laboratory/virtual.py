@@ -55,13 +55,13 @@ def correlated_noise(
     return deviation * noise
 
 
-def denser(protocol: Protocol, factor: int) -> Protocol:
-    """Return the protocol with `factor` samples in place of each one."""
+def denser(protocol: Protocol) -> Protocol:
+    """Return the protocol with `DENSER` samples in place of each one."""
     ends = protocol.sample_time
     starts = np.concatenate([[0.0], ends[:-1]])
-    parts = np.arange(1, factor + 1) / factor
+    parts = np.arange(1, DENSER + 1) / DENSER
     sample = (starts[:, None] + (ends - starts)[:, None] * parts).ravel()
-    sample[factor - 1 :: factor] = ends
+    sample[DENSER - 1 :: DENSER] = ends
     return replace(protocol, sample_time=sample)
 
 
@@ -131,7 +131,7 @@ def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
     """
     specifications = []
     for condition in study.conditions:
-        exact = replace(condition, protocol=denser(condition.protocol, DENSER))
+        exact = replace(condition, protocol=denser(condition.protocol))
         specification = study.specification(settings["parameters"], exact, accuracy="fine")
         specifications.append(replace(specification, mechanisms=settings.get("mechanisms", {})))
     return off_the_mesh(specifications, [f"virtual laboratory, {condition.name}" for condition in study.conditions])

@@ -9,10 +9,6 @@ from palpate.mechanisms.draws import log_uniform
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.specification import Specification
 
-COEFFICIENT = Parameter(
-    "coefficient", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient in place of the assumed one"
-)
-
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Put the true coefficient in place of the assumed one."""
@@ -23,7 +19,9 @@ MECHANISM = Mechanism(
     key="friction",
     title="friction",
     effect="friction between tip and surface differs from the assumed one",
-    parameters=(COEFFICIENT,),
+    parameters=(
+        Parameter("coefficient", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient in place of the assumed one"),
+    ),
     neutral={"coefficient": 0.0},
     example={"coefficient": 0.25},
     source="Bucaille et al., Acta Mater. 51 (2003) 1663-1678",

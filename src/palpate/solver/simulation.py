@@ -13,7 +13,8 @@ from palpate.mechanisms import checked_mechanisms
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch, run_lanes
+from palpate.solver.axisymmetric.indentation_case import Case
+from palpate.solver.axisymmetric.march_cases import indent_batch, run_lanes
 from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, room
 from palpate.solver.pyramid.fields_3d import fields_of
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
@@ -142,48 +143,13 @@ def _simulation(specification: Specification, history: History) -> Simulation:
     return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
 
 
-def sensitivities(
-    specification: Specification, parameters: Iterable[str], radii: np.ndarray | None = None
-) -> tuple[Simulation, np.ndarray]:
-    """Simulate one indentation together with the derivatives of its curve, see `sensitivities_batch`."""
-    return sensitivities_batch([specification], list(parameters), radii)[0]
-
-
-def sensitivities_batch(
-    specifications: Sequence[Specification], parameters: Sequence[str], radii: np.ndarray | None = None
-) -> list[tuple[Simulation, np.ndarray]]:
-    """Simulate several indentations together with the derivatives of their responses.
-
-    They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`.
-
-    Parameters
-    ----------
-    parameters
-        Of the material by name, of a mechanism of the specifications as ``key.name``.
-    radii : ndarray, optional
-        As for `simulate`.
-
-    Returns
-    -------
-    list of (Simulation, ndarray of shape (n, p))
-        Derivatives of the recorded depth, under displacement control of the load, by each parameter [nm or mN per unit
-        of the parameter]; NaN from a failure on.
-
-    Raises
-    ------
-    InputError
-        When there is no such parameter, or the indenter is a pyramid.
-    """
-    beside = [[Variation.of(specification, name) for name in parameters] for specification in specifications]
-    return differentiated(specifications, beside, radii)
-
-
 def differentiated(
     specifications: Sequence[Specification], beside: Sequence[Sequence[Variation]], radii: np.ndarray | None = None
 ) -> list[tuple[Simulation, np.ndarray]]:
     """Simulate several indentations together with the derivatives by what their neighbours vary.
 
-    What the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
+    They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`. What
+    the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
 
     Parameters
     ----------
@@ -195,7 +161,8 @@ def differentiated(
     Returns
     -------
     list of (Simulation, ndarray of shape (n, p))
-        See `sensitivities_batch`.
+        Derivatives of the recorded depth, under displacement control of the load, by each parameter [nm or mN per unit
+        of the parameter]; NaN from a failure on.
 
     Raises
     ------

@@ -23,7 +23,7 @@ from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
 from palpate.verification.reference_materials import CONE
 
 TIME_LIMIT = 1800.0  # s
@@ -39,21 +39,27 @@ STEPS = "Extrapolated to no step; the refinement error is that of the mesh and t
 
 
 def with_and_without_friction(
-    settings: Settings, compare: Callable[[Path, float], tuple[list[Row], Plot]], notes: Sequence[str]
-) -> Outcome:
-    """Compare palpate and CalculiX without and with friction, or say why there is nothing to compare.
+    key: str, title: str, compare: Callable[[Path, float], tuple[list[Row], Plot]], notes: Sequence[str]
+) -> Verification:
+    """Return the case that compares palpate and CalculiX without and with friction, or says that it was not run.
 
     Parameters
     ----------
+    key, title
+        Of the case.
     compare
         Returns rows and plot of one comparison, from the program and Coulomb's coefficient.
     notes
         What a reader needs to know of it.
     """
-    if settings.calculix is None:
-        return Outcome([], notes=[NOT_RUN])
-    rows, plots = zip(*(compare(settings.calculix, friction) for friction in FRICTIONS), strict=True)
-    return Outcome([row for found in rows for row in found], plots, notes)
+
+    def run(settings: Settings) -> Outcome:
+        if settings.calculix is None:
+            return Outcome([], notes=[NOT_RUN])
+        rows, plots = zip(*(compare(settings.calculix, friction) for friction in FRICTIONS), strict=True)
+        return Outcome([row for found in rows for row in found], plots, notes)
+
+    return Verification(key, title, run)
 
 
 def printed(program: Path, text: str) -> str:
@@ -117,18 +123,14 @@ class Comparison:
         protocol = Protocol(knots, self.load * np.array([0.0, 1.0, 0.05]), np.concatenate([up[1:], down[1:]]))
         return Specification(self.law, self.values, replace(CONE, friction=friction), protocol, accuracy=accuracy)
 
-    def titled(self, friction: float) -> str:
-        """Return its name, with its friction."""
-        return f"{self.name}, friction {friction:g}" if friction else self.name
 
-
-def compared(name: str, specification: Specification, theirs: np.ndarray, own_error: float) -> tuple[list[Row], Plot]:
+def compared(test: str, specification: Specification, theirs: np.ndarray, own_error: float) -> tuple[list[Row], Plot]:
     """Hold palpate's curve to one of CalculiX'.
 
     Parameters
     ----------
-    name
-        Of the comparison.
+    test
+        Its name, to which that of a friction is added.
     specification
         What palpate simulates.
     theirs : ndarray, shape (n,)
@@ -145,7 +147,8 @@ def compared(name: str, specification: Specification, theirs: np.ndarray, own_er
     """
     time, load = specification.protocol.sample_time, specification.protocol.sample_load
     found, counts = depth(specification), counted(specification, theirs)
-    note = f"refinement error of CalculiX' curve: {100 * own_error:.2f} %"
+    friction, note = specification.indenter.friction, f"refinement error of CalculiX' curve: {100 * own_error:.2f} %"
+    name = f"{test}, friction {friction:g}" if friction else test
     peak, deviation = int(np.argmax(load)), found / theirs - 1
     scatter = float(np.sqrt(np.mean(deviation[counts] ** 2)))
     ends = float(theirs[peak]), float(found[peak])

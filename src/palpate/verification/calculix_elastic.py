@@ -13,7 +13,7 @@ from palpate.verification.calculix import (
     run_deck,
     with_and_without_friction,
 )
-from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
+from palpate.verification.case import Plot, Row
 from palpate.verification.reference_materials import HOOKE
 
 ELASTIC = Comparison("elastic", "elastic", HOOKE, 1.0, 1.0)
@@ -23,12 +23,7 @@ def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
     """Compare elasticity under a cone with this friction."""
     test = ELASTIC.specification(20, friction=friction)
     coarse, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
-    return compared(ELASTIC.titled(friction), test, fine, refinement_error(test, fine, coarse))
+    return compared(ELASTIC.name, test, fine, refinement_error(test, fine, coarse))
 
 
-def run(settings: Settings) -> Outcome:
-    """Compare both, or say why there is nothing to compare."""
-    return with_and_without_friction(settings, compare, [RULE])
-
-
-CASE = Verification("calculix_elastic", "CalculiX: elasticity", run)
+CASE = with_and_without_friction("calculix_elastic", "CalculiX: elasticity", compare, [RULE])

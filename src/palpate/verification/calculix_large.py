@@ -28,7 +28,7 @@ from palpate.verification.calculix import (
     table,
     with_and_without_friction,
 )
-from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
+from palpate.verification.case import Plot, Row
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
@@ -104,13 +104,8 @@ def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
     )
     test = specification(fine.protocol, friction)
     in_long, in_short = (curve.depth_under(fine.load) for curve in (long, short))
-    name = "aluminium, large strains" + (f", friction {friction:g}" if friction else "")
-    return compared(name, test, *refined(test, in_long, in_short, fine.depth, ripples=True))
+    theirs = refined(test, in_long, in_short, fine.depth, ripples=True)
+    return compared("aluminium, large strains", test, *theirs)
 
 
-def run(settings: Settings) -> Outcome:
-    """Compare both, or say why there is nothing to compare."""
-    return with_and_without_friction(settings, compare, [RULE, STEPS])
-
-
-CASE = Verification("calculix_large", "CalculiX: aluminium at large strains", run)
+CASE = with_and_without_friction("calculix_large", "CalculiX: aluminium at large strains", compare, [RULE, STEPS])

@@ -15,7 +15,7 @@ from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.verification.calculix import RULE, STEPS, compared, refined, run_deck, with_and_without_friction
-from palpate.verification.case import Outcome, Plot, Row, Settings, Verification
+from palpate.verification.case import Plot, Row
 from palpate.verification.reference_materials import ALUMINIUM, CONE
 
 KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
@@ -34,13 +34,7 @@ def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
     test, halved = (specification(points, friction) for points in (POINTS, 2 * POINTS))
     long, fine = (run_deck(program, test, RESOLUTIONS[mesh]) for mesh in ("standard", "fine"))
     short = run_deck(program, halved, RESOLUTIONS["standard"])[1::2]
-    name = "aluminium, small strains" + (f", friction {friction:g}" if friction else "")
-    return compared(name, test, *refined(test, long, short, fine, ripples=True))
+    return compared("aluminium, small strains", test, *refined(test, long, short, fine, ripples=True))
 
 
-def run(settings: Settings) -> Outcome:
-    """Compare both, or say why there is nothing to compare."""
-    return with_and_without_friction(settings, compare, [RULE, STEPS])
-
-
-CASE = Verification("calculix_plastic", "CalculiX: aluminium at small strains", run)
+CASE = with_and_without_friction("calculix_plastic", "CalculiX: aluminium at small strains", compare, [RULE, STEPS])

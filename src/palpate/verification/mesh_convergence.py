@@ -15,7 +15,7 @@ import numpy as np
 
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
-from palpate.solver.axisymmetric.march_cases import Case as Indentation
+from palpate.solver.axisymmetric.indentation_case import Case as Indentation
 from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import trapezoid

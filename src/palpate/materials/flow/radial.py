@@ -20,7 +20,9 @@ Newton's method for ln(V/rho) = 0 converges from above, and for power laws at on
 limited and kept between brackets. The term of second order that
 Halley's method adds leaves an error of third order; near the solution ln(V/rho) is 2 (z + z^3/3 + ...) with
 z = (V - rho)/(V + rho), and no logarithm is needed. With plastic flow the unknown is ln(dalpha), since a yield stress
-may begin with an infinite slope or end with none; brackets guard Newton's method.
+may begin with an infinite slope or end with none; brackets guard Newton's method. Where a fluidity grows exponentially
+with the stress, each of Newton's steps takes no more than a factor of e off V; some iterations then halve the bracket
+instead. A stress that is not found is NaN.
 
 Source: radial return after Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6.
 
@@ -68,10 +70,11 @@ from palpate.materials.flow.row import (
 )
 
 ITERATIONS = 60  # of either iteration; a few suffice
+HALVING = 30, 45  # iterations with plastic flow that halve the bracket, begun and ended; Newton's method ends it
 TOLERANCE = 1e-5  # of ln q; the change that is smaller is still made, so the error left is of its third power
 SQUARED = 1e-7  # of rho, with plastic flow: the error left is of its second power
 NOTHING = 1e-150  # takes the place of rho = 0, so that the direction R / rho exists
-UNKNOWN = -300.0  # below it ln q is no guess
+UNKNOWN = -45.0  # below it ln q is no guess: from there all `ITERATIONS` would be steps of `UP`
 FAR = 0.6  # value of z beyond which the logarithm of V/rho is taken
 DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends where its exponential would overflow
 LOWEST, HIGHEST = -1e3, 1e3  # of ln q
@@ -126,7 +129,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     Returns
     -------
     q, log_q, order, push
-        The solution [GPa], its logarithm, d ln q / d ln rho, and dq/dp at constant rho.
+        The solution [GPa], its logarithm, d ln q / d ln rho, and dq/dp at constant rho; q is NaN where it is not found.
     """
     further = log_q + order * 2.0 * (rho - last) / (rho + last)
     log_q = where_less(log_q, constant(rho, UNKNOWN), rough_log(rho) - rough_log(entry(step, COMPLIANCE)), further)
@@ -166,6 +169,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
             far = where_less(far, log_q - lowest, where_less(log_q - highest, far, far, middle), middle)
             change = where_less(zero, away, far, change)
         log_q = log_q - change
+    found = where_less(zero, open, constant(rho, math.nan), found)
     q, log_q, order, push = found, found_log, found_order, zero - found_push * found
     if whole(law, YIELD) > 0:
         least, _, _ = threshold(alpha, pressure, law, step)
@@ -186,10 +190,11 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
     slip = where_less(least, q, rho - total * least, rho)
     slip = where_less(slip, floor, floor, slip) / share
     highest = logarithm(slip)
-    lowest, log_slip = highest - DEEP, highest
+    deepest, log_slip = highest - DEEP, highest
+    lowest = deepest
     new, growth, by_pressure, hardening, by_strength = rho, rho, rho, rho, rho
     open = where_less(least, q, constant(rho, 1.0), nothing)  # one in lanes that flow and have not converged
-    for _ in range(ITERATIONS):
+    for iteration in range(ITERATIONS):
         slip = exponential(log_slip)
         stress, harder, by_stress = threshold(alpha + slip, pressure, law, step)
         total, slope, _, by_push = compliance(stress, logarithm(stress), pressure, law, step)
@@ -210,10 +215,15 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
         log_slip = log_slip - change / slip
         middle = 0.5 * (lowest + highest)
         log_slip = where_less(log_slip, lowest, middle, where_less(highest, log_slip, middle, log_slip))
+        if HALVING[0] <= iteration < HALVING[1]:
+            log_slip = middle
+    none = where_less(deepest, lowest, nothing, open)  # one in lanes whose slip is below all that counts
+    least, open = where_less(nothing, none, q, least), where_less(nothing, none, nothing, open)
     limit = (HARDENING / ROOT3) * entry(law, SHEAR)
     hardening = where_less(hardening, limit, limit, hardening)
     slope = growth * hardening + share
     order = where_less(least, q, rho * hardening / (new * slope), order)
     push = where_less(least, q, (share * by_strength - by_pressure * new * hardening) / slope, push)
     log_q = where_less(least, q, logarithm(where_less(least, q, new, rho)), log_q)
-    return where_less(least, q, new, q), log_q, order, push
+    stress = where_less(nothing, open, constant(rho, math.nan), where_less(least, q, new, q))
+    return stress, log_q, order, push

@@ -25,7 +25,7 @@ from palpate.output.export.cards import (
     mesh_cards,
     step_cards,
 )
-from palpate.output.export.format import Format, refuse_mechanisms
+from palpate.output.export.format import Format, check_exportable
 from palpate.output.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
 from palpate.output.export.terms import steady_creep, strength, voigt_elements
 from palpate.solver.axisymmetric.mesh import Resolution
@@ -76,7 +76,7 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
     InputError
         For mechanisms, large strains, and laws that CalculiX does not have.
     """
-    refuse_mechanisms(specification)
+    check_exportable(specification)
     if specification.kinematics == "large":
         raise InputError(
             "CalculiX' built-in laws are neo-Hookean at large strains, not palpate's",

@@ -20,7 +20,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.output.export.calculix_deck import contact_cards, material_cards, sample_cards
 from palpate.output.export.cards import REFERENCE, amplitude_cards, mesh_cards, step_cards
-from palpate.output.export.format import refuse_mechanisms
+from palpate.output.export.format import check_exportable
 from palpate.output.export.quadratic import RESOLUTIONS, QuadraticMesh
 from palpate.study.specification import Specification
 
@@ -49,7 +49,7 @@ def deck(specification: Specification, depth: np.ndarray, mesh: QuadraticMesh) -
     InputError
         For mechanisms, small strains, and a body that does not yield.
     """
-    refuse_mechanisms(specification)
+    check_exportable(specification)
     if "yield_stress" not in specification.parameters or specification.kinematics != "large":
         raise InputError(
             "CalculiX' laws agree with palpate's at large strains where the body yields alone",

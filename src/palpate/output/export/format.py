@@ -26,7 +26,7 @@ class Format:
     write: Callable[[Specification, Path], None]
 
 
-def refuse_mechanisms(specification: Specification) -> None:
+def check_exportable(specification: Specification) -> None:
     """Raise `InputError` when a specification has mechanisms, an elastic indenter or a pyramid: no deck holds them."""
     if specification.mechanisms:
         raise InputError("mechanisms cannot be exported", remedy="remove them", place="mechanisms")

@@ -48,23 +48,6 @@ class Adhesion:
     reach: float
     area: np.ndarray
 
-    @classmethod
-    def of(cls, work: float, modulus: float, element: float, area: np.ndarray) -> Adhesion:
-        """Return the attraction of work `work` [mJ/m^2].
-
-        Parameters
-        ----------
-        modulus
-            Plane strain modulus E* of the body during the test [GPa].
-        element
-            Length of the elements at the edge of contact [um].
-        area
-            As for the class.
-        """
-        w = GPA_UM * work
-        strength = math.sqrt(math.pi / 8 * modulus * w / (ZONE * element))
-        return cls(strength, w / strength, area)
-
     @property
     def hold(self) -> np.ndarray:
         """Force along z (k,) [mN] that parts a node from the indenter."""
@@ -95,8 +78,9 @@ def attraction(specimen: Specimen, resolution: Resolution, largest: float, area:
     """
     if specimen.adhesion == 0.0:
         return None
-    modulus = plane_strain_modulus(specimen.coefficients)
-    return Adhesion.of(specimen.adhesion, modulus, (resolution.growth - 1.0) * largest, area)
+    work, element = GPA_UM * specimen.adhesion, (resolution.growth - 1.0) * largest
+    strength = math.sqrt(math.pi / 8 * plane_strain_modulus(specimen.coefficients) * work / (ZONE * element))
+    return Adhesion(strength, work / strength, area)
 
 
 def nodal_areas(r: np.ndarray) -> np.ndarray:

@@ -70,13 +70,14 @@ def spread(body, coupling, widening, swelling, growth):
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
         for lane in range(LANES):
-            rate = coupling.touching[k, 1, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+            response = max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+            rate = coupling.touching[k, 1, lane] / response
             widening[z, lane] += rate
             widening[size, lane] += rate
             swelling[z, lane] += coupling.by_area[k, 1, lane]
             growth[lane] += coupling.by_area[k, 1, lane]
             if r >= 0:
-                widening[r, lane] += coupling.touching[k, 0, lane] / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+                widening[r, lane] += coupling.touching[k, 0, lane] / response
                 swelling[r, lane] += coupling.by_area[k, 0, lane]
 
 

@@ -21,8 +21,6 @@ class History:
         Why the history is incomplete; empty when it is whole.
     seconds
         Wall time spent in the solver.
-    iterations, steps
-        Newton iterations and time steps done.
     depths_beside, loads_beside : ndarray, shape (p, n)
         Likewise of neighbours, see `palpate.solver.axisymmetric.neighbours`.
     """
@@ -31,7 +29,5 @@ class History:
     load: np.ndarray
     reason: str
     seconds: float
-    iterations: int
-    steps: int
     depths_beside: np.ndarray
     loads_beside: np.ndarray

@@ -99,8 +99,6 @@ class March:
         Area of the first contact that counts, and the depth that its iteration begins with.
     halvings : ndarray of int, shape (LANES,)
         Of a step that finds no equilibrium.
-    iterations, steps : ndarray of int, shape (LANES,)
-        Count the work done.
     """
 
     setup: Setup
@@ -111,8 +109,6 @@ class March:
     tolerance: float
     onset: np.ndarray
     halvings: np.ndarray
-    iterations: np.ndarray
-    steps: np.ndarray
 
     def prescribed(self, end: np.ndarray) -> Prescribed:
         """Return what is prescribed at times (LANES,) [s]."""
@@ -142,10 +138,9 @@ class March:
         found = lanes.copy()
         advance(
             self.setup, states.material, states.trial, self.prescribed(end), self.system,
-            self._stride(states, change), found, self.iterations,
+            self.stride(states, change), found,
         )  # fmt: skip
         end_step(self.setup, states.trial)
-        self.steps[found] += 1
         return found
 
     def _begin_contact(self, states: States) -> None:
@@ -167,7 +162,7 @@ class March:
         commit_and_begin(states.points, states.laws, states.weights, following)
         states.laws, states.weights = resisting, following
 
-    def _stride(self, states: States, change: np.ndarray) -> np.ndarray:
+    def stride(self, states: States, change: np.ndarray) -> np.ndarray:
         """Return the farthest (LANES,) that one iteration may move a node of a step with a guess of its `change`.
 
         A share of the depth, lest the tip leaves the surface for good; with adhesion, what its attraction spans.

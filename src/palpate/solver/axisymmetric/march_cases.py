@@ -13,28 +13,26 @@ where the last step ended, and then in parts.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from palpate.materials.flow.row import structure
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
 from palpate.solver.axisymmetric.bordered import System
-from palpate.solver.axisymmetric.contact_size import check_size, contact_range, expected_load, loaded_time
-from palpate.solver.axisymmetric.discretisation import GRADED_START, mesh_radii, step_times, steps_of_samples
-from palpate.solver.axisymmetric.drive import NO_LOAD, Drives
+from palpate.solver.axisymmetric.contact_size import check_size, expected_load, loaded_time
+from palpate.solver.axisymmetric.discretisation import steps_of_samples
+from palpate.solver.axisymmetric.drive import Drives
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.fields import Moment
-from palpate.solver.axisymmetric.folding import merged, mergings
 from palpate.solver.axisymmetric.history import History
+from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march import March, States
-from palpate.solver.axisymmetric.mesh import Mesh, Resolution, polar_mesh
+from palpate.solver.axisymmetric.mesh import Mesh, polar_mesh
 from palpate.solver.axisymmetric.neighbours import Neighbours
 from palpate.solver.axisymmetric.newton import TIGHT, TOLERANCE
 from palpate.solver.axisymmetric.profile import Profile
@@ -44,95 +42,6 @@ from palpate.solver.axisymmetric.specimens import Specimens
 from palpate.solver.axisymmetric.trend import Trend
 from palpate.solver.axisymmetric.trial_state import Setup
 from palpate.solver.axisymmetric.widening import Widening
-from palpate.study.indenter import Indenter
-from palpate.study.protocol import Protocol
-from palpate.study.specimen import Specimen
-
-HALVINGS = 6  # of a step that finds no equilibrium
-FEW_HALVINGS = 2  # where the innermost rings may be merged instead; where adhesion makes surfaces jump, that is no cure
-DIGITS = 9  # of the logarithms of the rings' radii
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """One indentation by a tip of revolution, and its mesh.
-
-    All nodes have a `shift` outwards, in rings; the innermost rings are `merged` so many times. The radii of the
-    `rings` may be given [um].
-    """
-
-    specimen: Specimen
-    indenter: Indenter
-    protocol: Protocol
-    resolution: Resolution
-    large: bool = False
-    shift: float = 0.0
-    merged: int = 0
-    rings: np.ndarray | None = None
-
-    @property
-    def contacts(self) -> tuple[float, float]:
-        """Smallest contact radius that counts, and the largest one [um]."""
-        return contact_range(self.specimen, self.indenter, self.protocol)
-
-    @cached_property
-    def radii(self) -> np.ndarray:
-        """Radii of the rings of nodes [um]."""
-        usual = self.rings
-        if usual is None:
-            usual = mesh_radii(self.specimen, self.indenter, self.protocol, self.resolution)
-        rings = merged(usual, self.resolution, not self.indenter.sharp, self.merged)
-        return rings * self.resolution.growth**self.shift
-
-    @cached_property
-    def shape(self) -> np.ndarray:
-        """Radii of the rings over that of the innermost one, rounded: of one kind they agree to the last bit."""
-        return np.exp(np.round(np.log(self.radii / self.radii[0]), DIGITS))
-
-    @property
-    def mergeable(self) -> bool:
-        """Whether its innermost rings may be merged once more."""
-        return self.merged < mergings(self.large)
-
-    @property
-    def halvings(self) -> int:
-        """How many times a step that finds no equilibrium is halved."""
-        return FEW_HALVINGS if self.mergeable and not self.specimen.adhesion else HALVINGS
-
-    @property
-    def and_merged(self) -> Iterator[Case]:
-        """The case, and as it is with its innermost rings merged, once more each time."""
-        for times in range(self.merged, 1 + mergings(self.large)):
-            yield replace(self, merged=times)
-
-    @cached_property
-    def times(self) -> np.ndarray:
-        """Ends of the time steps [s]."""
-        return step_times(self.protocol, self.resolution, self.specimen.yields)
-
-    @property
-    def unloaded_steps(self) -> int:
-        """Number of steps before the first that loads the contact.
-
-        The body rests, unless adhesion draws it to the tip in a contact that the mesh resolves.
-        """
-        drive = self.protocol.drive_at(self.times)
-        return int(np.argmax(drive > NO_LOAD * self.protocol.largest_drive))
-
-    @property
-    def carries(self) -> np.ndarray:
-        """Whether each step may carry the last change on: not from a corner of the load history, nor at the onset."""
-        corners = np.isin(self.times, self.protocol.knot_time)
-        steps_loaded = np.cumsum(self.protocol.drive_at(self.times) > 0.0)
-        return ~np.append(True, corners[:-1]) & (steps_loaded > (len(GRADED_START) + 2 if self.large else 0))
-
-    @property
-    def kind(self) -> tuple:
-        """What cases that run together have in common."""
-        shape = self.shape.tobytes()
-        body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
-        surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
-        return self.resolution, shape, body, surface
 
 
 def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
@@ -266,8 +175,7 @@ def run_lanes(
     for lane, case in enumerate(cases):
         corners = [moved[lane] for moved in neighbours.corners]
         depth, load = (_at_samples(case, curves[:, lane], corners) for curves in (depths, loads))
-        tried, taken = int(march.iterations[lane]), int(march.steps[lane])
-        histories.append(History(depth[0], load[0], reasons[lane], seconds, tried, taken, depth[1:], load[1:]))
+        histories.append(History(depth[0], load[0], reasons[lane], seconds, depth[1:], load[1:]))
     return histories
 
 
@@ -329,8 +237,8 @@ def begun(
     contacts = [case.contacts for case in lanes]
     sticking = [attraction(c.specimen, resolution, most, area) for c, (_, most) in zip(lanes, contacts, strict=True)]
     expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
-    protocols = [case.protocol for case in lanes]
-    drives = Drives.of(protocols, expected, np.array([a is not None for a in sticking]), units)
+    protocols, adhesive = [case.protocol for case in lanes], np.array([a is not None for a in sticking])
+    drives = Drives.of(protocols, expected, adhesive, units)
     profiles = [Profile.of(case.indenter).in_units_of(unit) for case, unit in zip(lanes, units, strict=True)]
     ranges = np.array(contacts).T / units
     contact = contact_of(
@@ -340,7 +248,6 @@ def begun(
     )  # fmt: skip
     first = np.array([case.times[0] for case in hosts])
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
-    adhesive = np.array([a is not None for a in sticking])
     touching = first_contact(
         profiles, specimens, list(map(loaded_time, protocols)), body.distance, ranges[0],
         np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
@@ -350,7 +257,7 @@ def begun(
     onset = np.stack([touching.area, depth])
     march = March(
         Setup(large or None, body, contact), bodies, drives, units, system, tolerance, onset,
-        np.array([c.halvings for c in hosts]), *np.zeros((2, LANES), dtype=np.int64),
+        np.array([c.halvings for c in hosts]),
     )  # fmt: skip
     states = States(
         Points.unloaded(4 * len(mesh.elements), bodies.elements),

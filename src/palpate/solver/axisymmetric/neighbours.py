@@ -3,10 +3,14 @@
 The equations of equilibrium hold at every value of a parameter p. Their total derivative by p is linear in that of the
 displacements, with the tangent of Newton's method, so that a converged step whose matrix is factored already costs one
 more solution for each parameter (Michaleris, Tortorelli & Vidal, Int. J. Numer. Meth. Engng 37 (1994) 2471-2499,
-section 3). Here the right-hand side is not derived term by term. A neighbour, whose parameter is changed a little
-(`palpate.solver.variation.STEP`), has a history of its own, and its residual where its host has just arrived is that
-right-hand side times the change. Newton's correction with the factor of the host then brings it to its own equilibrium.
+section 3). Here the right-hand side is not derived term by term. A neighbour, whose parameter is changed a little, has
+a history of its own, and its residual where its host has just arrived is that right-hand side times the change.
+Newton's correction with the factor of the host then brings it to its own equilibrium.
 Whatever a law, a tip, a film, friction, adhesion or the drive does, its derivative follows without a line of its own.
+
+Where these corrections do not bring it there, as where the tip leaves the surface, it is solved with its own matrices
+instead, and where that fails, too, it is NaN from there on. In a metal that hardly hardens, under a cap smaller than
+the contact, the solution itself is not smooth in the parameters, and the derivative is of no use.
 
 A neighbour keeps the mesh and the steps of its host, so its curve is that of the same discretisation. Only a step that
 ends at a corner of the host's load history ends at that of the neighbour's own, where the parameter moves it: between
@@ -22,23 +26,29 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from palpate.materials.flow.radial import UNKNOWN
 from palpate.solver.axisymmetric.contact import contact_forces, end_step
 from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march import March, States
 from palpate.solver.axisymmetric.newton import (
     LARGEST_CHANGE,
+    advance,
     direct,
     factor,
+    imbalance,
+    measure,
     no_direction,
     no_residual,
     solve_for,
     unbalance,
 )
+from palpate.solver.axisymmetric.trial_state import Prescribed
 from palpate.study.protocol import Protocol
 
 CORRECTIONS = 2  # with the factor of the host, whose matrix is not exactly the neighbour's
 CORRECTIONS_WITH_FRICTION = 8  # between sticking and slipping the matrix changes more
+LARGEST_MISS = 3e-7  # of the largest load, what corrections may leave: a hundredth of what a change of 3e-5 unbalances
 NEAR = 1e-3  # of the test, within which a corner is the same one, moved
 
 
@@ -85,8 +95,11 @@ class Neighbours:
         lanes : ndarray of bool, shape (LANES,)
             Which take part.
         """
-        refactor(self.host.setup, arrived.material, arrived.trial._replace(reaction=np.zeros(LANES)), self.host.system)
+        factored = False
         for k, march in enumerate(self.marches):
+            if not factored:
+                trial = arrived.trial._replace(reaction=np.zeros(LANES))
+                refactor(self.host.setup, arrived.material, trial, self.host.system)
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
             away, deeper = states.displacement - start.displacement, states.depth - start.depth
             wider = states.contact.area - start.contact.area
@@ -96,7 +109,11 @@ class Neighbours:
             states.contact.area[:] = arrived.contact.area + wider
             times = CORRECTIONS_WITH_FRICTION if march.setup.contact.friction.any() else CORRECTIONS
             prescribed = march.prescribed(own_end)
-            correct(march.setup, states.material, states.trial, prescribed, march.system, lanes, times)
+            missed = correct(march.setup, states.material, states.trial, prescribed, march.system, lanes, times)
+            lost = lanes & (missed > LARGEST_MISS)
+            factored = not lost.any()
+            if not factored:
+                solve_alone(march, states, arrived, prescribed, lost)
             end_step(march.setup, states.trial)
             if states is not self.states[k]:
                 self.states[k].take(states, lanes)
@@ -107,6 +124,30 @@ def moved_corners(host: Protocol, other: Protocol) -> dict[float, float]:
     nearest = other.knot_time[np.abs(host.knot_time[:, None] - other.knot_time).argmin(axis=1)]
     moved = (nearest != host.knot_time) & (np.abs(nearest - host.knot_time) < NEAR * host.knot_time[-1])
     return dict(zip(host.knot_time[moved].tolist(), nearest[moved].tolist(), strict=True))
+
+
+def solve_alone(march: March, states: States, arrived: States, prescribed: Prescribed, lost: np.ndarray) -> None:
+    """Solve some lanes of a neighbour from where their hosts arrived, with matrices of its own; NaN where that fails.
+
+    Parameters
+    ----------
+    march, states
+        How the neighbour advances, and its states in an open step.
+    arrived
+        States of the hosts.
+    prescribed
+        What the neighbour has to meet.
+    lost : ndarray of bool, shape (LANES,)
+        Which lanes.
+    """
+    np.copyto(states.displacement, arrived.displacement, where=lost)
+    np.copyto(states.depth, arrived.depth, where=lost)
+    np.copyto(states.contact.area, arrived.contact.area, where=lost)
+    np.copyto(states.points.log_q, 2.0 * UNKNOWN, where=lost)
+    found, still = lost.copy(), np.zeros((len(states.displacement) + 2, LANES))
+    stride = march.stride(states, still)
+    advance(march.setup, states.material, states.trial, prescribed, march.system, stride, found)
+    states.depth[lost & ~found] = np.nan
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -134,6 +175,12 @@ def correct(setup, material, trial, prescribed, system, lanes, times):
         Which take part.
     times
         Number of iterations.
+
+    Returns
+    -------
+    missed : ndarray, shape (LANES,)
+        What they lack of equilibrium in the end, see `palpate.solver.axisymmetric.newton.imbalance`; infinite where it
+        is no number.
     """
     size, coupling, done = setup.body.size, no_coupling(setup.body.radial.shape[0]), ~lanes
     residual, direction, forward = no_residual(size), no_direction(size), np.zeros((size + 1, LANES))
@@ -151,3 +198,10 @@ def correct(setup, material, trial, prescribed, system, lanes, times):
         for lane in range(LANES):
             trial.depth[lane] += direction.depth[lane]
             trial.contact.area[lane] += direction.area[lane]
+    norm, work, missed = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    measure(residual.forces, direction.displacement, size, norm, work)
+    for lane in range(LANES):
+        if lanes[lane]:
+            found = imbalance(trial.contact, prescribed, residual, coupling, norm, lane)
+            missed[lane] = found if np.isfinite(found + work[lane]) else np.inf
+    return missed

@@ -60,7 +60,7 @@ MORE = 2.0  # likewise, where nodes begin or cease to slip
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
+def advance(setup, material, trial, prescribed, system, farthest, alive):
     """Bring all lanes into equilibrium under what is prescribed at the end of a step.
 
     Parameters
@@ -77,8 +77,6 @@ def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
         How far one iteration may move a node.
     alive : ndarray of bool, shape (LANES,)
         Lanes that take part; one that finds no equilibrium leaves.
-    spent : ndarray of int, shape (LANES,)
-        Iterations of each lane are added.
     """
     points, state = material.points, trial.contact
     size, count = setup.body.size, setup.body.radial.shape[0]
@@ -100,11 +98,8 @@ def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
             solving[lane] = False
             if done[lane]:
                 continue
-            spent[lane] += 1
-            excess, scale = residual.excess[lane], prescribed.scale[lane]
+            excess = residual.excess[lane]
             work[lane] += direction.depth[lane] * excess / max(prescribed.force_weight[lane], STIFFEST)
-            exact = EXACT if prescribed.depth_weight[lane] > 0.0 else 1.0
-            imbalance = max(norm[lane], exact * abs(excess)) / scale
             push = state.pressure[lane] * state.area[lane]
             calm = max(norm[lane], abs(excess)) < CALM * push
             residual.limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
@@ -115,7 +110,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive, spent):
             elif broken:
                 fraction[lane] *= 0.5
                 move(trial, direction, lane, -fraction[lane])
-            elif max(imbalance, unlike * push / scale / LESS) < prescribed.tolerance:
+            elif imbalance(state, prescribed, residual, coupling, norm, lane) < prescribed.tolerance:
                 done[lane] = True
                 save_solution(points, solved, lane)
             elif (
@@ -181,6 +176,22 @@ def unbalance(setup, material, trial, prescribed, residual, coupling, done):
             residual.excess[lane] = borne + trial.depth[lane] * prescribed.depth_weight[lane] - prescribed.target[lane]
             missing = trial.contact.area[lane] - coupling.area[lane]
             residual.late[lane] = missing / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
+
+
+@njit(cache=True, error_model="numpy")
+def imbalance(state, prescribed, residual, coupling, norm, lane):
+    """Return what a lane lacks of equilibrium, in forces, drive and area of contact, as a share of its largest load.
+
+    Parameters
+    ----------
+    state
+        Of the contact.
+    norm : ndarray, shape (LANES,)
+        Largest unbalanced force.
+    """
+    exact, scale = EXACT if prescribed.depth_weight[lane] > 0.0 else 1.0, prescribed.scale[lane]
+    unlike, push = abs(coupling.area[lane] / state.area[lane] - 1.0), state.pressure[lane] * state.area[lane]
+    return max(max(norm[lane], exact * abs(residual.excess[lane])) / scale, unlike * push / scale / LESS)
 
 
 @njit(cache=True)
@@ -270,8 +281,6 @@ def shorten(direction, lane, farthest):
     farthest
         Largest displacement of any node.
     """
-    if farthest == np.inf:
-        return
     largest = abs(direction.depth[lane])
     for i in range(direction.displacement.shape[0]):
         largest = max(largest, abs(direction.displacement[i, lane]))

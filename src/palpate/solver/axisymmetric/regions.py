@@ -16,10 +16,6 @@ from palpate.study.specimen import Specimen
 class Divided(Protocol):
     """A mesh, in the plane or in space."""
 
-    @property
-    def elements(self) -> np.ndarray:
-        """Nodes of each element."""
-
     def share_above(self, height: float) -> np.ndarray:
         """Return the share (m,) of each element's volume above z = `height`."""
 

@@ -17,8 +17,9 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.solver.axisymmetric.history import History
+from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
-from palpate.solver.axisymmetric.march_cases import Case, indent_batch
+from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.study.protocol import LOAD
 
 CLOSE = 1e-12  # relative, within which histories are in proportion

@@ -11,13 +11,13 @@ import numpy as np
 
 from palpate.solver.axisymmetric.adhesive_traction import Adhesion
 from palpate.solver.pyramid.contact_3d import Contact3D
-from palpate.solver.pyramid.linear_system import LinearSystem
 from palpate.solver.pyramid.mesh_3d import FACES, Mesh3D
+from palpate.solver.pyramid.problem_3d import Workspace
 
 TRIANGLES = ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))  # of a facet, divided along one diagonal or the other
 
 
-def attract(adhesion: Adhesion, contact: Contact3D, work: LinearSystem, force: np.ndarray, softening: bool) -> float:
+def attract(adhesion: Adhesion, contact: Contact3D, work: Workspace, force: np.ndarray, softening: bool) -> float:
     """Add the attraction of free nodes to the assembled system and to the `force` (n, 3) of the indenter on them.
 
     Parameters

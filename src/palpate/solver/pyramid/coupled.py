@@ -23,7 +23,8 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from palpate.solver.pyramid.contact_3d import Contact3D
-from palpate.solver.pyramid.linear_system import Factored, LinearSystem
+from palpate.solver.pyramid.linear_system import Factored
+from palpate.solver.pyramid.problem_3d import Workspace
 
 ACCURACY = 1e-6  # relative, of GMRES: an error of the direction alone
 
@@ -112,7 +113,7 @@ def _bent(contact: Contact3D, touching: np.ndarray, force: np.ndarray) -> np.nda
     return np.stack([first * one + mixed * two, mixed * one + second * two], axis=1)
 
 
-def coupled_direction(work: LinearSystem, coupling: Coupling3D, forces: np.ndarray, corner: float) -> np.ndarray | None:
+def coupled_direction(work: Workspace, coupling: Coupling3D, forces: np.ndarray, corner: float) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
     None where the symmetric part is not positive definite or GMRES does not converge.

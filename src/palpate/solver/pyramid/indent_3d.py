@@ -16,9 +16,9 @@ from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.pyramid.adhesion_3d import nodal_areas
+from palpate.solver.pyramid.eased import advance_or_ease
 from palpate.solver.pyramid.march_3d import march_by
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
-from palpate.solver.pyramid.newton_3d import advance_or_ease
 from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
@@ -73,25 +73,21 @@ def indent_3d(
     specimen = resolved(specimen, indenter, radii[0])
     adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh))
     problem = Problem3D.of(mesh, tip_of(indenter), specimen, indenter.friction, large, adhesion)
-    work = Workspace.of(problem)
-    step = partial(advance_or_ease, problem, work, protocol.max_load)
+    step = partial(advance_or_ease, problem, Workspace.of(problem), protocol.max_load)
     state, before = State.initial(problem), None
     ends = step_times(protocol, resolution, specimen.yields)
     samples, depth = steps_of_samples(ends, protocol), np.full(len(protocol.sample_time), np.nan)
-    reason, steps = "", 0
+    reason = ""
     for k, target in enumerate(ends):
         try:
-            state, before, taken = march_by(step, protocol, state, before, target)
+            state, before = march_by(step, protocol, state, before, target)
         except ConvergenceError as error:
             reason = str(error)
             break
-        steps += taken
         depth[samples == k] = state.depth * 1e3
         if observe is not None:
             observe(problem, state)
         if target in protocol.knot_time:
             before = None
     load = np.where(np.isnan(depth), np.nan, protocol.sample_load)
-    return History(
-        depth, load, reason, clock.perf_counter() - began, work.iterations, steps, *np.empty((2, 0, len(depth)))
-    )
+    return History(depth, load, reason, clock.perf_counter() - began, *np.empty((2, 0, len(depth))))

@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.linalg import lapack
 
 from palpate.errors import ConvergenceError
 from palpate.solver.axisymmetric.newton import LESS_WORK, SHORTEST, TRIES
-
-
-class LinearSystem(Protocol):
-    """A banded matrix with its right-hand side, bordered by the depth: see `element_3d.assemble`."""
-
-    band: np.ndarray
-    residual: np.ndarray
-    border: np.ndarray
+from palpate.solver.pyramid.problem_3d import Workspace
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +31,7 @@ class Factored:
     stiffness: float
 
     @classmethod
-    def of(cls, work: LinearSystem, corner: float) -> Factored | None:
+    def of(cls, work: Workspace, corner: float) -> Factored | None:
         """Factor the band in place, `corner` being the entry of the depth; None where it is not positive definite."""
         factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
         if failed:
@@ -55,7 +47,7 @@ class Factored:
         return np.append(forward - change * self.sideways, change)
 
 
-def newton_direction(work: LinearSystem, forces: np.ndarray, corner: float, definite: bool) -> np.ndarray | None:
+def newton_direction(work: Workspace, forces: np.ndarray, corner: float, definite: bool) -> np.ndarray | None:
     """Return the change (size + 1,) of displacements and depth that balances `forces` in the linearised system.
 
     None where the band is not positive definite, or the whole matrix ought to be (`definite`) and is not.

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar
 
 import numpy as np
 
 from palpate.errors import ConvergenceError
-from palpate.solver.axisymmetric.march_cases import HALVINGS
+from palpate.solver.axisymmetric.indentation_case import HALVINGS
+from palpate.solver.pyramid.problem_3d import State
 from palpate.study.protocol import Protocol
-
-State = TypeVar("State", bound=Any)
 
 
 def march_by(
@@ -21,7 +19,7 @@ def march_by(
     state: State,
     before: State | None,
     target: float,
-) -> tuple[State, State, int]:
+) -> tuple[State, State]:
     """March to `target`, halving what does not converge.
 
     Parameters
@@ -37,16 +35,16 @@ def march_by(
 
     Returns
     -------
-    state, before, steps
-        The state at `target`, the one before, and the number of steps.
+    state, before
+        The state at `target`, and the one before.
 
     Raises
     ------
     ConvergenceError
         When steps of 2^-`HALVINGS` of the way do not converge either.
     """
-    shortest = (target - state.time) / 2**HALVINGS
-    length, taken = target - state.time, 0
+    length = target - state.time
+    shortest = length / 2**HALVINGS
     while True:
         end = target if state.time + 1.5 * length > target else state.time + length
         load = float(protocol.load_at(np.array(end)))
@@ -57,12 +55,12 @@ def march_by(
                 raise
             length, before = max(0.5 * length, shortest), None
             continue
-        state, before, taken = after, state, taken + 1
+        state, before = after, state
         if end == target:
-            return state, before, taken
+            return state, before
 
 
-def extrapolate(state: Any, before: Any, time: float) -> Any:
+def extrapolate(state: State, before: State | None, time: float) -> State:
     """Guess the next state by carrying the last change on."""
     if before is None or state.time == before.time:
         return state

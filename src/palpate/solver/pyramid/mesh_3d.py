@@ -14,6 +14,7 @@ from palpate.solver.axisymmetric.mesh import Numbered
 from palpate.solver.pyramid.shell import WEDGE, Shell
 
 FACES = ((0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7))  # of a hexahedron
+SAMPLES = 6  # along each edge of an element that an interface may cut
 CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 
 
@@ -52,18 +53,18 @@ class Mesh3D(Numbered):
     weights: np.ndarray
     bandwidth: int
 
-    def share_above(self, height: float, points: int = 6) -> np.ndarray:
-        """Return the share (m,) of each element's volume above z = `height` [um], by `points`^3 samples.
+    def share_above(self, height: float) -> np.ndarray:
+        """Return the share (m,) of each element's volume above z = `height` [um], by `SAMPLES`^3 samples.
 
         Each sample represents a cell whose height counts, so that the share varies continuously.
         """
-        ticks, corners = 2.0 * (np.arange(points) + 0.5) / points - 1.0, self.nodes[self.elements]
+        ticks, corners = 2.0 * (np.arange(SAMPLES) + 0.5) / SAMPLES - 1.0, self.nodes[self.elements]
         places = np.stack(np.meshgrid(ticks, ticks, ticks), axis=-1).reshape(-1, 3)
         above, whole = np.zeros((2, len(corners)))
         for place in places:
             volume = np.linalg.det(np.einsum("ai,eaj->eij", _slopes(place), corners))
             shape = 0.125 * np.prod(1.0 + CORNERS * place, axis=1)
-            tall = 2.0 / points * np.abs(corners[:, :, 2] @ _slopes(place)).sum(axis=1)
+            tall = 2.0 / SAMPLES * np.abs(corners[:, :, 2] @ _slopes(place)).sum(axis=1)
             above += volume * np.clip(0.5 + (corners[:, :, 2] @ shape - height) / tall, 0.0, 1.0)
             whole += volume
         return above / whole

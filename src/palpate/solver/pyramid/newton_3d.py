@@ -10,7 +10,6 @@ from palpate.solver.axisymmetric.march import STRIDE
 from palpate.solver.pyramid.adhesion_3d import attract
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.coupled import Coupling3D, coupled_direction
-from palpate.solver.pyramid.eased import grown
 from palpate.solver.pyramid.element_3d import (
     CURVATURE_11,
     CURVATURE_22,
@@ -30,21 +29,6 @@ from palpate.study.specimen import halfway
 ITERATIONS = 40  # of a step; chosen
 ADHESIVE_ITERATIONS = 60  # a surface that jumps into contact takes many
 TOLERANCE = 1e-7  # of the largest load on the wedge, which every unbalanced force falls below
-
-
-def advance_or_ease(
-    problem: Problem3D, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
-) -> State:
-    """Do what `advance` does; where attraction keeps it from converging, let that grow in parts.
-
-    Arguments, result and errors are those of `advance`.
-    """
-    try:
-        return advance(problem, work, scale, state, time, load, guess)
-    except ConvergenceError:
-        if problem.adhesion is None:
-            raise
-    return grown(lambda eased, guess: advance(eased, work, scale, state, time, load, guess), problem, state)
 
 
 def advance(
@@ -84,7 +68,7 @@ def advance(
     hexahedra = Hexahedra.of(mesh)
     system = System3D(work.band, work.residual, work.border[:, 0], force, work.pressing, work.pressure)
     free, search, geometric, coupling = mesh.equations >= 0, None, True, None
-    farthest, limit, delicate = np.inf, ITERATIONS, problem.adhesion is not None
+    farthest, limit = np.inf, ITERATIONS
     if problem.adhesion is not None:
         farthest = max(STRIDE * problem.adhesion.reach, np.abs(guess.displacement - state.displacement).max())
         limit = ADHESIVE_ITERATIONS
@@ -93,7 +77,6 @@ def advance(
         contact.rule[:, CURVATURE_11 : CURVATURE_22 + 1] *= geometric
         touching = Touching(contact.touching, contact.rule, work.slot)
         corner = assemble(displacement, hexahedra, laws, points, touching, system, problem.large, geometric)
-        work.iterations += 1
         if not np.isfinite(corner):
             back = retreat(search, state.time)
             displacement[free] += back[:-1]
@@ -120,7 +103,7 @@ def advance(
             depth += shorter * search.direction[-1]
             continue
         if coupling is None:
-            direction = newton_direction(work, forces, corner, definite=geometric and delicate)
+            direction = newton_direction(work, forces, corner, definite=geometric and problem.adhesion is not None)
         else:
             direction = coupled_direction(work, coupling, forces, corner)
         if direction is None:

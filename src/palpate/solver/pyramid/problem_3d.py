@@ -119,7 +119,7 @@ class State:
 
 @dataclass
 class Workspace:
-    """Arrays of the linear system, allocated once a simulation, and a count of the work done."""
+    """Arrays of the linear system, allocated once a simulation; see `palpate.solver.pyramid.element_3d`."""
 
     band: np.ndarray
     residual: np.ndarray
@@ -130,7 +130,6 @@ class Workspace:
     local: np.ndarray
     slot: np.ndarray
     pressing: np.ndarray
-    iterations: int = 0
 
     @classmethod
     def of(cls, problem: Problem3D) -> Workspace:
