@@ -131,7 +131,8 @@ def test_derivatives_by_the_material_are_those_of_differences_on_one_mesh():
 
     modulus = BURGERS["youngs_modulus"]
     difference = (depth(1.0001 * modulus) - depth(0.9999 * modulus)) / (2e-4 * modulus)
-    assert exact[:, 0] == pytest.approx(difference, abs=1e-4 * np.abs(difference).max())
+    loaded = protocol.sample_load > 0.0  # elsewhere each simulation may divide the step by itself
+    assert exact[loaded, 0] == pytest.approx(difference[loaded], abs=1e-4 * np.abs(difference).max())
 
 
 @pytest.mark.parametrize(

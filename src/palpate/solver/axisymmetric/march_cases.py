@@ -234,8 +234,8 @@ def begun(
     specimens = [resolved(case.specimen, case.indenter, unit) for case, unit in zip(lanes, units, strict=True)]
     bodies = Specimens.of(specimens, mesh, units)
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
-    contacts = [case.contacts for case in lanes]
-    sticking = [attraction(c.specimen, resolution, most, area) for c, (_, most) in zip(lanes, contacts, strict=True)]
+    contacts = [case.contacts for case in hosts]
+    sticking = [attraction(case.specimen, resolution, case.contacts[1], area) for case in lanes]
     expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
     protocols, adhesive = [case.protocol for case in lanes], np.array([a is not None for a in sticking])
     drives = Drives.of(protocols, expected, adhesive, units)
