@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
-from palpate.recordings.readers.doubtful_columns import doubts
+from palpate.recordings.readers.column_warnings import column_warnings
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
 from palpate.recordings.readers.several_tests import Part
@@ -101,7 +101,7 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     if assumed:
         messages += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
     time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
-    messages += doubts(body, columns, part.rows[kept] + skipped)
+    messages += column_warnings(body, part.rows[kept] + skipped)
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
     messages += (

@@ -37,10 +37,8 @@ def matches(source: Source) -> bool:
 
 def _header(source: Source) -> int | None:
     """Return the line of headings; None where there is none."""
-    named = (k for k, line in enumerate(source.lines) if DEFLECTION in line)
-    return next(
-        (k for k in named if (DEFLECTION, DIRECTIONS[0]) in {key[::2] for key in _columns(source.lines[k])}), None
-    )
+    named = ((k, line) for k, line in source.lines.in_words() if DEFLECTION in line)
+    return next((k for k, line in named if (DEFLECTION, DIRECTIONS[0]) in {key[::2] for key in _columns(line)}), None)
 
 
 def _columns(line: str) -> Columns:

@@ -21,10 +21,15 @@ NO_NUMBER = [form for text in MISSING for form in {text, text.upper(), text.titl
 BLANKS, AROUND_BREAK = re.compile(rb"[ \t]+"), re.compile(rb"[ \t]*[\r\n]+[ \t]*")
 
 
+def is_long(lines: Lines) -> bool:
+    """Return whether lines are so long together that reading them by columns is faster."""
+    return bool(lines.starts[-1] - lines.starts[0] >= SHORT)
+
+
 def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None:
     """Return the numbers (n, k) of many lines of k cells, infinite where one is empty or invalid, and the decimal sign.
 
-        The sign is empty where no cell needs one. None where a line holds anything else, or other than k cells, where
+    The sign is empty where no cell needs one. None where a line holds anything else, or other than k cells, where
     nothing shows the decimal sign, or of a few lines. Empty lines are passed over.
 
     Parameters
@@ -32,7 +37,7 @@ def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None
     delimiter
         What parts the cells; a blank means any number of blanks and tabs.
     """
-    if lines.starts[-1] - lines.starts[0] < SHORT:
+    if not is_long(lines):
         return None
     first = next((line for line in itertools.islice(map(lines.__getitem__, range(len(lines))), SHOWN) if line), "")
     sign = _decimal_sign(lines, delimiter)

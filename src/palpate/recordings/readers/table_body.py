@@ -26,6 +26,8 @@ class TableBody:
     ----------
     table
         The whole table.
+    places
+        Of the three columns in its rows.
     cells
         Its cells of the three columns, below the header where the columns are given by their names.
     named, header
@@ -44,6 +46,7 @@ class TableBody:
     """
 
     table: Table
+    places: Sequence[int]
     cells: Table
     named: int | None
     header: int | None
@@ -82,7 +85,9 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
         repeated[k] = header is not None and [*rows[k]] == [*table.rows[header]]
         blank[k] |= not any(map(str, rows[k]))
     of_clock = clock.get(first, cells.rows[first][0]) != cells.rows[first][0]
-    return TableBody(table, cells, found[0], header, above, values, repeated, repeated | blank, of_clock, messages)
+    return TableBody(
+        table, found[1], cells, found[0], header, above, values, repeated, repeated | blank, of_clock, messages
+    )
 
 
 def _values(cells: Table, aside: Mapping[int, Sequence[Any]]) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from palpate.recordings.readers.decimals import PARTING
-from palpate.recordings.readers.plain_numbers import plain_numbers
+from palpate.recordings.readers.plain_numbers import is_long, plain_numbers
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import first_few
 
@@ -145,6 +145,8 @@ def tables_of(source: Source) -> list[Table]:
 def _with_core(source: Source) -> Table | None:
     """Return the table of a text most of which is one run of numbers; None for another."""
     lines = source.lines
+    if not is_long(lines):
+        return None
     bounds = np.concatenate([[-1], lines.worded, [len(lines)]])
     widest = int(np.argmax(np.diff(bounds)))
     first, last = int(bounds[widest]) + 1, int(bounds[widest + 1])

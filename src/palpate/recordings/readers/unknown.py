@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 
 from palpate.errors import InputError
 from palpate.recordings.readers.igor import may_be_wave
-from palpate.recordings.readers.source import Source
+from palpate.recordings.readers.source import PADDING, Source
 
 LIST = "`palpate read --formats` lists formats and units"
 BY_COLUMNS = "name the columns of its table (--columns time=...,load=...,depth=...); " + LIST
@@ -41,14 +42,14 @@ def no_table(source: Source) -> tuple[str, str] | None:
         return "an Igor wave that is cut off, or has no note on a cantilever", f"copy it again, or {FORCE_CURVE}"
     if TDM.match(content):
         return "the header of a TDM file, whose numbers lie in the .tdx file beside it", AS_TEXT
-    begun = content.removeprefix(b"\xef\xbb\xbf").lstrip()
+    begun = content.removeprefix(codecs.BOM_UTF8).lstrip()
     kind = next((words for magic, words in KINDS.items() if begun[: len(magic)].lower() == magic.lower()), None)
     return kind or (("a binary file", AS_TEXT) if _binary(source) else None)
 
 
 def _binary(source: Source) -> bool:
     """Return whether a file's first bytes, less what pads its end, hold more control characters than a text does."""
-    begun = source.content[:BEGINNING].rstrip(b"\0\x1a")
+    begun = source.content[:BEGINNING].rstrip(PADDING)
     return len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
 
 

@@ -62,8 +62,8 @@ class Adhesion:
         return self.strength * np.exp(-gap / self.reach)
 
 
-def attraction(specimen: Specimen, resolution: Resolution, largest: float, area: np.ndarray) -> Adhesion | None:
-    """Return the adhesion of the specimen, ranged for the elements at the edge of the largest contact [um].
+def attraction(specimen: Specimen, resolution: Resolution, largest: float, area: np.ndarray) -> Adhesion:
+    """Return the adhesion of a specimen that has one, ranged for the elements at the edge of the largest contact [um].
 
     Parameters
     ----------
@@ -76,8 +76,6 @@ def attraction(specimen: Specimen, resolution: Resolution, largest: float, area:
     area : ndarray, shape (k,)
         Undeformed area of each surface node [um^2].
     """
-    if specimen.adhesion == 0.0:
-        return None
     work, element = GPA_UM * specimen.adhesion, (resolution.growth - 1.0) * largest
     strength = math.sqrt(math.pi / 8 * plane_strain_modulus(specimen.coefficients) * work / (ZONE * element))
     return Adhesion(strength, work / strength, area)

@@ -235,7 +235,10 @@ def begun(
     bodies = Specimens.of(specimens, mesh, units)
     area = nodal_areas(mesh.nodes[mesh.surface, 0])
     contacts = [case.contacts for case in hosts]
-    sticking = [attraction(case.specimen, resolution, case.contacts[1], area) for case in lanes]
+    sticking = [
+        attraction(case.specimen, resolution, case.contacts[1], area) if case.specimen.adhesion else None
+        for case in lanes
+    ]
     expected = [expected_load(c.specimen.coefficients, c.indenter, c.protocol) for c in hosts]
     protocols, adhesive = [case.protocol for case in lanes], np.array([a is not None for a in sticking])
     drives = Drives.of(protocols, expected, adhesive, units)

@@ -71,7 +71,7 @@ def indent_3d(
     radii = mesh_radii(specimen, indenter, protocol, resolution) if radii is None else radii
     mesh = wedge_mesh(radii, shell(resolution.sectors))
     specimen = resolved(specimen, indenter, radii[0])
-    adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh))
+    adhesion = attraction(specimen, resolution, largest, nodal_areas(mesh)) if specimen.adhesion else None
     problem = Problem3D.of(mesh, tip_of(indenter), specimen, indenter.friction, large, adhesion)
     step = partial(advance_or_ease, problem, Workspace.of(problem), protocol.max_load)
     state, before = State.initial(problem), None

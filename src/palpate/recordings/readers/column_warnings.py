@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import channel_of, words_in
 from palpate.recordings.readers.table_body import TableBody
@@ -14,16 +15,15 @@ OF_PIEZO = {"piezo", "ramp", "height", "stage", "zsensor", "zsnsr", "lvdt"}
 APART = 1e-6  # of a test's duration: clocks that differ less are one
 
 
-def doubts(body: TableBody, columns: ColumnMap, rows: np.ndarray) -> tuple[str, ...]:
-    """Return warnings on the columns that a user names; `rows` are those of the table that make the test."""
-    found = columns_of(body.table, columns)
-    if body.header is None or found is None:
+def column_warnings(body: TableBody, rows: np.ndarray) -> tuple[str, ...]:
+    """Return warnings on the columns of a table; `rows` are those of it that make the test."""
+    if body.header is None:
         return ()
     headings = [str(cell).strip() for cell in body.table.rows[body.header]]
-    return _of_piezo(headings, found[1]) + _apart(body, headings, found[1], rows)
+    return _of_piezo(headings, body.places) + _apart(body, headings, rows)
 
 
-def _of_piezo(headings: list[str], chosen: list[int]) -> tuple[str, ...]:
+def _of_piezo(headings: list[str], chosen: Sequence[int]) -> tuple[str, ...]:
     """Return a warning where the column of the depth has the name of a drive."""
     name = headings[chosen[2]] if chosen[2] < len(headings) else ""
     if not words_in(name) & OF_PIEZO:
@@ -31,8 +31,9 @@ def _of_piezo(headings: list[str], chosen: list[int]) -> tuple[str, ...]:
     return (f"{name!r} is the way of the drive, by its name: the bending of a cantilever or a spring is in the depth",)
 
 
-def _apart(body: TableBody, headings: list[str], chosen: list[int], rows: np.ndarray) -> tuple[str, ...]:
+def _apart(body: TableBody, headings: list[str], rows: np.ndarray) -> tuple[str, ...]:
     """Return a warning where load and depth follow columns of times, in this order of columns, that differ."""
+    chosen = body.places
     clocks = {chosen[0], *(k for k, name in enumerate(headings) if channel_of(name) == "time")}
     own = [max((k for k in clocks if k < column), default=chosen[0]) for column in chosen[1:]]
     if own[0] == own[1]:
