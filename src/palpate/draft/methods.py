@@ -44,7 +44,7 @@ def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list
 
 
 def end_of_loading(channel: np.ndarray) -> int:
-    """Return the index at which a load or displacement (n,) has risen."""
+    """Return the index at which a load or displacement (n,) has risen, to `LOADED` of its largest."""
     return int(np.argmax(channel >= LOADED * channel.max()))
 
 
@@ -86,7 +86,7 @@ def _size(group: Sequence[Recording], drive: Drive) -> float:
 
 
 def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:
-    """Return whether two drives agree when each counts in its largest and its duration."""
+    """Return whether two drives agree once each is divided by its largest value and its duration."""
     if not 1.0 / LONGER < one.time[-1] / other.time[-1] < LONGER:
         return False
     first, second = (
@@ -96,7 +96,7 @@ def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:
 
 
 def _same_depth(one: Recording, other: Recording) -> bool:
-    """Return whether two tests are as deep at the end of loading, other than their loads would make them."""
+    """Return whether two tests end their loading at about one depth, although their loads differ."""
     loads, depths = (abs(np.log(_at_end_of_loading(one)[k] / _at_end_of_loading(other)[k])) for k in (0, 1))
     return bool(loads < np.log(SPREAD) and depths < SAME_DEPTH * 0.5 * loads)
 

@@ -125,7 +125,7 @@ class Comparison:
 
 
 def compared(test: str, specification: Specification, theirs: np.ndarray, own_error: float) -> tuple[list[Row], Plot]:
-    """Hold palpate's curve to one of CalculiX'.
+    """Compare palpate's curve with one of CalculiX'.
 
     Parameters
     ----------

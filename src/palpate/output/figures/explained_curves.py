@@ -77,7 +77,7 @@ def compose(figure: Figure, content: Mapping[str, Any], curves: pd.DataFrame, ti
 
 
 def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
-    """Colour each part of each test by its mean misfit, in the order of the study; a dot marks what is not chance."""
+    """Colour each part of each test by its mean misfit, in the order of the study; a dot marks what is significant."""
     located = {row["condition"] for row in content["location"]}
     conditions = [name for name in names if name in located]
     found = {(row["segment"], row["part"]) for row in content["location"]}
