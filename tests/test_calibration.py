@@ -170,6 +170,33 @@ def test_the_forward_model_removes_the_error_of_the_surrogate():
     assert found.converged
 
 
+def test_a_fit_ends_on_the_finest_curves_with_slopes_that_are_about_right():
+    """The model errs by less than the recordings tell, and by more than the estimate may."""
+
+    class Finest:
+        def curves(self, u):
+            return Forward().curves([u])[0]
+
+        def tangents(self, u):
+            return self.curves(u), Coarse().tangents([u])[0][1]
+
+    class Coarse(Forward):
+        finest = Finest()
+
+        def __init__(self):
+            super().__init__({"slow": Family(1.01), "fast": Family(0.5)})
+
+        def consistent(self, u, curves, slopes):
+            return Forward()
+
+    data = observed(np.random.default_rng(0), sigma=3.0, rho=0.0, site=0.0)
+    usual = calibrated(data, Forward(Coarse().families))
+    settled, true = calibrated(data, Coarse()), calibrated(data, Forward())
+    width = true.parameters["b"].upper - true.parameters["b"].lower
+    assert abs(usual.values["b"] - true.values["b"]) > 0.25 * width
+    assert abs(settled.values["b"] - true.values["b"]) < 0.02 * width
+
+
 def test_an_estimate_may_lie_outside_its_range():
     truth = TRUTH | {"a": 2.2}
     x = np.array([list(truth.values())])
