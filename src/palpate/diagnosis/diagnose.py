@@ -118,9 +118,19 @@ def _accepted(
                 larger += _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
             tried = likeliest_of_each(larger + special + tried)
             chosen = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
-            settled = best_first([search.settled(each) for each in chosen])
+            settled = _settled(search, chosen, report)
+            tried = likeliest_of_each([*settled, *(each for each in tried if each not in chosen)])
             return [each for each in settled if each.adequate(level)], tried
     return [], closest_first(tried)
+
+
+def _settled(search: Search, accepted: Sequence[Candidate], report: Callable[[str], None]) -> list[Candidate]:
+    """Return accepted explanations after the last steps of their fits, best first, see `Search.settled`."""
+    found = [search.settled(each) for each in accepted]
+    for each in [each for each in found if each not in accepted]:
+        name = "+".join(each.fit.explanation)
+        report(f"{name} on finer meshes: log evidence {each.fit.log_evidence:.1f}, p = {each.p_value:.3g}")
+    return best_first(found)
 
 
 def _special_cases(
