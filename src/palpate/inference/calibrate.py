@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
-from palpate.errors import InputError
+from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, Calibration
 from palpate.inference.estimates import condition_errors, estimates, named_matrix, noise_table
 from palpate.inference.explanation import Fit
@@ -68,9 +68,10 @@ def calibrate(
 ) -> Calibration:
     """Calibrate the parameters on the conditions of a problem.
 
-    The genetic search minimises the thesis' objectives on the mean curves. From its best points, and from some places
-    scattered over the ranges, least squares go on, on the forward model itself and beyond the bounds where that fits
-    better; estimate and intervals rest on its curves and derivatives.
+    The genetic search minimises the thesis' objectives on the mean curves. From its optimum least squares go on, on the
+    forward model itself and beyond the bounds where that fits better; estimate and intervals rest on its curves and
+    derivatives. Where they end far from the recordings, or no replicates tell how far, its other points and some places
+    scattered over the ranges are tried as well.
 
     Parameters
     ----------
@@ -127,6 +128,15 @@ def calibrate(
     )
 
 
+def _from_optimum(fitter: Fitter, start: np.ndarray) -> Fit | None:
+    """Return the fit from coordinates (k,), or None where it fails or ends far from the recordings."""
+    try:
+        fit = fitter.base([start])
+    except PalpateError:
+        return None
+    return fit if fit.misfit_ratio <= fitter.policy.alone else None
+
+
 def _simulated(problem: Problem, fit: Fit, report: Callable[[str], None]) -> dict[str, np.ndarray]:
     """Return the forward model's curve of each condition in its own unit; reports where there is none, and why."""
     found = {}
@@ -168,8 +178,11 @@ def base_fit(
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
     scatter = settings.site_scatter if problem.replicated else 0.0
-    fitter = Fitter(brought, scatter, settings.solver_error)
-    fit = fitter.base([*map(coordinates.scaled, starts), *fitter.scattered(rng)])
+    fitter, begun = Fitter(brought, scatter, settings.solver_error), [coordinates.scaled(values) for values in starts]
+    fit = _from_optimum(fitter, begun[0]) if problem.replicated else None
+    if fit is None:
+        fitter = replace(fitter, problem=brought)
+        fit = fitter.base([*begun, *fitter.scattered(rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)

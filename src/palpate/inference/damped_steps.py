@@ -61,7 +61,9 @@ class Steps:
         return end
 
     def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
-        """Return the coordinates (k,) at the end of the step of this length, within the limits.
+        """Return the coordinates (k,) at the end of the step of this length.
+
+        One that would leave its limits ends there, that which would first, and the others make the best of it.
 
         Parameters
         ----------
@@ -69,16 +71,17 @@ class Steps:
             Of the weighted curves there from their linear prediction.
         """
         least, largest = self.misfit.coordinates.limits
-        free = np.ones(len(self.u), dtype=bool)
-        while True:
-            step = np.zeros(len(self.u))
-            step[free] = _limited(self.slopes[:, free], self.residual + departure, length)
-            held = free & (((self.u <= least) & (step < 0.0)) | ((self.u >= largest) & (step > 0.0)))
-            if not held.any():
-                return np.clip(self.u + step, least, largest)
-            free &= ~held
-            if not free.any():
-                return self.u
+        free, step = np.ones(len(self.u), dtype=bool), np.zeros(len(self.u))
+        while free.any():
+            held = self.slopes[:, ~free] @ step[~free]
+            step[free] = _limited(self.slopes[:, free], self.residual + departure + held, length)
+            room = np.where(step > 0.0, largest, least) - self.u
+            beyond = np.where(free & (np.abs(step) > np.abs(room)), np.abs(step) - np.abs(room), 0.0)
+            if not beyond.any():
+                break
+            first = int(np.argmax(beyond / np.maximum(np.abs(step), 1e-300)))
+            step[first], free[first] = room[first], False
+        return np.clip(self.u + step, least, largest)
 
     def predicted_decrease(self, end: np.ndarray) -> float:
         """Return the decrease of chi^2 that the linear model predicts for a step to coordinates (k,)."""

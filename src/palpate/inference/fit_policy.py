@@ -13,6 +13,8 @@ class FitPolicy:
     ----------
     scattered
         Places of the ranges that are tried beside the optima of the genetic search.
+    alone
+        Chi-square per degree of freedom up to which a fit from the optimum of the genetic search needs no other start.
     searches
         That go on side by side, from the best of all places where a fit may begin; one that falls behind is given up.
     iterations
@@ -34,6 +36,7 @@ class FitPolicy:
     """
 
     scattered: int = 16
+    alone: float = 3.0
     searches: int = 2
     iterations: int = 12
     base_iterations: int = 30

@@ -18,6 +18,7 @@ from scipy.stats import qmc
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
+from palpate.inference.between_conditions import with_own_values
 from palpate.inference.covariance import Errors, errors, noise_of
 from palpate.inference.descent import Descent
 from palpate.inference.effects import effects_at
@@ -28,9 +29,6 @@ from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.trust_region import LEAST_STEPS, descend, resumed, settled
-
-OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
-LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
 
 
 @dataclass(eq=False)
@@ -122,7 +120,7 @@ class Fitter:
             end = self._searched(misfit, model, begun, depth, limit, stop)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
-        fit = self._with_own_values(self._fit(explanation, model, end, weighed))
+        fit = with_own_values(self._fit(explanation, model, end, weighed))
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
@@ -130,13 +128,19 @@ class Fitter:
             end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, exact=False, stop=stop)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
-        fit = replace(fit, errors=replace(fit.errors, refinements=problem.refinements(record)))
-        goal = self._without_discrepancy(fit) if self.near(fit) else misfit
         if record is model:
+            fit, goal = self._weighed_by(fit, model, misfit)
             end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop)
-        else:
+            record = model.of_record(end.u)
+        if record is not model:
+            fit, goal = self._weighed_by(fit, record, misfit)
             end = resumed(goal, record, end, limit, tolerance, stop)
         return self._fit(explanation, record, end, fit.errors)
+
+    def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
+        """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""
+        fit = replace(fit, errors=replace(fit.errors, refinements=self.problem.refinements(record)))
+        return fit, self._without_discrepancy(fit) if self.near(fit) else usual
 
     def settled(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
@@ -284,17 +288,3 @@ class Fitter:
             return departures(self.laws, problem.amplitudes(explanation, z))
 
         return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
-
-    def _with_own_values(self, fit: Fit) -> Fit:
-        """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
-        for amplitude in fit.own:
-            trials = list[tuple[float, Fit]]()
-            for share in OWN_VALUES:
-                between = {**fit.errors.between, str(amplitude): (share * fit.problem.largest(amplitude)) ** 2}
-                trial = replace(fit, errors=replace(fit.errors, between=between))
-                tangent = trial.whiten(fit.tangent)
-                left = trial.white - tangent @ np.linalg.lstsq(tangent, trial.white, rcond=1e-10)[0]
-                trials.append((-0.5 * float(left @ left) - trial.log_volume, trial))
-            likeliest, alike = max(trials, key=lambda each: each[0]), trials[0]
-            fit = (likeliest if likeliest[0] > alike[0] + LEAST_GAIN else alike)[1]
-        return fit
