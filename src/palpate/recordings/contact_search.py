@@ -26,7 +26,6 @@ EXACT, FAR_OFF = 5e-4, 0.005  # of the load's range, chosen: what an exact fit l
 QUIET = 2e-6  # of the load's range: twice the least noise that is assumed
 BETWEEN = 0.003  # of the load from one of the first contacts on trial to the next, chosen: no law of theirs is closer
 LEVEL = 0.95  # probability of the interval
-FEW = 2  # contacts, chosen: so few are left where the steps between those on trial hide what noise does not
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of mean squares
 WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
@@ -114,8 +113,7 @@ def searched(
             baselines = _with_waves(baselines, blocks, fitted.loads, noise[0])
         inside = contacts[weight > ANYWHERE * weight.max()]
         before = high - low
-        wider = apart * (5 if noise[0] < QUIET and len(inside) <= FEW else 2)
-        low, high = max(inside[0] - wider, low), min(inside[-1] + wider, high)
+        low, high = max(inside[0] - 2 * apart, low), min(inside[-1] + 2 * apart, high)
         if step > 1 and high - low > 0.7 * before:
             break
         laws = laws.narrowed(posterior.sum(axis=0))
