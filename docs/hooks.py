@@ -97,19 +97,16 @@ def law_parameters() -> str:
     from palpate.materials import LAWS
     from palpate.materials.law import ELASTIC
 
-    owners: dict[str, list[str]] = {}
-    declared = {p.name: p for p in ELASTIC}
-    single = [law for law in LAWS.values() if law.parts == (law.key,)]
-    for law in single:
-        for p in law.flow:
-            declared.setdefault(p.name, p)
-            owners.setdefault(p.name, []).append(f"`{law.key}`")
+    owners = {p: ["all"] for p in ELASTIC}
+    for law in LAWS.values():
+        for p in law.flow if law.parts == (law.key,) else ():
+            owners.setdefault(p, []).append(f"`{law.key}`")
     rows = (
         (
             f"`{p.name}`", p.meaning, unit(p.unit), span(p.lower, p.upper),
-            "required" if p.default is None else f"`{number(p.default)}`", ", ".join(owners.get(p.name, ["all"])),
+            "required" if p.default is None else f"`{number(p.default)}`", ", ".join(names),
         )
-        for p in declared.values()
+        for p, names in owners.items()
     )  # fmt: skip
     return table(("parameter", "meaning", "unit", "range", "default", "laws"), rows)
 

@@ -4,7 +4,7 @@ input: recordings (CSV), surrogates. output: result (JSON), curves (CSV), figure
 for MLflow). settings: `calibration`, `seed`.
 """
 
-from palpate.output.figures import fitted_curves
+from palpate.output.figures import fitted_curves, style
 from palpate.workflow_support import job, steps
 from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import of_calibration, tracked_runs
@@ -20,7 +20,7 @@ def main(snakemake):
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
         title = f"{study.title}: calibrated on the condition set “{condition_set}”"
-        fitted_curves.draw(curves, output.figure, title, synthetic=recordings in study.laboratory)
+        style.write(output.figure, fitted_curves.compose, curves, title, recordings in study.laboratory)
         runs.append(of_calibration(content, study.calibration, [output.result, output.curves, output.figure]))
 
 

@@ -8,7 +8,7 @@ import functools
 
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
-from palpate.output.figures import explained_curves
+from palpate.output.figures import explained_curves, style
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import estimate_of, write_json
 from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
@@ -22,7 +22,8 @@ def main(snakemake):
         content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
-        explained_curves.draw(content, curves, output.figure, study.title, synthetic=recordings in study.laboratory)
+        synthetic = recordings in study.laboratory
+        style.write(output.figure, explained_curves.compose, content, curves, study.title, synthetic)
         diagnosis_page.write(content, study.declared, output.figure, output.page, f"{study.title}: {recordings}")
         settings = {**study.diagnosis, "seed": study.seed}
         runs += of_diagnosis(content, settings, [output.result, output.curves, output.page, output.figure])

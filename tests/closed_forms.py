@@ -22,6 +22,12 @@ def cone(protocol, modulus, fluidity):
     return 500.0 * np.sqrt(protocol.sample_load / modulus + fluidity * flow + 0.05)
 
 
+def rounded(protocol, values):
+    """Depth (n,) that a cap takes away from the true cone's: a part of its radius, more where that is shallow."""
+    depth = cone(protocol, **TRUTH)
+    return -values["radius"] * depth / (depth + 300.0)
+
+
 @dataclass(frozen=True, eq=False)
 class ClosedForms:
     """The cone under some conditions, as `palpate.inference.forward.Forward`.
@@ -65,6 +71,8 @@ class ClosedForms:
 
     def of_record(self, u):
         return self
+
+    finest = None
 
     def together(self, u):
         return 4

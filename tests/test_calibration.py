@@ -117,6 +117,8 @@ def test_validation_conditions_are_judged_but_never_fitted():
 class Forward:
     """Families as a forward model, which fails at a beyond an edge and under some conditions."""
 
+    finest = None
+
     def __init__(self, families=FAMILIES, names=tuple(FAMILIES), edge=np.inf, fails=()):
         self.families, self.names, self.edge, self.fails = families, names, edge, fails
         free = [Coordinate(n, *BOUNDS[n], 0.0, 50.0, logarithmic=n == "a") for n in "abc"]

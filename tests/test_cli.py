@@ -346,6 +346,19 @@ def test_a_recording_of_the_same_name_is_never_replaced(tmp_path, capsys):
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["1.csv", "1_2.csv"]
 
 
+def test_a_survey_replaces_no_picture_and_is_the_same_the_second_time(tmp_path, capsys):
+    (tmp_path / "x.txt").write_text("t,P,h\n" + "".join(f"{k},{k},{k}\n" for k in range(20)))
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/x.png").write_bytes(b"another picture")
+    for _ in range(2):
+        assert main(["read", str(tmp_path / "x.txt"), *BY_NAME, "--survey", "-o", str(tmp_path / "out")]) == 0
+        beside = f"{tmp_path / 'out/x.png'}: exists with another content; written to {tmp_path / 'out/x_2.png'}"
+        assert beside in capsys.readouterr().err
+    assert (tmp_path / "out/x.png").read_bytes() == b"another picture"
+    written = ["x.csv", "x.png", "x_2.png", "x_survey.txt"]
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == written
+
+
 @pytest.mark.parametrize("buffer", ["PYTHONUNBUFFERED=", "PYTHONUNBUFFERED=1"])
 def test_a_reader_that_leaves_early_gets_no_complaint(palpate, buffer):
     done = palpate("check", CHALLENGE, before=buffer, after="| true; exit ${PIPESTATUS[0]}")

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
+from closed_forms import MATERIAL, TRUTH, ClosedForms, cone, rounded
 from scipy.linalg import toeplitz
 
 from palpate.configuration.study_file import Condition
@@ -194,20 +194,7 @@ def test_a_planted_effect_is_noticed_and_measured(key, effect, truth):
     assert best.p_value > 0.01
 
 
-def test_an_effect_in_no_library_leaves_something_behind():
-    wave = lambda c, r: 12.0 * np.sin(2 * np.pi * c.protocol.sample_time / 9.0)  # noqa: E731
-    search = search_of(problem(recordings(np.random.default_rng(7), wave)))
-    for key in RECORD_ONLY:
-        assert search.examined(search.joined(search.base.fit, key)).p_value < 0.01
-
-
 def test_what_acts_on_the_body_is_screened_and_fitted_on_the_forward_model():
-    """A cap of some radius makes the depth smaller by a part of the radius, more so where it is shallow."""
-
-    def rounded(protocol, values):
-        depth = cone(protocol, **TRUTH)
-        return -values["radius"] * depth / (depth + 300.0)
-
     planted = recordings(np.random.default_rng(4), lambda c, r: rounded(c.protocol, {"radius": 60.0}))
     search = search_of(problem(planted, tip_rounding=rounded), [*RECORD_ONLY, "tip_rounding"])
     assert np.allclose(search.screen.trials["tip_rounding"][:, 0], [0.05, 0.25, 0.75, 1.0])

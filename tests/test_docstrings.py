@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from test_architecture import arguments
 
 SOURCE = Path(__file__).parents[1] / "src"
 MODULES = {
@@ -27,12 +28,6 @@ def public_functions(module, node, inside=""):
             yield from public_functions(module, child, f"{child.name}.")
         elif isinstance(child, ast.FunctionDef) and not child.name.startswith("_"):
             yield f"{module}.{inside}{child.name}", child
-
-
-def arguments(function):
-    given = function.args
-    names = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
-    return names[names[:1] in (["self"], ["cls"]) :]
 
 
 def docstrings(module, function):

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import yaml
 from documents import DOCS
+from test_front_door import CONE, MATERIAL, PROTOCOL, SETTINGS
 from test_readers_anton_paar import single
 
 import palpate
@@ -96,18 +97,7 @@ HOW = {
     "vendor_files.md": {"palpate read FILE -o FOLDER": "palpate read anonNI.TXT -o FOLDER"},
 }
 PROGRAMS = ("palpate", "snakemake", "pip", "python3", "pytest", "mkdocs", "mlflow")
-MATERIAL = {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}
-CONE = {"shape": "cone", "half_angle": 70.3}
-STUDY = {
-    "study": "my_study",
-    "points": 20,
-    "material": {"model": "elastic", "poisson_ratio": 0.35},
-    "parameters": {"youngs_modulus": [2.0, 2.7, 3.3, 4.0]},
-    "indenter": CONE,
-    "conditions": [{"name": "A", "max_load": 2.0, "loading_time": 20, "hold_time": 10, "unloading_time": 20}],
-    "calibration": {"population": 20, "generations": 5, "subpopulations": 2},
-    "diagnosis": {"mechanisms": ["frame_compliance"], "bootstrap": 300},
-}
+STUDY = SETTINGS | {"study": "my_study"}
 
 
 def shown(page):
@@ -132,8 +122,7 @@ def test_every_command_of_the_documents_is_in_the_list():
 
 def curve(load):
     """Return an elastic test to a largest load [mN] with a hold."""
-    protocol = {"max_load": load, "loading_time": 20, "hold_time": 10, "unloading_time": 20, "points": 300}
-    return palpate.simulate(material=MATERIAL, indenter=CONE, protocol=protocol)
+    return palpate.simulate(material=MATERIAL, indenter=CONE, protocol=PROTOCOL | {"max_load": load, "points": 300})
 
 
 @pytest.fixture(scope="module")

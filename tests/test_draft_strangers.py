@@ -166,7 +166,7 @@ def test_no_range_leaves_that_of_its_parameter(modulus):
     solid = Solid(modulus, modulus, 0.1 * modulus)
     for law in LAWS:
         declared = {parameter.name: parameter for parameter in LAWS[law].declared({})}
-        for name, values in ranges(law, solid, 20.0).items():
+        for name, (values, _) in ranges(law, solid, 20.0).items():
             assert [declared[name].check(value) for value in values] == list(values)
 
 

@@ -62,7 +62,7 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     work.past[:], work.alpha[:] = 0.0, 0.0
     force, guesses = np.empty((len(mesh.nodes), 3)), np.zeros((len(mesh.elements), 8))
     points = Points3D(work.past, work.alpha, guesses, work.local)
-    system = System3D(work.band, work.residual, work.border[:, 0], force, work.pressing, work.pressure)
+    system = System3D(work.band, work.residual, work.border, force, work.pressing, work.pressure)
     corner = assemble(
         displacement, Hexahedra.of(mesh), Laws3D(problem.region, laws, step_weights(laws, step)), points,
         Touching(contact.touching, contact.rule, work.slot), system, problem.large, True,
@@ -77,7 +77,7 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
         rows = work.band[j, : mesh.size - j]
         full[j : j + len(rows), j] = rows
     tangent = np.tril(full) + np.tril(full, -1).T
-    return work.residual.copy(), tangent, work.border[:, 0].copy(), corner, force, coupled
+    return work.residual.copy(), tangent, work.border.copy(), corner, force, coupled
 
 
 def along_axes(mesh, field):

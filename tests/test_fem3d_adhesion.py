@@ -55,7 +55,7 @@ def test_stiffness_is_the_derivative_of_the_force(indenter, curved):
             array[:] = 0.0
         force = np.zeros((len(mesh.nodes), 3))
         corner = attract(attraction, contact, work, force, True)
-        return np.append(work.residual, -force[:, 2].sum()), work.band.copy(), work.border[:, 0].copy(), corner
+        return np.append(work.residual, -force[:, 2].sum()), work.band.copy(), work.border.copy(), corner
 
     x = np.append(0.01 * rng.standard_normal(mesh.size), -0.05)
     direction = rng.standard_normal(len(x))

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from closed_forms import TRUTH, ClosedForms, cone
+from closed_forms import TRUTH, ClosedForms, rounded
 from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 from test_search import named
 
@@ -52,10 +52,6 @@ def test_a_single_explanation_is_suspected_where_the_noise_is_assumed():
 def test_a_single_explanation_of_one_kind_of_test_is_suspected_where_it_acts_on_the_body():
     """What a blunted tip does to one curve, a law that is in no library may do, too."""
 
-    def rounded(protocol, values):
-        depth = cone(protocol, **TRUTH)
-        return -values["radius"] * depth / (depth + 300.0)
-
     def planted(condition, replicate):
         return rounded(condition.protocol, {"radius": 100.0})
 
@@ -94,16 +90,19 @@ def test_two_effects_are_found_together():
     assert set(found.accepted[0].fit.explanation) == {"frame_compliance", "thermal_drift"}
 
 
+class Failing(Search):
+    """In which the forward model cannot follow a zero offset."""
+
+    def joined(self, fit, key, stop):
+        if key == "zero_offset":
+            raise PalpateError("lost contact")
+        return super().joined(fit, key, stop)
+
+
 def test_what_is_found_does_not_depend_on_the_number_of_threads():
     """Fits begun early that nobody asks for later leave no trace, and errors come where they would have come."""
 
     def told(threads):
-        class Failing(Search):
-            def joined(self, fit, key, stop):
-                if key == "zero_offset":
-                    raise PalpateError("lost contact")
-                return super().joined(fit, key, stop)
-
         both = lambda c, r: frame(c, r) + (0.3 + 0.05 * r) * c.protocol.sample_time  # noqa: E731
         task, policy, lines = problem(recordings(np.random.default_rng(5), both)), SearchPolicy(threads=threads), []
         search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=policy)
@@ -116,12 +115,6 @@ def test_what_is_found_does_not_depend_on_the_number_of_threads():
 
 
 def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():
-    class Failing(Search):
-        def joined(self, fit, key, stop):
-            if key == "zero_offset":
-                raise PalpateError("lost contact")
-            return super().joined(fit, key, stop)
-
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
     eager = SearchPolicy(behind_best=np.inf, behind_adequate=np.inf)
     search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=eager)

@@ -53,7 +53,7 @@ def test_the_worst_sample_is_the_one_shown_and_a_failed_one_is_worst():
     expected = np.array([1.0, 2.0, 4.0])
     assert worst("h", expected, np.array([1.01, 2.1, 4.0]), 0.01).deviation == pytest.approx(0.05)
     assert math.isnan(worst("h", expected, np.array([1.0, np.nan, 5.0]), 0.01).found)
-    assert rms("h", expected, np.array([1.03, 2.0, 4.0]), 0.02).deviation == pytest.approx(0.03 / np.sqrt(3))
+    assert rms("h", expected, np.array([1.03, 2.0, 4.0])).deviation == pytest.approx(0.03 / np.sqrt(3))
 
 
 def run_with(monkeypatch, *cases):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 REMEDIES = {errno.ENOSPC: "free space on the disk", errno.EDQUOT: "free space on the disk"}
@@ -36,6 +38,18 @@ class InputError(PalpateError):
     def located(self, *, file: str | Path | None = None, place: str | None = None) -> InputError:
         """Return the same error with a file or a place filled in where it had none."""
         return InputError(self.problem, remedy=self.remedy, file=self.file or file, place=self.place or place)
+
+
+@contextmanager
+def part_of(place: str) -> Iterator[None]:
+    """Put `place` before the place of an `InputError` raised inside; an error of another file keeps its own place."""
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        inner = ".".join(filter(None, [place, error.place]))
+        raise InputError(error.problem, remedy=error.remedy, place=inner) from None
 
 
 def of_system(error: OSError | MemoryError) -> InputError:

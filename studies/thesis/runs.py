@@ -13,7 +13,6 @@ import numpy as np
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.solver import store
-from palpate.solver.simulation import simulate_batch
 from palpate.study.specification import Specification
 
 
@@ -195,17 +194,13 @@ def _fill(
     specifications: Sequence[Specification | None],
     report: Callable[[str], None],
 ) -> None:
-    """Simulate what the store lacks, several at a time."""
-    wanted = {_file(folder, one): (run, one) for run, one in zip(runs, specifications, strict=True) if one}
-    missing = [file for file in wanted if not file.exists()]
-    for first in range(0, len(missing), store.AT_ONCE):
-        chosen = missing[first : first + store.AT_ONCE]
-        simulations = simulate_batch(wanted[file][1] for file in chosen)
-        for file, simulation in zip(chosen, simulations, strict=True):
-            run, specification = wanted[file]
-            cell = {name: value for name, value in run.labels.items() if name in specification.parameters}
-            store.write(file, simulation, cell, str(run.labels.get("condition", "")))
-        report(f"{first + len(chosen)} of {len(missing)} curves")
+    """Simulate what the store lacks."""
+    wanted = {}
+    for run, one in zip(runs, specifications, strict=True):
+        if one and not _file(folder, one).exists():
+            cell = {name: value for name, value in run.labels.items() if name in one.parameters}
+            wanted[store.address(one)] = store.Snapshot(cell, str(run.labels.get("condition", "")), one)
+    store.fill(list(wanted.values()), store.AT_ONCE, folder, report)
 
 
 def study_runs(study: Study, points: Iterable[Mapping[str, float]], conditions: Iterable[str]) -> list[Run]:

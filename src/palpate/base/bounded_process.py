@@ -18,10 +18,11 @@ SECONDS = 10  # of the processor
 BEYOND = f"it takes more than {MEMORY >> 30} GB or {SECONDS} s to read"
 
 
-def parsed(script: str, content: bytes) -> Any:
+def parsed(script: str, content: bytes, *arguments: str) -> Any:
     """Return what the Python file `script`, which calls `serve`, makes of bytes; None where it came to no end."""
+    command = [sys.executable, "-P", script, *arguments]
     try:
-        found = subprocess.run([sys.executable, "-P", script], input=content, capture_output=True, timeout=2 * SECONDS)
+        found = subprocess.run(command, input=content, capture_output=True, timeout=2 * SECONDS)
     except subprocess.TimeoutExpired:
         return None
     return None if found.returncode else pickle.loads(found.stdout)

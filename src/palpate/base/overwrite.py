@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.errors import InputError
 
 
-def spared(source: Path, output: Path) -> Path:
+def checked_output(source: Path, output: Path) -> Path:
     """Return `output`, which is not the file `source`, under whatever name.
 
     Raises

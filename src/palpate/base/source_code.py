@@ -30,7 +30,7 @@ _known: dict[str, Any] = {}  # what was found, by the checksum of a file and of 
 
 @dataclass(frozen=True)
 class SourceCode:
-    """What counts of one file.
+    """What decides in one file, and what it imports.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class SourceCode:
 
 @functools.cache
 def source_code(file: Path) -> SourceCode:
-    """Return what counts of a file."""
+    """Return what decides in a file, and what it imports."""
     content = file.read_bytes()
     key = hashlib.sha256(content + _own()).hexdigest()
     with contextlib.suppress(KeyError, TypeError):  # not known, or remembered in a file that was damaged
@@ -82,7 +82,7 @@ def _own() -> bytes:
 
 
 def _parsed(source: str) -> SourceCode:
-    """Return what counts of source code."""
+    """Return what decides in source code, and what it imports."""
     imports, discovers = list[list[str]](), False
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):

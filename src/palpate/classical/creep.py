@@ -31,8 +31,8 @@ def corrected_stiffness(stiffness: float, creep_rate: float, unloading_rate: flo
     return 1.0 / (1.0 / stiffness + creep_rate / unloading_rate)
 
 
-def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray, share: float = 0.3) -> float:
-    """Return dh/dt [nm/s] at the end of the hold: the end slope of a parabola through the last `share` of the hold.
+def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return dh/dt [nm/s] at the end of the hold: the end slope of a parabola through the last 30 % of the hold.
 
     The hold ends with the last point within 0.1 % of the largest load; what follows already unloads, and recovers.
 
@@ -40,8 +40,6 @@ def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray, share: flo
     ----------
     time, load, depth : ndarray, shape (n,)
         [s], [mN], [nm].
-    share
-        Part of the hold to which the parabola is fitted.
 
     Raises
     ------
@@ -50,7 +48,7 @@ def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray, share: flo
     """
     hold = np.flatnonzero(load > 0.995 * load.max())
     hold = hold[hold <= np.flatnonzero(load > 0.999 * load.max())[-1]]
-    last = hold[-max(4, int(share * len(hold))) :]
+    last = hold[-max(4, int(0.3 * len(hold))) :]
     if len(hold) < 8:
         raise InputError("the recording has no hold", remedy="use a test that holds the largest load before unloading")
     fit = np.polynomial.Polynomial.fit(time[last], depth[last], 2)

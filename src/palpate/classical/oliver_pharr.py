@@ -20,6 +20,7 @@ from palpate.study.area_function import AreaFunction
 
 EPSILON = 0.75  # of a paraboloid of revolution (Oliver & Pharr 1992)
 BETA = 1.034  # of a flat triangular punch (King, Int. J. Solids Struct. 23 (1987) 1657-1664)
+WINDOW = (0.98, 0.25)  # of the largest load, between which unloading is fitted
 DIAMOND = (1141.0, 0.07)  # E_i [GPa] and nu_i (Oliver & Pharr 1992)
 LOWEST, HIGHEST = (-10.0, 1e-9, 1.0), (2.0, 20.0, 8.0)  # of h_f and the recovery, in largest depths, and of m
 
@@ -97,39 +98,16 @@ def last_at_peak(load: np.ndarray) -> int:
     return len(load) - 1 - int(np.argmax(load[::-1] > 0.999 * load.max()))
 
 
-def unloading_part(load: np.ndarray, depth: np.ndarray, upper: float, lower: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return load and depth of the unloading between two fractions of the largest load.
-
-    Parameters
-    ----------
-    load, depth : ndarray, shape (n,)
-        [mN], [nm].
-    upper, lower
-        Fractions of the largest load between which the unloading is taken.
-
-    Raises
-    ------
-    InputError
-        When fewer than four points lie between them.
-    """
-    last = last_at_peak(load)
-    load, depth = load[last:], depth[last:]
-    keep = (load <= upper * load.max()) & (load >= lower * load.max())
-    if keep.sum() < 4:
-        raise InputError(f"unloading has {keep.sum()} points in the window of the fit", remedy="widen the window")
-    return load[keep], depth[keep]
-
-
-def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lower: float = 0.25) -> Unloading:
-    """Fit P = B (h - h_f)^m to unloading between two fractions of the largest load; S is taken at the largest load.
+def fit_unloading(load: np.ndarray, depth: np.ndarray) -> Unloading:
+    """Fit P = B (h - h_f)^m to unloading between 98 and 25 % of the largest load; S is taken at the largest load.
 
     The fit is to the depth, h = h_f + (P / B)^(1/m), with loads and depths scaled by their largest values. With a nose
     the law cannot hold, and the exponent ends on its upper bound; the stiffness is then that of the best such curve.
 
     Parameters
     ----------
-    load, depth, upper, lower
-        See `unloading_part`.
+    load, depth : ndarray, shape (n,)
+        [mN], [nm].
 
     Raises
     ------
@@ -137,8 +115,16 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray, upper: float = 0.98, lowe
         When fewer than four points lie between the fractions, no depth is positive, or unloading recovers several times
         the largest depth: a larger frame was taken off than there is, or the depth does not begin at contact.
     """
-    part, at = unloading_part(load, depth, upper, lower)
-    scale_p, scale_h = load.max(), float(at.max())
+    begin, scale_p = last_at_peak(load), load.max()
+    falling = load[begin:]
+    keep = (falling <= WINDOW[0] * falling.max()) & (falling >= WINDOW[1] * falling.max())
+    if keep.sum() < 4:
+        raise InputError(
+            f"unloading has {keep.sum()} points between {WINDOW[0]:.0%} and {WINDOW[1]:.0%} of the largest load",
+            remedy="record more points while it is unloaded",
+        )
+    part, at = falling[keep], depth[begin:][keep]
+    scale_h = float(at.max())
     slope = float(np.polyfit(part / scale_p, at, 1)[0])
     if scale_h <= 0.0 or scale_h - 1.4 * slope < LOWEST[0] * scale_h:
         raise InputError(
@@ -170,7 +156,6 @@ def oliver_pharr(
     *,
     tip: TipConstants | None = None,
     creep: tuple[float, float] | None = None,
-    window: tuple[float, float] = (0.98, 0.25),
 ) -> OliverPharr:
     """Analyse one recording.
 
@@ -184,8 +169,6 @@ def oliver_pharr(
         Area function and constants of the tip; those of an ideal Berkovich of diamond when not given.
     creep
         dh/dt at the end of the hold [nm/s] and |dP/dt| of unloading [mN/s], to correct the stiffness.
-    window
-        Upper and lower fraction of the largest load between which unloading is fitted.
 
     Raises
     ------
@@ -193,7 +176,7 @@ def oliver_pharr(
         When unloading cannot be fitted (`fit_unloading`), the contact depth or area is not positive, or the contact is
         as stiff as the tip allows even on a rigid sample, 1/E_r <= (1 - nu_i^2)/E_i: there is no such modulus.
     """
-    unloading, tip = fit_unloading(load, depth, *window), tip or TipConstants()
+    unloading, tip = fit_unloading(load, depth), tip or TipConstants()
     stiffness = unloading.stiffness if creep is None else corrected_stiffness(unloading.stiffness, *creep)
     contact_depth = float(depth[last_at_peak(load)] - tip.epsilon * load.max() / stiffness)
     if not contact_depth > 0.0:

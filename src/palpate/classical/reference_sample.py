@@ -44,7 +44,7 @@ class ReferenceSample:
     uncertainty: float
 
     def compliance(self, contact_depth: float) -> float:
-        """Return that of the contact [nm/mN] at a contact depth [nm]."""
+        """Return the compliance of the contact [nm/mN] at a contact depth [nm]."""
         area = float(self.area.area(np.array(contact_depth)))
         return float(1e6 * np.sqrt(np.pi) / (2 * BETA * self.reduced_modulus * np.sqrt(area)))
 

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the deck; nothing is left behind when the program cannot represent the specification."""
-    from palpate.base.overwrite import spared
+    from palpate.base.overwrite import checked_output
     from palpate.base.yaml_file import read_yaml
     from palpate.output.export import FORMATS
     from palpate.solver.simulation import specification_from
@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.output.absolute().parent.is_dir():
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
     values = read_yaml(arguments.specification)
-    output = spared(arguments.specification, arguments.output)
+    output = checked_output(arguments.specification, arguments.output)
     try:
         FORMATS[arguments.format].write(specification_from(values), output)
     except InputError as error:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from palpate.cli import warn
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from palpate.errors import InputError
     from palpate.recordings.readers import ColumnMap, VendorTest
@@ -117,10 +118,10 @@ def _pairs(text: str) -> dict[str, str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a figure and a table too."""
-    from palpate.base.overwrite import spared, written_beside
+    from palpate.base.overwrite import checked_output
     from palpate.errors import InputError
+    from palpate.recordings.provenance import provenance
     from palpate.recordings.readers import VendorTest, messages, read_each, select, sound, zeroed_each
-    from palpate.recordings.readers.vendor import in_words
     from palpate.recordings.readers.zero import decision
     from palpate.recordings.survey import Survey, survey_each
 
@@ -137,36 +138,42 @@ def run(arguments: argparse.Namespace) -> int:
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
     except InputError as error:
         raise error.located(file=arguments.file) from None
-    paths = [spared(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])]
-    applied = f"corrections in depth: {in_words(arguments.corrections)}"
+    paths = [
+        checked_output(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])
+    ]
     arguments.output.mkdir(parents=True, exist_ok=True)
     for line in messages(arguments.file, begun):
         warn(line)
     if arguments.stiffness:
         _report_missing_stiffness(arguments.file, [test for _, test in readable])
     for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
-        facts = tuple(f"{key}: {value}" for key, value in test.metadata.items())
-        notes = (*test.recording.notes, applied, *test.warnings, *facts)
         stiffness = test.recording.stiffness if arguments.stiffness else None
-        place = written_beside(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
-        if place != path:
-            warn(f"{path}: exists with another content; written to {place}")
-        print(place)
+        notes = provenance(test, arguments.corrections)
+        place = _written(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
         if surveys and isinstance(found := surveys[number], Survey):
             from palpate.output.figures.recorded_test import draw
 
-            draw(found, place.with_suffix(".png"), taken[number])
-            print(place.with_suffix(".png"))
+            _written(place.with_suffix(".png"), partial(draw, found, taken=taken[number]))
     if surveys:
         _write_table(arguments.file, arguments.output, surveys, taken)
     return 0
+
+
+def _written(path: Path, write: Callable[[Path], object]) -> Path:
+    """Write a file, never over another content; print where, and return that place."""
+    from palpate.base.overwrite import written_beside
+
+    place = written_beside(path, write)
+    if place != path:
+        warn(f"{path}: exists with another content; written to {place}")
+    print(place)
+    return place
 
 
 def _write_table(
     file: Path, folder: Path, surveys: Sequence[Survey | InputError], taken: Sequence[tuple[str, float]]
 ) -> None:
     """Write the table of a file's surveys, and print which tests it leaves out."""
-    from palpate.base.overwrite import written_beside
     from palpate.recordings.survey import Survey, table
 
     rows = []
@@ -176,8 +183,7 @@ def _write_table(
         else:
             warn(f"{found.located(file=file)}; left out of the survey")
     text = table(*zip(*rows, strict=True)).to_csv(index=False, sep="\t", float_format="%.5g")
-    path = folder / f"{file.stem}_survey.txt"
-    print(written_beside(path, lambda place: place.write_text(text, encoding="utf-8")))
+    _written(folder / f"{file.stem}_survey.txt", lambda place: place.write_text(text, encoding="utf-8"))
 
 
 def column_map(arguments: argparse.Namespace) -> ColumnMap | None:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 when the solver fails."""
-    from palpate.base.overwrite import spared
+    from palpate.base.overwrite import checked_output
     from palpate.base.yaml_file import read_yaml
     from palpate.recordings.recording import Recording
     from palpate.solver.simulation import simulate, specification_from
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
     if arguments.output.is_dir():
         raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
-    output = spared(path, arguments.output)
+    output = checked_output(path, arguments.output)
     try:
         simulation = simulate(specification_from(values))
     except InputError as error:

@@ -7,8 +7,8 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from palpate.configuration.schema import part_of, suggestion
-from palpate.errors import InputError
+from palpate.configuration.schema import suggestion
+from palpate.errors import InputError, part_of
 from palpate.materials import law_of
 
 MOST_MATERIALS = 200_000  # of a grid; more are simulated for days, and planned for minutes

@@ -8,7 +8,6 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from typing import Any
 
 import jsonschema
@@ -147,15 +146,3 @@ def check_contradictions(values: Mapping[str, Any]) -> None:
             "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
             place="indenter.poisson_ratio",
         )  # fmt: skip
-
-
-@contextmanager
-def part_of(place: str) -> Iterator[None]:
-    """Put `place` before the place of an `InputError` raised inside; an error of another file keeps its own place."""
-    try:
-        yield
-    except InputError as error:
-        if error.file is not None:
-            raise
-        inner = ".".join(filter(None, [place, error.place]))
-        raise InputError(error.problem, remedy=error.remedy, place=inner) from None

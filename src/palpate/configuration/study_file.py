@@ -14,10 +14,10 @@ from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
-from palpate.configuration.schema import check_contradictions, check_schema, part_of, suggestion, with_defaults
+from palpate.configuration.schema import check_contradictions, check_schema, suggestion, with_defaults
 from palpate.configuration.source_section import source_from
 from palpate.design.sampling import factorial, sobol
-from palpate.errors import InputError
+from palpate.errors import InputError, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
 from palpate.recordings.readers import read_source

@@ -38,7 +38,7 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
     wanted = considered(study.diagnosis["mechanisms"], "diagnosis.mechanisms")
-    tests = {condition.protocol.control: condition for condition in study.conditions if condition.role == "calibrate"}
+    tests = {condition.protocol.control: condition for condition in study.calibrated}
     specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
     _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
     _check_ranges(scale, list(wanted))
@@ -96,8 +96,7 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
 
     Quantities without a stated range are at their lowest, where bodies are softest.
     """
-    tests = [condition for condition in study.conditions if condition.role == "calibrate"]
-    tests.sort(key=lambda condition: -condition.protocol.largest_drive)
+    tests = sorted(study.calibrated, key=lambda condition: -condition.protocol.largest_drive)
     specifications = [of_equivalent_cone(study.specification(cell, test)) for cell in extremes(study) for test in tests]
     ranges, stated = mechanism.searched(scale), scale.stated[mechanism.key]
     ends = [(r.lower, r.upper) if name in stated else (r.lower,) for name, r in ranges.items()]

@@ -117,7 +117,9 @@ def _accepted(
                 included = included_in(accepted, tried)
                 larger += _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
             tried = likeliest_of_each(larger + special + tried)
-            return without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level)), tried
+            chosen = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
+            settled = best_first([search.settled(each) for each in chosen])
+            return [each for each in settled if each.adequate(level)], tried
     return [], closest_first(tried)
 
 

@@ -93,7 +93,7 @@ class Search:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
         self._fitter.laws = tuple(laws(base)) if laws else ()
-        self.base = self.examined(replace(base, laws=self._fitter.laws))
+        self.base = self.examined(replace(self._fitter.settled(base), laws=self._fitter.laws))
 
     def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
@@ -119,6 +119,11 @@ class Search:
         except PalpateError:
             return found
         return max(found, again, key=lambda each: each.log_evidence)
+
+    def settled(self, candidate: Candidate) -> Candidate:
+        """Return an explanation with the derivatives of the model of record, see `Fitter.settled`."""
+        fit = self._fitter.settled(candidate.fit)
+        return candidate if fit is candidate.fit else self.examined(fit)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

@@ -75,7 +75,7 @@ def diagnosed(
     """
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded)).at_one_load(calibrated or middle(study), report)
-    tests = [test for c in study.conditions if c.role == "calibrate" for test in recorded[c.name]]
+    tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
     exact = ExactLaws(study, pressed)

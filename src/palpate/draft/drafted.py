@@ -12,13 +12,12 @@ from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
 from palpate.recordings.borne_load import check_borne
+from palpate.recordings.provenance import provenance
 from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers import VendorTest
-from palpate.recordings.readers.vendor import in_words
 from palpate.recordings.recording import BARELY_LOADED, Recording
 from palpate.recordings.segments import segments
 
-CORRECTED = "corrections in depth: "
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which an assumed loading is not reported
 
@@ -79,12 +78,13 @@ class Drafted:
         assumed = _assumed(test.recording, begun)
         preload = float(test.recording.load[0]) if assumed else 0.0
         pull = pull_off(whole.recording) if whole else 0.0
-        notes = _provenance(file, test, corrections)
+        notes = tuple(note for note in provenance(test, corrections) if note != f"from {file.name}")
         if pull:
             notes += (f"a pull of {pull:.3g} mN on the tip after the test is cut off",)
         if assumed:
             notes += (f"begins under {preload:.3g} mN: the loading up to there, {assumed:.3g} s, is assumed",)
-        return cls(replace(begun, notes=notes), test, assumed, preload, pull)
+        origin = printable(f"from {file}, {test.name}")
+        return cls(replace(begun, notes=(origin, *notes)), test, assumed, preload, pull)
 
 
 def _assumed(recording: Recording, begun: Recording) -> float:
@@ -93,12 +93,3 @@ def _assumed(recording: Recording, begun: Recording) -> float:
         return 0.0
     added, loading = float(begun.time[1]), float(begun.time[np.argmax(begun.load)])
     return added if added > max(NEXT_POINT * np.median(np.diff(recording.time)), BRIEF * loading) else 0.0
-
-
-def _provenance(file: Path, test: VendorTest, corrections: frozenset[str] | None) -> tuple[str, ...]:
-    """Return the comments of `palpate read`, with the file as it was given."""
-    notes = [note for note in test.recording.notes if note != f"from {file.name}"]
-    if not any(note.startswith(CORRECTED) for note in notes):
-        notes.append(CORRECTED + in_words(corrections))
-    facts = (f"{key}: {value}" for key, value in test.metadata.items())
-    return (printable(f"from {file}, {test.name}"), *notes, *test.warnings, *facts)

@@ -148,7 +148,7 @@ def _drafted(
     groups = grouped(recordings, drive)
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     guessed = ranges(chosen[0], solid, shortest)
-    table = guess_table(chosen, solid, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
+    table = guess_table(chosen, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
     remarks = remarks_on(tests, stated, tip, ratio)
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)

@@ -10,7 +10,8 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.draft.methods import LOADED, classes_of, end_of_loading, of_one_method, with_the_middle_first
+from palpate.base.classes import classes_of
+from palpate.draft.methods import LOADED, end_of_loading, of_one_method, with_the_middle_first
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from palpate.draft.guesses import Guessed
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import OF_GELS, Solid
@@ -15,19 +16,6 @@ from palpate.draft.stated import modulus_and_hardness
 from palpate.materials import law_of
 
 WIDEST = 40  # letters of a value
-REASONS = {
-    "yield_stress": "a fifth to nine tenths of the hardness",
-    "hardening": "up to a tenth of the modulus",
-    "steady_coefficient": "from none to about three times the creep of an epoxy at like stress",
-    "transient_coefficient": "from none to about three times the creep of an epoxy at like stress",
-    "retardation_time": "a five-hundredth to four tenths of the shortest loading",
-    "strength": "5 to 30 % of the modulus",
-    "saturation_stress": "0.9 to 1.5 times the hardness",
-    "eyring_stress": "2 to 10 % of the hardness",
-    "spectrum_coefficient": "up to a tenth of the elastic compliance",
-}
-USUAL = "usual values"
-CREEP = ("steady_coefficient", "steady_exponent", "transient_coefficient", "transient_exponent")
 
 
 class Guess(NamedTuple):
@@ -40,11 +28,10 @@ class Guess(NamedTuple):
 
 def guess_table(
     law: tuple[str, str],
-    solid: Solid,
     tip: KnownTip,
     drive: Drive,
     ratio: tuple[float, bool],
-    guessed: Mapping[str, Sequence[float]],
+    guessed: Mapping[str, Guessed],
 ) -> list[Guess]:
     """Return what a draft takes or guesses.
 
@@ -52,35 +39,22 @@ def guess_table(
     ----------
     law
         Its key, and why it was chosen.
-    solid, tip, drive
-        What the tests show, and what the files state.
+    tip, drive
+        What the files state, or the tests show.
     ratio
         Poisson's, and whether the files state it.
     guessed
-        Ranges of its parameters.
+        Ranges of its parameters, and why.
     """
     units = {parameter.name: parameter.unit for parameter in law_of(law[0]).declared({})}
     rows = [Guess("law", *law), Guess("drive", drive.control, drive.why), Guess("tip", _tip(tip), tip.why)]
     if "modulus" in tip.keys:
         rows.append(Guess("tip's modulus", f"{tip.keys['modulus']:g} GPa", "guess: diamond, as the solid is stiff"))
     rows.append(Guess("Poisson's ratio", f"{ratio[0]:g}", FILES if ratio[1] else _guessed_ratio(ratio[0])))
-    for name, values in guessed.items():
-        why = _of_modulus(law[0], solid) if name == "youngs_modulus" else REASONS.get(name, USUAL)
-        if name in CREEP and solid.soft:
-            why = "linear creep, as of gels and rubbers"
+    for name, (values, why) in guessed.items():
         shown = " to ".join(f"{value:.4g}" for value in values)
         rows.append(Guess(name, f"{shown} {'' if units[name] == '-' else units[name]}".strip(), f"guess: {why}"))
     return rows
-
-
-def _of_modulus(law: str, solid: Solid) -> str:
-    """Return in words where the range of the modulus comes from."""
-    if "yield_stress" in [parameter.name for parameter in law_of(law).declared({})]:
-        if math.isnan(solid.modulus):
-            return f"no unloading gives a modulus; an elastic body as deep has one of {solid.secant:.3g} GPa"
-        return f"about a modulus of {solid.modulus:.3g} and a hardness of {solid.hardness:.3g} GPa, by unloading"
-    more = "" if law == "elastic" else "; creep requires a larger one"
-    return f"an elastic body as deep has a modulus of {solid.secant:.3g} GPa{more}"
 
 
 def _guessed_ratio(ratio: float) -> str:

@@ -8,12 +8,12 @@ but spread.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain, pairwise
-from typing import TypeVar
 
 import numpy as np
 
+from palpate.base.classes import classes_of
 from palpate.draft.prescribed_drive import Drive
 from palpate.inference.recording_checks import LOAD_TOLERANCE
 from palpate.recordings.recording import Recording
@@ -28,24 +28,12 @@ GAP = 1.08  # ratio of neighbouring sizes from which on they are two levels
 GRID = np.linspace(0.0, 1.0, 201)  # of the time of a test, where normalised histories are compared
 LOADED = 0.98  # of the largest load or displacement, where loading ends: noise and overshoot move the maximum itself
 Groups = list[list[Recording]]
-Item = TypeVar("Item")
 
 
 def of_one_method(groups: Groups, drive: Drive) -> Groups:
     """Return groups of tests, each of one history of the drive, with those of one method joined."""
     joined = classes_of(groups, lambda one, other: _same_shape(one[0], other[0], drive))
     return [group for members in joined for group in _by_method(members, drive)]
-
-
-def classes_of(items: Iterable[Item], alike: Callable[[Item, Item], bool]) -> list[list[Item]]:
-    """Return items by class: each belongs to the first class whose first item it is like."""
-    found: list[list[Item]] = []
-    for item in items:
-        members = next((members for members in found if alike(members[0], item)), None)
-        if members is None:
-            found.append(members := [])
-        members.append(item)
-    return found
 
 
 def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list[Recording]:
@@ -56,7 +44,7 @@ def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list
 
 
 def end_of_loading(channel: np.ndarray) -> int:
-    """Return the index at which a load or displacement (n,) has risen."""
+    """Return the index at which a load or displacement (n,) has risen, to `LOADED` of its largest."""
     return int(np.argmax(channel >= LOADED * channel.max()))
 
 
@@ -98,7 +86,7 @@ def _size(group: Sequence[Recording], drive: Drive) -> float:
 
 
 def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:
-    """Return whether two drives agree when each counts in its largest and its duration."""
+    """Return whether two drives agree once each is divided by its largest value and its duration."""
     if not 1.0 / LONGER < one.time[-1] / other.time[-1] < LONGER:
         return False
     first, second = (
@@ -108,7 +96,7 @@ def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:
 
 
 def _same_depth(one: Recording, other: Recording) -> bool:
-    """Return whether two tests are as deep at the end of loading, other than their loads would make them."""
+    """Return whether two tests end their loading at about one depth, although their loads differ."""
     loads, depths = (abs(np.log(_at_end_of_loading(one)[k] / _at_end_of_loading(other)[k])) for k in (0, 1))
     return bool(loads < np.log(SPREAD) and depths < SAME_DEPTH * 0.5 * loads)
 

@@ -64,7 +64,7 @@ def _files_in(given: Path) -> list[Path]:
 
 
 def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
-    """Return the tests of a file, those that never bear load as such that cannot be read."""
+    """Return the tests of a file; one that never bears load becomes one that cannot be read."""
     return [attempt(file, test.name, _pressed, test) if isinstance(test, VendorTest) else test for test in tests]
 
 

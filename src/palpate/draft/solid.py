@@ -83,7 +83,7 @@ def by_unloading(recording: Recording, tip: KnownTip, poisson_ratio: float) -> t
 
 
 def _creep(recording: Recording) -> float:
-    """Return by how much of itself the depth grows from the first to the last point at the largest load."""
+    """Return the relative growth of the depth from the first to the last point at the largest load."""
     held = np.flatnonzero(recording.load >= HELD * recording.load.max())
     first, last = held[0], held[-1]
     loading = recording.time[first]

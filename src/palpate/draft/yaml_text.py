@@ -15,7 +15,7 @@ import yaml
 from palpate.configuration.study_file import SHARED
 from palpate.draft.grouping import Group
 from palpate.draft.guess_table import Guess
-from palpate.draft.guesses import points_for
+from palpate.draft.guesses import Guessed, points_for
 from palpate.draft.known_tip import KnownTip
 from palpate.materials import law_of
 
@@ -51,7 +51,7 @@ def study_text(
     groups: Sequence[Group],
     folder: Path,
     tip: KnownTip,
-    guessed: Mapping[str, Sequence[float]],
+    guessed: Mapping[str, Guessed],
     table: Sequence[Guess],
     remarks: Sequence[str],
 ) -> str:
@@ -115,10 +115,10 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def _parameters(law: str, guessed: Mapping[str, Sequence[float]], rows: Mapping[str, Guess]) -> Iterator[str]:
+def _parameters(law: str, guessed: Mapping[str, Guessed], rows: Mapping[str, Guess]) -> Iterator[str]:
     """Yield one line a parameter: its range, its unit, and the reason."""
     units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
-    for key, values in guessed.items():
+    for key, (values, _) in guessed.items():
         shown = ", ".join(f"{value:.4g}" for value in values)
         unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
         yield _row(f"  {key}: [{shown}]", f"{unit}; {rows[key].why}")

@@ -174,6 +174,7 @@ def base_fit(
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)
         fit = fitter.base([fit.z])
+    fit = fitter.settled(fit)
     if not problem.replicated:
         fitter = replace(fitter, site_scatter=settings.site_scatter)
         fitter.use_residual_as_noise(fit.residual)

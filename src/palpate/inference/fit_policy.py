@@ -27,6 +27,10 @@ class FitPolicy:
     refined
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
+    settled
+        The same up to which the fit of a body that yields goes on with finer meshes.
+    settling
+        At most so many steps with them; two suffice where the fit before ended five standard deviations away.
     """
 
     scattered: int = 16
@@ -37,3 +41,5 @@ class FitPolicy:
     tolerance: float = 0.02
     poor_fit: float = 50.0
     refined: float = 10.0
+    settled: float = 1.5
+    settling: int = 3

@@ -27,7 +27,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
+from palpate.inference.trust_region import LEAST_STEPS, descend, resumed, settled
 
 OWN_VALUES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
 LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
@@ -138,8 +138,19 @@ class Fitter:
             end = resumed(goal, record, end, limit, tolerance, stop)
         return self._fit(explanation, record, end, fit.errors)
 
+    def settled(self, fit: Fit) -> Fit:
+        """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
+        finest = fit.model.finest if self.problem.replicated and fit.misfit_ratio <= self.policy.settled else None
+        if finest is None:
+            return fit
+        if isinstance(found := finest.tangents(fit.z), str):
+            return fit
+        goal, policy = self._without_discrepancy(fit), self.policy
+        way = settled(goal, finest, Descent(fit.z, *found), policy.settling, policy.tolerance)
+        return self._fit(fit.explanation, fit.model.consistent(way.u, way.curves, way.slopes), way, fit.errors)
+
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
-        """Return the starts of the base model, a single one with its derivatives where the model does not fail."""
+        """Return the places to start, a single one with its derivatives where the model does not fail."""
         found = model.tangents(starts)[0] if len(starts) == 1 else ""
         return starts if isinstance(found, str) else [Descent(starts[0], *found)]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.finest import Finest
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.space_mapping import SpaceMapped
@@ -17,7 +18,7 @@ from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import differentiated, simulate_batch, together
 from palpate.solver.variation import Variation
 from palpate.study.protocol import Protocol
-from palpate.study.specification import Specification, of_equivalent_cone
+from palpate.study.specification import Specification, finer, of_equivalent_cone
 
 Curves = Mapping[str, np.ndarray]
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
@@ -55,6 +56,19 @@ class Forward(typing.Protocol):
     def of_record(self, u: np.ndarray) -> Forward:
         """Return the model of record, the most accurate one, with references near coordinates u (k,)."""
 
+    @property
+    def finest(self) -> Finest | None:
+        """Finer meshes, where the derivatives of the model of record err; None elsewhere."""
+
+    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> Forward:
+        """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
+
+        Raises
+        ------
+        PalpateError
+            When the model fails there.
+        """
+
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
 
@@ -86,6 +100,8 @@ class FiniteElements:
         That act, too.
     scale
         Size of the study, in which their amplitudes are searched for.
+    finer
+        By so many degrees the mesh is finer than the study's.
     """
 
     study: Study
@@ -93,6 +109,7 @@ class FiniteElements:
     coordinates: Coordinates
     mechanisms: Sequence[Mechanism] = ()
     scale: Scale | None = None
+    finer: int = 0
 
     @classmethod
     def of(cls, study: Study, names: Sequence[str]) -> FiniteElements:
@@ -117,6 +134,18 @@ class FiniteElements:
     def of_record(self, u: np.ndarray) -> SpaceMapped:
         """See `Forward`."""
         return SpaceMapped.of(self, u)
+
+    @property
+    def finest(self) -> None:
+        """See `Forward`: only the model of record is compared with finer meshes."""
+
+    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
+        """See `Forward`."""
+        return self.of_record(u).consistent(u, curves, slopes)
+
+    def of_accuracy(self, degrees: int) -> FiniteElements:
+        """Return the same on a mesh that is so many degrees finer than the study's."""
+        return replace(self, finer=degrees)
 
     def thinned(self) -> tuple[FiniteElements, Mapping[str, np.ndarray]]:
         """Return the same with fewer samples, hence in fewer steps, and which are kept."""
@@ -180,7 +209,8 @@ class FiniteElements:
     def of_study(self, u: np.ndarray, condition: Condition) -> Specification:
         """Return the study's specification at coordinates u (k,) under a condition."""
         named = self.coordinates.named(u)
-        found = self.study.specification({name: named[name] for name in self.study.levels}, condition)
+        accuracy = finer(self.study.accuracy, self.finer)
+        found = self.study.specification({name: named[name] for name in self.study.levels}, condition, accuracy)
         return replace(found, mechanisms=self.amplitudes(u)) if self.mechanisms else found
 
     def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:

@@ -8,6 +8,9 @@ where the ratio of the fast curves varies slowly in time, so that few samples su
 hardly changes with u (space mapping; Bakr, Bandler et al., Optim. Eng. 1 (2000) 241-276). What the instrument adds to
 the depth of the body is added last, since both models treat it exactly. With a pyramid as the accurate model, the cone
 of equal cross-sections is the fast one.
+
+Where derivatives of the accurate model are known at u_0, the mapping is made consistent with them: the difference of
+both models' derivatives, times u - u_0, is added (N. M. Alexandrov et al., J. Aircraft 38 (2001) 1093-1101).
 """
 
 from __future__ import annotations
@@ -19,17 +22,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.configuration.study_file import Condition
+from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
+from palpate.inference.finest import Finest
 from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch
-from palpate.solver.variation import added_by_instrument
-from palpate.study.specification import Specification
+from palpate.solver.variation import added_by_instrument, applied_to_body
+from palpate.study.specification import Specification, finer
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves, FiniteElements
 
-RECORD = "medium"  # accuracy of the model of record; the curves of `fine` differ from it by 0.1 % at most
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 CLOSE = 0.1  # of a range, within which a reference is as good as one at the point itself
 PYRAMID_NEAR = 0.5  # of a range, the same for the ratio of pyramid and cone when mechanisms only add to the depth
@@ -47,11 +51,14 @@ class Reference:
     fast : ndarray, shape (n_kept,)
         At those that are `kept` (bool, n_points).
     kept : ndarray
+    steeper : ndarray, shape (n_points, k)
+        By how much the accurate model's derivatives by the coordinates exceed those that are carried, where known.
     """
 
     accurate: np.ndarray
     fast: np.ndarray
     kept: np.ndarray
+    steeper: np.ndarray | None = None
 
     def change(self, time: np.ndarray) -> np.ndarray:
         """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
@@ -98,7 +105,7 @@ class SpaceMapped:
         few, keep = every.thinned()
         fast, usual = ([each.specification(u, c) for c in each.conditions] for each in (few, every))
         if full.study.indenter.of_revolution:
-            outcomes = simulate_batch([*fast, *(replace(each, accuracy=RECORD) for each in usual)])
+            outcomes = simulate_batch([*fast, *(replace(each, accuracy=finer(each.accuracy)) for each in usual)])
             pyramids: Sequence[Simulation | None] = [None] * len(fast)
         else:
             outcomes = simulate_batch([*fast, *usual])
@@ -133,8 +140,9 @@ class SpaceMapped:
         return self.full.at_one_load(observed, values, report)
 
     def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> SpaceMapped:
-        """See `Forward`."""
-        return replace(self, full=self.full.joined(mechanisms, scale))
+        """See `Forward`; how the accurate model's derivatives differ is not known beyond."""
+        without = {name: replace(each, steeper=None) for name, each in self.references.items()}
+        return replace(self, full=self.full.joined(mechanisms, scale), references=without)
 
     def specification(self, u: np.ndarray, condition: Condition) -> Specification:
         """See `Forward`."""
@@ -157,6 +165,28 @@ class SpaceMapped:
         if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
             return self
         return SpaceMapped.of(self.full, u)
+
+    @property
+    def finest(self) -> Finest | None:
+        """See `Forward`; a body of revolution that yields has one."""
+        full = self.full
+        solid = full.specification(np.full(len(full.coordinates.free), 0.5), full.conditions[0])
+        yields = full.study.indenter.of_revolution and applied_to_body(solid).specimen.yields
+        return Finest(full) if yields else None
+
+    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
+        """See `Forward`."""
+        (few, keep), references = self.full.thinned(), dict(self.references)
+        (found,) = few.tangents([u])
+        if isinstance(found, str):
+            raise PalpateError(found)
+        for condition in self.full.conditions:
+            name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
+            added, own = self._added(u, condition), self._added_slopes(u, condition)
+            reference = Reference(curves[name] - added, found[0][name] - added[kept], kept)
+            steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], time)
+            references[name] = replace(reference, steeper=steeper)
+        return SpaceMapped(self.full, references, u, self.full.mechanisms)
 
     def together(self, u: np.ndarray) -> int:
         """See `Forward`."""
@@ -213,15 +243,20 @@ class SpaceMapped:
             return curve
         reference, added = self.references[condition.name], self._added(u, condition)
         body = reference.carried(curve - added[reference.kept], condition.protocol.sample_time)
-        return body + added
+        return body + added if reference.steeper is None else body + added + reference.steeper @ (u - self.place)
 
     def _carried_slopes(self, u: np.ndarray, condition: Condition, slopes: np.ndarray) -> np.ndarray:
         if condition.name not in self.references:
             return slopes
-        reference, here = self.references[condition.name], self._added(u, condition)
+        reference, added = self.references[condition.name], self._added_slopes(u, condition)
+        body = reference.carried(slopes - added[reference.kept], condition.protocol.sample_time)
+        return body + added if reference.steeper is None else body + added + reference.steeper
+
+    def _added_slopes(self, u: np.ndarray, condition: Condition) -> np.ndarray:
+        """Return the derivatives (n_points, k) of what the instrument adds."""
+        here = self._added(u, condition)
         moved = [self._added(u + step, condition) for step in STEP * np.eye(len(u))]
-        added = np.stack([there - here for there in moved], axis=1) / STEP
-        return reference.carried(slopes - added[reference.kept], condition.protocol.sample_time) + added
+        return np.stack([there - here for there in moved], axis=1) / STEP
 
     def _added(self, u: np.ndarray, condition: Condition) -> np.ndarray:
         return added_by_instrument(self.amplitudes(u), condition.protocol)

@@ -28,8 +28,7 @@ def middle(study: Study) -> dict[str, float]:
 def scale_of(study: Study) -> Scale:
     """Return the size of the study, estimated from its middle material."""
     cell = middle(study)
-    conditions = [condition for condition in study.conditions if condition.role == "calibrate"]
-    largest = max(conditions, key=lambda condition: condition.protocol.largest_drive)
+    largest = max(study.calibrated, key=lambda condition: condition.protocol.largest_drive)
     specification = of_equivalent_cone(study.specification(cell, largest))
     tip = specification.indenter
     radius = contact_range(specification.specimen, tip, largest.protocol)[1]
@@ -39,8 +38,8 @@ def scale_of(study: Study) -> Scale:
         depth=1.2e3 * radius * slope,
         load=expected_load(specification.specimen.coefficients, tip, largest.protocol),
         modulus=specification.parameters["youngs_modulus"],
-        duration=max(float(c.protocol.sample_time[-1]) for c in conditions),
-        loading_time=min(longest_rise(c.protocol) for c in conditions),
+        duration=max(float(c.protocol.sample_time[-1]) for c in study.calibrated),
+        loading_time=min(longest_rise(c.protocol) for c in study.calibrated),
         half_angle=tip.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, loaded_time(largest.protocol)),
         stated=study.diagnosis["ranges"],

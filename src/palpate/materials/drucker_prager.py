@@ -1,13 +1,16 @@
 """Yielding that pressure impedes (Drucker-Prager) with isochoric flow: sigma_e = sigma_Y + H alpha + mu p.
 
-The pressure p is positive in compression, and sigma_Y is the yield stress without pressure. Under tension the yield
-stress does not fall below a hundredth of sigma_Y: isochoric flow cannot return a stress to the apex of the cone.
+The pressure p is positive in compression, and sigma_Y is the yield stress at zero pressure: in uniaxial tension it is
+sigma_Y / (1 + mu/3). Under tension the yield stress does not fall below a hundredth of sigma_Y: isochoric flow cannot
+return a stress to the apex of the cone.
 
 Source: D.C. Drucker and W. Prager, Q. Appl. Math. 10 (1952) 157-165; P.B. Bowden and J.A. Jukes, J. Mater. Sci. 7
 (1972) 52-63, for polymers.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from palpate.base.parameters import Parameter
 from palpate.materials.bilinear_plasticity import HARDENING, YIELD_STRESS
@@ -16,7 +19,7 @@ from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
 
 FLOW = (
-    YIELD_STRESS,
+    replace(YIELD_STRESS, meaning="yield stress at zero pressure, as von Mises stress"),
     HARDENING,
     Parameter("pressure_coefficient", r"\mu", "-", 0.0, 1.0, "rise of the yield stress with pressure"),
 )

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from palpate.base.discovery import discover
-from palpate.errors import InputError
+from palpate.errors import InputError, part_of
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale
 
@@ -47,11 +47,8 @@ def checked_mechanisms(given: Any) -> dict[str, dict[str, float]]:
         raise InputError("mechanisms is not a table of keys", remedy="give key: {parameter: value}", place="mechanisms")
     checked = {}
     for key, mechanism in known(given, "mechanisms").items():
-        try:
+        with part_of(f"mechanisms.{key}"):
             checked[key] = mechanism.check({} if given[key] is None else given[key])
-        except InputError as error:
-            place = ".".join(filter(None, ("mechanisms", key, error.place)))
-            raise InputError(error.problem, remedy=error.remedy, place=place) from None
     return checked
 
 

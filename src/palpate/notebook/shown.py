@@ -19,7 +19,7 @@ class Shown:
     """A result of the front door: a summary and a view in a notebook from its sentences and tables."""
 
     def _sentences(self) -> Sequence[str]:
-        """Return what to know of it."""
+        """Return sentences on the result."""
         raise NotImplementedError
 
     def _tables(self) -> Sequence[pd.DataFrame]:
@@ -27,7 +27,7 @@ class Shown:
         return ()
 
     def summary(self) -> str:
-        """Return what it is and what to know of it as text: sentences, then tables."""
+        """Return the result as text: what it is, sentences on it, then tables."""
         return "\n\n".join(["\n".join([repr(self), *self._sentences()]), *map(text_table, self._tables())])
 
     def _repr_html_(self) -> str:

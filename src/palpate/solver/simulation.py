@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError, PalpateError, part_of
 from palpate.mechanisms import checked_mechanisms
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
@@ -46,11 +46,8 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
             raise InputError(f"{key} {problem}", remedy=f"write such as {key}: {example}", place=key)
     material = dict(values["material"])
     model = material.pop("model", None)
-    try:
+    with part_of("indenter"):
         indenter = Indenter.from_mapping(values["indenter"])
-    except InputError as error:
-        place = f"indenter.{error.place}" if error.place else "indenter"
-        raise InputError(error.problem, remedy=error.remedy, place=place) from None
     protocol = values["protocol"]
     if not isinstance(protocol, Protocol):
         protocol = protocol_from(protocol)

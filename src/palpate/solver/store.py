@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from palpate.base.classes import classes_of
 from palpate.base.fingerprint import content, fingerprint
 from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
@@ -124,7 +125,7 @@ def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict
         own = [snapshot for snapshot in batch.snapshots if snapshot.condition == condition]
         if None in (_intact(place(snapshot.address, store)) for snapshot in own):
             computed(batch.snapshots, store)
-        contents += [_of(snapshot, store) for snapshot in own]
+        contents += [read(place(snapshot.address, store)) | {"parameters": dict(snapshot.cell)} for snapshot in own]
     return contents
 
 
@@ -134,17 +135,10 @@ def conditions_by_shape(study: Study) -> list[list[Condition]]:
     Under a sharp tip a body without a length scale has no size but that of the contact, so that one simulation serves
     all of a group, see `palpate.solver.axisymmetric.similar`.
     """
-    groups: list[list[Condition]] = []
-    for condition in study.conditions:
-        if condition.role == "calibrate":
-            specification = of_equivalent_cone(study.specification(study.cells[0], condition))
-            first = [of_equivalent_cone(study.specification(study.cells[0], group[0])) for group in groups]
-            same = [group for group, other in zip(groups, first, strict=True) if alike(other, specification)]
-            if same:
-                same[0].append(condition)
-            else:
-                groups.append([condition])
-    return groups
+    cell = study.cells[0]
+    tests = [(condition, of_equivalent_cone(study.specification(cell, condition))) for condition in study.calibrated]
+    groups = classes_of(tests, lambda first, other: alike(first[1], other[1]))
+    return [[condition for condition, _ in members] for members in groups]
 
 
 def place(address: str, store: Path = STORE) -> Path:
@@ -179,18 +173,34 @@ def computed(
     incomplete = {tuple(s.cell.values()) for s in snapshots if found[s.address] is None}
     missing = [snapshot for snapshot in snapshots if tuple(snapshot.cell.values()) in incomplete]
     at_once = AT_ONCE * len({snapshot.condition for snapshot in snapshots})
-    for first in range(0, len(missing), at_once):
-        chosen = missing[first : first + at_once]
+    fill(missing, at_once, store, report, solve)
+    report(f"{len(snapshots)} snapshots, {len(missing)} computed")
+    return [(found[s.address] or read(place(s.address, store))) | {"parameters": dict(s.cell)} for s in snapshots]
+
+
+def fill(
+    snapshots: Sequence[Snapshot],
+    at_once: int,
+    store: Path,
+    report: Callable[[str], None],
+    solve: Callable[[Sequence[Specification]], Sequence[Simulation]] = simulate_batch,
+) -> None:
+    """Simulate snapshots, `at_once` at a time, and write those that the store lacks as soon as they are.
+
+    Parameters
+    ----------
+    snapshots, store, report, solve
+        See `computed`.
+    """
+    for first in range(0, len(snapshots), at_once):
+        chosen = snapshots[first : first + at_once]
         simulations = solve([snapshot.specification for snapshot in chosen])
         for snapshot, simulation in zip(chosen, simulations, strict=True):
-            if found[snapshot.address] is None:
-                file = place(snapshot.address, store)
+            file = place(snapshot.address, store)
+            if _intact(file) is None:
                 write(file, simulation, snapshot.cell, snapshot.condition)
-                found[snapshot.address] = read(file)
         seconds = sum(simulation.solver_seconds for simulation in simulations)
-        report(f"{first + len(chosen)} of {len(missing)} snapshots computed, {seconds:.1f} s")
-    report(f"{len(snapshots)} snapshots, {len(missing)} computed")
-    return [known | {"parameters": dict(s.cell)} for s in snapshots if (known := found[s.address])]
+        report(f"{first + len(chosen)} of {len(snapshots)} snapshots computed, {seconds:.1f} s")
 
 
 def write(path: Path, simulation: Simulation, cell: Mapping[str, float], condition: str) -> None:
@@ -239,11 +249,6 @@ def _intact(path: Path) -> dict[str, Any] | None:
     except Exception:  # a damaged archive may raise anything
         return None
     return found if found.keys() >= FIELDS and found.get("address", path.stem) == path.stem else None
-
-
-def _of(snapshot: Snapshot, store: Path) -> dict[str, Any]:
-    """Return the content of a snapshot's file, with the parameters that are on the grid of its own study."""
-    return read(place(snapshot.address, store)) | {"parameters": dict(snapshot.cell)}
 
 
 def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

@@ -18,6 +18,11 @@ ACCURACIES = ("standard", "medium", "fine")
 KINEMATICS = ("small", "large")
 
 
+def finer(accuracy: str, degrees: int = 1) -> str:
+    """Return the accuracy that is so many degrees finer, or the finest."""
+    return ACCURACIES[min(ACCURACIES.index(accuracy) + degrees, len(ACCURACIES) - 1)]
+
+
 @dataclass(frozen=True, eq=False)
 class Specification:
     """Everything on which a simulated curve depends.

@@ -165,14 +165,14 @@ class PODRBF(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """Curves (n, n_points) [nm] of a fitted surrogate at valid X (n, n_parameters): `predict` for inner loops."""
         return self.pod_.expand(self.interpolator_(self._scale(X)))
 
-    def jacobian(self, x: Any, step: float = 1e-5) -> np.ndarray:
+    def jacobian(self, x: Any) -> np.ndarray:
         """Slope (n_points, n_parameters) of the curve at the parameters x (n_parameters,) [nm per unit of x].
 
-        Central differences over `step` of each training range; zero for parameters that never varied.
+        Central differences over 1e-5 of each training range; zero for parameters that never varied.
         """
         check_is_fitted(self)
         x = np.asarray(x, dtype=float)
-        steps = step * np.diag(self.upper_ - self.lower_)[self.varies_]
+        steps = 1e-5 * np.diag(self.upper_ - self.lower_)[self.varies_]
         ahead, behind = np.split(self.evaluate(np.vstack([x + steps, x - steps])), 2)
         slope = np.zeros((ahead.shape[1], len(x)))
         slope[:, self.varies_] = (ahead - behind).T / (2.0 * steps.sum(axis=1))

@@ -125,7 +125,7 @@ class Comparison:
 
 
 def compared(test: str, specification: Specification, theirs: np.ndarray, own_error: float) -> tuple[list[Row], Plot]:
-    """Hold palpate's curve to one of CalculiX'.
+    """Compare palpate's curve with one of CalculiX'.
 
     Parameters
     ----------
@@ -159,10 +159,10 @@ def compared(test: str, specification: Specification, theirs: np.ndarray, own_er
     ]
     reached = np.isfinite(theirs)
     both = [
-        PlottedSeries("CalculiX", time[reached].tolist(), theirs[reached].tolist(), True),
-        PlottedSeries("palpate, fine", time.tolist(), found.tolist()),
+        PlottedSeries("CalculiX", time[reached], theirs[reached], True),
+        PlottedSeries("palpate, fine", time, found),
     ]
-    lower = [PlottedSeries("deviation", time[counts].tolist(), (100 * deviation[counts]).tolist())]
+    lower = [PlottedSeries("deviation", time[counts], 100 * deviation[counts])]
     file = "calculix_" + "".join(letter if letter.isalnum() else "_" for letter in name)
     return rows, Plot(file, "time [s]", f"depth, {name} [nm]", both, lower)
 

@@ -76,12 +76,16 @@ class Row:
 
 @dataclass(frozen=True)
 class PlottedSeries:
-    """One line of a plot: `x` and `y` of equal length; `marks` draws points instead of a line."""
+    """One line of a plot: `x` and `y` of equal length, kept as lists; `marks` draws points instead of a line."""
 
     label: str
-    x: Sequence[float]
-    y: Sequence[float]
+    x: Sequence[float] | np.ndarray
+    y: Sequence[float] | np.ndarray
     marks: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name)).tolist())
 
 
 @dataclass(frozen=True)
@@ -138,14 +142,11 @@ def worst(quantity: str, expected: np.ndarray, found: np.ndarray, allowed: float
     return Row(quantity, float(expected[k]), float(found[k]), allowed, note)
 
 
-def rms(quantity: str, expected: np.ndarray, found: np.ndarray, allowed: float | None, note: str = "") -> Row:
-    """Return the row of a curve's root mean square relative deviation; the values shown are at the largest depth.
+def rms(quantity: str, expected: np.ndarray, found: np.ndarray) -> Row:
+    """Return the row, which is only reported, of the root mean square relative deviation of a curve `found` (n,).
 
-    Parameters
-    ----------
-    quantity, expected, found, allowed, note
-        See `worst`.
+    The values shown are those at the largest depth.
     """
     k = int(np.argmax(expected))
     measure = float(np.sqrt(np.mean((found / expected - 1) ** 2)))
-    return Row(quantity, float(expected[k]), float(found[k]), allowed, note, measure)
+    return Row(quantity, float(expected[k]), float(found[k]), None, measure=measure)

@@ -41,7 +41,7 @@ def run_sneddon(settings: Settings) -> Outcome:
         "half-angle of the cone [deg]",
         "depth / Sneddon's depth, mean of ten loads",
         [
-            PlottedSeries("finite elements, fine", angles.tolist(), ratios, marks=True),
+            PlottedSeries("finite elements, fine", angles, ratios, marks=True),
             PlottedSeries("Sneddon (shallow limit)", [float(angles[0]), 90.0], [1.0, 1.0]),
         ],
     )
@@ -58,15 +58,15 @@ def run_hertz(settings: Settings) -> Outcome:
         later = protocol.sample_load >= 0.1 * protocol.max_load
         quantity = f"depth under a sphere, worst sample from 10 % of the load on, {accuracy} [nm]"
         rows.append(worst(quantity, exact[later], found[later], allowed))
-        deviations.append(PlottedSeries(accuracy, protocol.sample_load.tolist(), (100 * (found / exact - 1)).tolist()))
-    load = protocol.sample_load.tolist()
+        deviations.append(PlottedSeries(accuracy, protocol.sample_load, 100 * (found / exact - 1)))
+    load = protocol.sample_load
     plot = Plot(
         "hertz",
         "load [mN]",
         "depth [nm]",
         [
-            PlottedSeries("Hertz", load, exact.tolist()),
-            PlottedSeries("finite elements, fine", load, found.tolist(), marks=True),
+            PlottedSeries("Hertz", load, exact),
+            PlottedSeries("finite elements, fine", load, found, marks=True),
         ],
         deviations,
     )

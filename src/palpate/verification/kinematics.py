@@ -101,11 +101,11 @@ def _plot(test: Test, curves: Mapping[tuple[str, float], np.ndarray]) -> Plot:
     series = []
     for way, curve in curves.items():
         change = 100 * (curve / curves[WAYS[0]] - 1)[:last]
-        series.append(PlottedSeries(_label(way), time[:last].tolist(), change.tolist()))
+        series.append(PlottedSeries(_label(way), time[:last], change))
     for way, depths in test.reference.items():
         change = 100 * (np.array(depths) / plain - 1)
         label = "CalculiX" if way == WAYS[0] else "_"
-        series.append(PlottedSeries(label, time[list(test.samples)].tolist(), change.tolist(), True))
+        series.append(PlottedSeries(label, time[list(test.samples)], change, True))
     return Plot(f"kinematics_{test.name}", "time [s]", f"change of depth, {test.name} [%]", series)
 
 

@@ -70,7 +70,7 @@ def run(settings: Settings) -> Outcome:
             rows.append(Row(quantity, expected, order, ORDER_WITHIN))
         error = np.abs(np.array(values) / limit - 1)
         sizes = 0.5 ** np.arange(len(values))
-        series.append(PlottedSeries(f"{name} (order {order:.2f})", sizes.tolist(), (100 * error).tolist()))
+        series.append(PlottedSeries(f"{name} (order {order:.2f})", sizes, 100 * error))
     rows.append(Row("mean depth, standard against fine [nm]", fine, whole, STANDARD_WITHIN))
     plot = Plot("convergence", "size, relative to the coarsest", "deviation from extrapolated [%]", series, (), True)
     note = "The epoxy's test: nonlinear Burgers, 1 mN, 30 s up, 30 s down; mean depth from 15 % of the load on."

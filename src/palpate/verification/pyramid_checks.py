@@ -166,16 +166,16 @@ def _creep(accuracy: str) -> tuple[list[Row], Plot]:
     ]
     ratio = "epoxy: residual over peak depth, pyramid against cone"
     rows.append(Row(ratio, float(cone[-1] / cone[peak]), float(pyramid[-1] / pyramid[peak]), None, note))
-    time = CREEP.sample_time.tolist()
+    time = CREEP.sample_time
     plot = Plot(
         "pyramid",
         "time [s]",
         "depth of the epoxy [nm]",
         [
-            PlottedSeries("equivalent cone", time, cone.tolist(), True),
-            PlottedSeries("Berkovich pyramid", time, pyramid.tolist()),
+            PlottedSeries("equivalent cone", time, cone, True),
+            PlottedSeries("Berkovich pyramid", time, pyramid),
         ],
-        [PlottedSeries("pyramid - cone", time, (100 * (pyramid / cone - 1)).tolist())],
+        [PlottedSeries("pyramid - cone", time, 100 * (pyramid / cone - 1))],
     )
     return rows, plot
 

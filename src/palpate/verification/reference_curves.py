@@ -54,13 +54,13 @@ def run(settings: Settings) -> Outcome:
         counts = curve.load[kept] >= 0.15 * reference.load
         quantity, note = f"{reference.name}: depth, worst sample [nm]", "allowed: the curve's own refinement error"
         rows.append(worst(quantity, expected[counts], found[counts], reference.refinement, note))
-        rows.append(rms(f"{reference.name}: depth, root mean square [nm]", expected[counts], found[counts], None))
+        rows.append(rms(f"{reference.name}: depth, root mean square [nm]", expected[counts], found[counts]))
         series = [
-            PlottedSeries("reference", time.tolist(), expected.tolist(), True),
-            PlottedSeries("fine", time.tolist(), found.tolist()),
+            PlottedSeries("reference", time, expected, True),
+            PlottedSeries("fine", time, found),
         ]
         deviation = 100 * (found[counts] / expected[counts] - 1)
-        lower = [PlottedSeries("deviation", time[counts].tolist(), deviation.tolist())]
+        lower = [PlottedSeries("deviation", time[counts], deviation)]
         plots.append(Plot(f"reference_{reference.name}", "time [s]", f"depth, {reference.name} [nm]", series, lower))
     notes = ["Compared from 15 % of the load on."]
     return Outcome(rows, plots, notes if rows else [f"{settings.reference} holds no reference curve."])

@@ -53,7 +53,7 @@ def _within_one_curve(kinematics: str, rows: list[Row]) -> Plot:
         ratio = ratio / np.sqrt(load)
         quantity = f"elastic, {kinematics} strain, {accuracy}: depth / sqrt(load) along one curve [nm/mN^0.5]"
         rows.append(worst(quantity, np.full(len(load), ratio.mean()), ratio, allowed, "expected: its mean"))
-        series.append(PlottedSeries(accuracy, load.tolist(), ratio.tolist()))
+        series.append(PlottedSeries(accuracy, load, ratio))
     return Plot(f"similarity_{kinematics}", "load [mN]", f"depth / sqrt(load), {kinematics} strain", series)
 
 

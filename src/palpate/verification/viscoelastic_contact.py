@@ -47,10 +47,10 @@ def run(settings: Settings) -> Outcome:
                 "time [s]",
                 "depth [nm]",
                 [
-                    PlottedSeries("closed form", time.tolist(), expected.tolist()),
-                    PlottedSeries(f"finite elements, {accuracy}", time[::4].tolist(), found[::4].tolist(), marks=True),
+                    PlottedSeries("closed form", time, expected),
+                    PlottedSeries(f"finite elements, {accuracy}", time[::4], found[::4], marks=True),
                 ],
-                [PlottedSeries(accuracy, time.tolist(), (100 * (found / expected - 1)).tolist())],
+                [PlottedSeries(accuracy, time, 100 * (found / expected - 1))],
             )
         )
     note = "The closed forms are those of nu = 0.5; the simulations have nu = 0.499, which changes depth by 0.05 %."

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.configuration.schema import part_of
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
-from palpate.errors import InputError
+from palpate.errors import InputError, part_of
 from palpate.inference.study_recordings import check_given, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body

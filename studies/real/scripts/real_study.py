@@ -4,7 +4,7 @@ import functools
 
 from palpate.configuration.study_file import load_study
 from palpate.output import diagnosis_page as page
-from palpate.output.figures import explained_curves as figure
+from palpate.output.figures import explained_curves, style
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import write_json
 from studies.real.diagnose_source import diagnose_source
@@ -15,7 +15,7 @@ def main(snakemake):
     content, curves = diagnose_source(study, functools.partial(job.note, snakemake.log[0]))
     write_json(snakemake.output.result, content)
     curves.to_csv(snakemake.output.curves, index=False)
-    figure.draw(content, curves, snakemake.output.figure, study.title, synthetic=False)
+    style.write(snakemake.output.figure, explained_curves.compose, content, curves, study.title, False)
     page.write(content, study.declared, snakemake.output.figure, snakemake.output.page, study.title)
 
 

@@ -28,7 +28,7 @@ def fluidity(function: Function) -> Function:
 
 
 def strength(function: Function) -> Function:
-    """Register a yield stress in uniaxial tension.
+    """Register a yield stress: plastic flow keeps the von Mises stress sqrt(3) q at it.
 
     The function takes ``(law, at, alpha, pressure)`` with the equivalent plastic strain alpha. It returns the stress
     [GPa] and its derivatives by alpha [GPa] and by the pressure.

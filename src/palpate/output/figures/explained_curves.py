@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,25 +13,9 @@ from matplotlib.figure import Figure
 
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic, save, styled
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic
 
 PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
-
-
-@styled
-def draw(content: Mapping[str, Any], curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Write the map, the misfits and the candidates as a figure; the arguments are those of `compose`.
-
-    Parameters
-    ----------
-    path
-        File that is written.
-    content, curves, title, synthetic
-        See `compose`.
-    """
-    figure = Figure()
-    compose(figure, content, curves, title, synthetic)
-    save(figure, path)
 
 
 def compose(figure: Figure, content: Mapping[str, Any], curves: pd.DataFrame, title: str, synthetic: bool) -> None:
@@ -77,7 +60,7 @@ def compose(figure: Figure, content: Mapping[str, Any], curves: pd.DataFrame, ti
 
 
 def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
-    """Colour each part of each test by its mean misfit, in the order of the study; a dot marks what is not chance."""
+    """Colour each part of each test by its mean misfit, in the order of the study; a dot marks what is significant."""
     located = {row["condition"] for row in content["location"]}
     conditions = [name for name in names if name in located]
     found = {(row["segment"], row["part"]) for row in content["location"]}

@@ -7,39 +7,13 @@ from __future__ import annotations
 
 import textwrap
 from itertools import cycle
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.output.figures.style import (
-    DOUBLE_COLUMN,
-    RECORDED,
-    SERIES,
-    SIMULATED,
-    SURROGATE,
-    mark_synthetic,
-    save,
-    styled,
-)
-
-
-@styled
-def draw(curves: pd.DataFrame, path: str | Path, title: str, synthetic: bool) -> None:
-    """Write a figure with one column a condition; `curves` as for `compose`.
-
-    Parameters
-    ----------
-    path
-        File that is written.
-    curves, title, synthetic
-        See `compose`.
-    """
-    figure = Figure()
-    compose(figure, curves, title, synthetic)
-    save(figure, path)
+from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SERIES, SIMULATED, SURROGATE, mark_synthetic
 
 
 def compose(figure: Figure, curves: pd.DataFrame, title: str, synthetic: bool) -> None:

@@ -6,6 +6,7 @@ Drawing opens no window and leaves Matplotlib's own settings as they were.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,14 @@ def save(figure: Figure, path: str | Path) -> None:
     """Write a PNG that is the same, byte for byte, whenever its content is."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, metadata={"Software": None})
+
+
+@styled
+def write(path: str | Path, compose: Callable[..., None], *drawn: Any) -> None:
+    """Write the figure that `compose`, such as `explained_curves.compose`, draws of what is `drawn`."""
+    figure = Figure()
+    compose(figure, *drawn)
+    save(figure, path)
 
 
 def mark_synthetic(figure: Figure, synthetic: bool) -> None:

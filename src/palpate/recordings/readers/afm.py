@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.bounded_hdf5 import problem_of
 from palpate.base.bounded_process import BEYOND, MEMORY
-from palpate.base.sound_hdf5 import problem_of
 from palpate.errors import InputError
 from palpate.recordings.readers.igor import is_wave, sampling, stated
 from palpate.recordings.readers.source import HDF5, ZIP, Source

@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.base.classes import classes_of
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
@@ -51,11 +52,8 @@ def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()
 
 def room(cases: Sequence[Case]) -> int:
     """Return how many times all cases, each a little changed, fit into the lanes that they take once."""
-    distinct: list[Case] = []
-    for case in cases:
-        if not any(length_ratio(case, other) for other in distinct):
-            distinct.append(case)
-    return max(1, LANES // max(Counter(case.kind for case in distinct).values()))
+    kinds = Counter(members[0].kind for members in classes_of(cases, length_ratio))
+    return max(1, LANES // max(kinds.values()))
 
 
 def _ratio_of_all(row: Sequence[Case], others: Sequence[Case]) -> float | None:

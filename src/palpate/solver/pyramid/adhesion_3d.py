@@ -51,7 +51,7 @@ def attract(adhesion: Adhesion, contact: Contact3D, work: Workspace, force: np.n
         moves = equations[:, i] >= 0
         at = equations[moves, i]
         work.residual[at] += (pull * along[:, i])[moves]
-        work.border[at, 0] -= (stiffness * along[:, i])[moves]
+        work.border[at] -= (stiffness * along[:, i])[moves]
         for j in range(i + 1):
             both = moves & (equations[:, j] >= 0)
             work.band[equations[both, j], (equations[:, i] - equations[:, j])[both]] += tangent[both, i, j]

@@ -36,9 +36,8 @@ class Factored:
         factor, failed = lapack.dpbtrf(work.band.T, lower=1, overwrite_ab=1)
         if failed:
             return None
-        border = work.border[:, 0]
-        sideways = lapack.dpbtrs(factor, border, lower=1)[0]
-        return cls(factor, border, sideways, corner - border @ sideways)
+        sideways = lapack.dpbtrs(factor, work.border, lower=1)[0]
+        return cls(factor, work.border, sideways, corner - work.border @ sideways)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Return the displacements and the depth (size + 1,) for a right-hand side (size + 1,)."""

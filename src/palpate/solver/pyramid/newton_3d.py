@@ -66,7 +66,7 @@ def advance(
     contact = Contact3D.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)
     hexahedra = Hexahedra.of(mesh)
-    system = System3D(work.band, work.residual, work.border[:, 0], force, work.pressing, work.pressure)
+    system = System3D(work.band, work.residual, work.border, force, work.pressing, work.pressure)
     free, search, geometric, coupling = mesh.equations >= 0, None, True, None
     farthest, limit = np.inf, ITERATIONS
     if problem.adhesion is not None:

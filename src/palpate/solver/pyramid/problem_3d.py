@@ -141,7 +141,7 @@ class Workspace:
         return cls(
             np.empty((mesh.size, mesh.bandwidth + 1)),
             np.empty(mesh.size),
-            np.empty((mesh.size, 2)),
+            np.empty(mesh.size),
             np.empty((m, 8, COMPONENTS)),
             np.empty((m, 8)),
             np.empty(m),
