@@ -66,7 +66,7 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
 
     The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
     side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's. It
-    is no narrower than a step from one recorded point to the next.
+    reaches a step from one recorded point to the next at least.
 
     Parameters
     ----------
@@ -113,9 +113,9 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     level = float(np.interp(moment, *baseline))
     error = max(error, MODEL_ERROR * float(path[-1] - contact))
     near = slice(max(index - first - BESIDE, 0), index - first + BESIDE)
-    between = 0.5 * float(np.median(np.abs(np.diff(path[near]))))
-    lower = min(min(lower, contact) - error, contact - between)
-    upper = max(max(upper, contact) + error, contact + between)
+    apart = float(np.median(np.abs(np.diff(path[near]))))
+    beside = max(error, apart)
+    lower, upper = min(lower - error, contact - beside), max(upper + error, contact + beside)
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
 
 

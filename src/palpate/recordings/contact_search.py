@@ -22,13 +22,10 @@ from palpate.recordings.contact_law import Laws
 
 CONTACTS = 32  # on trial in each step
 STEPS = 4  # at most
-EXACT, FAR_OFF = 5e-4, 0.005  # of the load's range, chosen: what an exact fit leaves at most, and any other does
-QUIET = 2e-6  # of the load's range: twice the least noise that is assumed
-BETWEEN = 0.003  # of the load from one of the first contacts on trial to the next, chosen: no law of theirs is closer
 LEVEL = 0.95  # probability of the interval
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of mean squares
-WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
+WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline, or a straight one alone
 FEWEST_IN_AIR = 6  # points
 CLEARLY = 6.0  # root mean squares of what a fit leaves, by which a law rises that is no accident, chosen
 LITTLE = 4.0  # times what a law leaves, that a line leaves where the law explains more than it, chosen
@@ -82,11 +79,11 @@ def searched(
     approach
         Whether there is one; without, contact may lie before the first point, where the load is zero.
     """
-    guess, contact, _ = coarse(time, load, depth, approach)
+    guess, contact, left = coarse(time, load, depth, approach)
     reach = float(np.ptp(depth))
     lowest = depth.min() - (0.0 if approach else 0.5 * reach)
     low, high = lowest, depth.min() + 0.98 * reach
-    laws, baselines = Laws(), Baselines(series=_spring(time, load, depth))
+    laws, baselines = Laws(), Baselines(together=left > WELL**2)
     noises = [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
     for step in range(STEPS):
         count = _counting(guess, max(contact, high) if step else contact, depth)
@@ -99,15 +96,13 @@ def searched(
         near = ContactGuess(contact, *_at(guess, blocks.depth))
         if step == 0:
             baselines = _with_waves(baselines, blocks, near.loads, noise[0])
-        apart, quiet = float(contacts[1] - contacts[0]), step == 0 and noise[0] < QUIET
-        between = BETWEEN * float(np.ptp(near.loads)) * apart / max(end - contact, apart) if quiet else 0.0
-        white = max(noise[0], between)
-        evidence = Evidence(blocks, near, baselines, laws, contacts, white, noise[1])
+        evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
         best = evidence.search(noises)
         posterior = evidence.posterior()
         baseline, fitted = evidence.fitted(best)
         guess, contact = (blocks.depth, fitted.loads), fitted.contact
         weight = posterior.sum(axis=1)
+        apart = contacts[1] - contacts[0]
         found = _interval(contacts, weight)
         if step < 2:
             baselines = _with_waves(baselines, blocks, fitted.loads, noise[0])
@@ -117,26 +112,11 @@ def searched(
         if step > 1 and high - low > 0.7 * before:
             break
         laws = laws.narrowed(posterior.sum(axis=0))
-        if white > noise[0]:
-            continue
         likely = [noise for noise, _ in evidence.near(AGAIN)]
         noises = [ResidualNoise(n.amplitude, n.correlation_time, of_depth=not approach) for n in likely]
         noises = list(dict.fromkeys(noises))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
-
-
-def _spring(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
-    """Return whether a drift and a tilt are the whole load (n,) together, and a drift alone is far from it.
-
-    That is the load of a spring in series that is driven evenly; an even load is a drift alone.
-    """
-    terms = np.column_stack([np.ones_like(time), time, depth])
-    alone, both = (
-        float(np.std(load - some @ np.linalg.lstsq(some, load, rcond=None)[0])) / max(float(np.ptp(load)), 1e-300)
-        for some in (terms[:, :2], terms)
-    )
-    return both < EXACT and alone > FAR_OFF
 
 
 def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
