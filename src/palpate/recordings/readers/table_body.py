@@ -103,7 +103,7 @@ def _values(cells: Table, aside: Mapping[int, Sequence[Any]]) -> np.ndarray:
 
 
 def parts_of(body: TableBody) -> list[Part]:
-    """Return the tests below one another in a table; raises `InputError` where one of them has names or units of its own."""
+    """Return the tests below one another in a table; raises `InputError` where one has other names or units."""
     parts = parted(body.values, body.broken, body.cells.place)
     whole = np.isfinite(body.values).all(axis=1)
     for part in parts[1:]:
@@ -117,7 +117,7 @@ def parts_of(body: TableBody) -> list[Part]:
         ]
         if others:
             raise InputError(
-                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are other names or units than those of the test before",
+                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are names or units unlike those of the test before",
                 remedy="write each of several tests to a file of its own",
                 place=body.cells.place(others[0]),
             )
