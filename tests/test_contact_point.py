@@ -41,6 +41,23 @@ def test_known_contact_lies_in_the_interval(cap, approach):
     assert np.median([point.upper - point.lower for point in found]) < 10.0
 
 
+@pytest.mark.parametrize("drive", ["even depth", "spring"])
+@pytest.mark.parametrize(("exponent", "noise", "tilt"), [(1.5, 0.0, 0.0), (1.5, 3e-5, 0.1), (2.0, 1e-4, -0.1)])
+@pytest.mark.parametrize(("way", "size"), [(400.0, 300), (400.0, 2000), (1000.0, 300)])
+def test_contact_of_a_force_curve_of_little_noise(drive, exponent, noise, tilt, way, size):
+    """A force curve, 600 nm before contact, and back; the spring bends by three times the depth."""
+    depth = np.linspace(0.0, 1.0, 20001)
+    piezo = 600.0 / way + depth + (3.0 * depth**exponent if drive == "spring" else 0.0)
+    ramp = np.linspace(0.0, piezo[-1], size)
+    path = np.where(ramp < piezo[0], ramp - piezo[0], np.interp(ramp, piezo, depth))
+    path = np.append(path, path[::-1])
+    load = 1e-4 * (np.clip(path, 0.0, None) ** exponent + tilt * path - 2.0)
+    load += 1e-4 * noise * np.random.default_rng(1).standard_normal(2 * size)
+    point = first_touch(1e-3 * np.arange(2 * size), load, 600.0 + way * path)
+    assert point.lower <= 600.0 <= point.upper
+    assert point.upper - point.lower < 0.1 * way
+
+
 def test_contact_moves_with_depth_time_and_unit():
     time, load, depth = recording(3, 20.0)
     point, moved = first_touch(time, load, depth), first_touch(time + 7.0, 2 * load, depth - 500.0)

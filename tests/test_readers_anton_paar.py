@@ -85,6 +85,48 @@ def test_a_single_test_is_read_in_the_units_and_the_order_of_its_headings(tmp_pa
     assert test.recording.depth == pytest.approx(DEPTH, abs=1e-2)
 
 
+SPELLED = [
+    ("Zeit (s)", "Kraft (mN)", "Eindringtiefe (nm)"),
+    ("Zeit [s]", "Normalkraft [mN]", "Eindringtiefe [nm]"),
+    ("Temps (s)", "Force normale (mN)", "Profondeur de pénétration (nm)"),
+    ("Temps [s]", "Force [mN]", "Profondeur [nm]"),
+    ("TIME (s)", "Normal force (mN)", "Penetration depth (nm)"),
+]
+
+
+@pytest.mark.parametrize("spelled", SPELLED)
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16"])
+@pytest.mark.parametrize("above", ["", "Indentation\r\n\r\n", "Eindruckversuch\tA:\r\nKraft (max) :\t5,0 mN\r\n"])
+def test_headings_in_german_and_french_are_known(tmp_path, spelled, encoding, above):
+    rows = [f"{time:.1f}\t{depth:.4f}\t{load:.6f}".replace(".", ",") for time, load, _, depth in ONE]
+    text = above + "\r\n".join(["\t".join(spelled[k] for k in (0, 2, 1)), *rows, ""])
+    (test,) = read_vendor_file(write(tmp_path, text, encoding))
+    assert test.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert test.recording.load == pytest.approx(LOAD, abs=1e-5)
+    assert test.recording.depth == pytest.approx(DEPTH, abs=1e-3)
+
+
+def test_tests_side_by_side_are_known_in_german(tmp_path):
+    named = ("X_P 1_Zeit_[s]", "Y_P 1_Kraft_[mN]", "X_P 1_Zeit_[s]", "Y_P 1_Eindringtiefe_[nm]")
+    (test,) = read_vendor_file(write(tmp_path, columns(ONE, *named).replace(".", ",")))
+    assert test.name == "P 1"
+    assert test.recording.depth == pytest.approx(DEPTH, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("Zeit (s)\tEindringtiefe (nm)\tKraft (V)", "load in 'V' is not known"),
+        ("Zeit (s)\tEindringtiefe\tKraft (mN)", "lacks its column line"),
+        ("Zeit (s)\tEindringtiefe (nm)\tSollkraft (mN)", "lacks its column line"),
+        ("Time (s)\tPd (nm)\tFn (mN)\tForce (mN)", "several columns are called 'Fn .mN. or Force .mN.'"),
+    ],
+)
+def test_units_and_channels_are_not_guessed(tmp_path, line, words):
+    with pytest.raises(InputError, match=words):
+        read_vendor_file(write(tmp_path, f"Indentation\n{line}\n0\t0\t0\t0\n1\t1\t1\t2\n"))
+
+
 def test_a_single_test_in_unknown_units_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"x\.TXT.*load in 'V' is not known"):
         read_vendor_file(write(tmp_path, "Indentation\nTime (s)\tPd (nm)\tFn (V)\n0\t0\t0\n"))

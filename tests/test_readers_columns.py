@@ -141,6 +141,7 @@ def hundred(changes):
         ({}, None),
         ({40: "40,,400"}, "1 of 101 rows left out: no three numbers (line 42)"),
         ({40: "40,-,400", 60: "60,ERROR,400"}, "2 of 101 rows left out: no three numbers (line 42, 62)"),
+        ({0: "0,0,-9999", 60: "60,40,-9999"}, "2 of 101 rows left out: no three numbers (line 2, 62)"),
         ({60: "59,40,400"}, "1 of 101 rows left out: time does not increase (line 62)"),
         ({60: "59,41,410"}, "1 row written twice, counted once (line 62)"),
         ({100: "100,0"}, "1 of 101 rows left out: no three numbers (line 102)"),

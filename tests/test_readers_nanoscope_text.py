@@ -84,7 +84,6 @@ def test_the_extension_alone_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "problem"),
     [
-        (without("Time"), "lacks Time_s_Ex;"),
         (without("pN"), "lacks Defl_pN_Ex;"),
         (without("Separation", "Height", "Ramp"), "lacks Separation_nm_Ex;"),
         (without("Time_s_Rt"), "lacks Time_s_Rt;"),
@@ -95,6 +94,51 @@ def test_the_extension_alone_is_read(tmp_path):
 def test_what_is_missing_or_contradicts_itself_is_named(tmp_path, columns, problem):
     with pytest.raises(InputError, match=problem):
         read(tmp_path, columns)
+
+
+RAMP = "\\*Ciao scan list\n\\Scan rate: 7\n\\*Ciao force list\n\\Scan rate: 2.5\n\\Samps/line: {0} {0}\n{1}"
+SPEEDS = "\\Forward vel.: 30\n\\Reverse vel.: 10\n"
+
+
+@pytest.mark.parametrize(("speeds", "extension"), [("", 0.2), (SPEEDS, 0.1)])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("words", [("Time",), ("Time", "Separation")])
+def test_the_scan_rate_gives_the_times_that_a_file_lacks(tmp_path, speeds, extension, backwards, words):
+    """A period of 0.4 s; exports write what is measured in extension from contact outwards."""
+    columns = {
+        name: values[::-1] if backwards and name.endswith("_Ex") else values for name, values in without(*words).items()
+    }
+    test = read(tmp_path, columns, RAMP.format(COUNT, speeds))
+    steps = np.repeat([extension, 0.4 - extension], [COUNT, COUNT - 1]) / COUNT
+    assert np.diff(test.recording.time) == pytest.approx(steps, rel=1e-6)
+    assert test.recording.depth == pytest.approx(ORDERED, abs=1e-4)
+    assert any("by the scan rate in the header" in line for line in test.warnings)
+
+
+def test_a_ramp_is_counted_inwards_whichever_way_its_rows_run(tmp_path):
+    """As NanoScope Analysis exports natively: ramps in the order of time, the extension's deflection against it."""
+    ramp = np.linspace(0.0, 1000.0, COUNT)
+    bent = 0.25 * np.clip(ramp - 600.0, 0.0, None)
+    columns = {
+        "Calc_Ramp_Ex_nm": ramp,
+        "Calc_Ramp_Rt_nm": ramp[::-1],
+        **both(("Defl", "nm"), bent[::-1], unit_last=False),
+        **both(("Defl", "pN"), 1e3 * SPRING * bent[::-1], unit_last=False),
+    }
+    columns |= {"Defl_nm_Rt": bent[::-1], "Defl_pN_Rt": 1e3 * SPRING * bent[::-1]}
+    depth = ramp - bent
+    test = read(tmp_path, columns, RAMP.format(COUNT, ""))
+    assert test.recording.depth == pytest.approx(np.concatenate([depth, depth[::-1]]), abs=1e-4)
+    assert test.recording.load == pytest.approx(1e-6 * SPRING * np.concatenate([bent, bent[::-1]]), rel=1e-6, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("header", "problem"),
+    [("", "no Scan rate that would give them"), (RAMP.format(512, ""), "300 rows of Ex where its header states")],
+)
+def test_times_that_the_header_does_not_give_are_not_guessed(tmp_path, header, problem):
+    with pytest.raises(InputError, match=problem):
+        read(tmp_path, without("Time"), header)
 
 
 def test_a_text_with_nanoscope_s_header_is_read_by_its_columns_too(tmp_path):

@@ -66,9 +66,10 @@ def test_a_header_repeated_within_a_test_parts_nothing(tmp_path, columns):
 
 def test_tests_below_one_another_under_other_headers_are_refused(tmp_path):
     file = tmp_path / "x.csv"
-    file.write_text(below_one_another(ONE) + below_one_another(OTHER, heading="t,P,H"))
-    with pytest.raises(InputError, match="write each of several tests to a file of its own"):
-        read_vendor_file(file, columns=SHORT)
+    for heading, other in (("t,P,h", "t,P,H"), ("t,P,h\ns,mN,nm", "t,P,h\ns,uN,nm")):
+        file.write_text(below_one_another(ONE, heading=heading) + below_one_another(OTHER, heading=other))
+        with pytest.raises(InputError, match="write each of several tests to a file of its own"):
+            read_vendor_file(file, columns=SHORT)
 
 
 def test_a_header_that_first_comes_below_numbers_parts_nothing(tmp_path):

@@ -35,17 +35,20 @@ class Baselines:
         Waves on trial: ``depth`` or ``time``, and cycles over a unit of it.
     in_air
         Points before contact: an offset needs three, a slope six, a wave or a transient thirty.
+    together
+        Whether drift and tilt are also tried together, which is the whole load of a spring in series driven evenly.
     """
 
     waves: tuple[tuple[str, float], ...] = ()
     in_air: int = 0
+    together: bool = True
 
     def combinations(self) -> Iterator[tuple[Term, ...]]:
         """Yield every baseline as its terms."""
         if self.in_air < FOR_OFFSET:
             yield (ZERO,)
             return
-        straight = STRAIGHT if self.in_air >= FOR_SLOPE else STRAIGHT[:1]
+        straight = STRAIGHT[: (4 if self.together else 3) if self.in_air >= FOR_SLOPE else 1]
         waves: list[tuple[Term, ...]] = [()]
         starts: list[tuple[Term, ...]] = [()]
         if self.in_air >= FOR_CURVE:

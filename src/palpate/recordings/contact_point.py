@@ -26,6 +26,7 @@ MOSTLY = 0.95  # of the largest load, where the loading ends
 FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and steps along it would miss the test
 STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
 THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
+BESIDE = 3  # points on either side of contact, chosen: their steps show how far apart points are there
 MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
 _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed and drawn, and searched once
@@ -64,7 +65,8 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     """Return the point of first touch: the median of its posterior, with the 95 % region of highest density.
 
     The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
-    side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's.
+    side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's. It
+    reaches a step from one recorded point to the next at least.
 
     Parameters
     ----------
@@ -110,7 +112,10 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
     error = max(error, MODEL_ERROR * float(path[-1] - contact))
-    lower, upper = min(lower, contact) - error, max(upper, contact) + error
+    near = slice(max(index - first - BESIDE, 0), index - first + BESIDE)
+    apart = float(np.median(np.abs(np.diff(path[near]))))
+    beside = max(error, apart)
+    lower, upper = min(lower - error, contact - beside), max(upper + error, contact + beside)
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
 
 

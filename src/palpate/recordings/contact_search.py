@@ -25,7 +25,7 @@ STEPS = 4  # at most
 LEVEL = 0.95  # probability of the interval
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of mean squares
-WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline
+WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline, or a straight one alone
 FEWEST_IN_AIR = 6  # points
 CLEARLY = 6.0  # root mean squares of what a fit leaves, by which a law rises that is no accident, chosen
 LITTLE = 4.0  # times what a law leaves, that a line leaves where the law explains more than it, chosen
@@ -79,11 +79,12 @@ def searched(
     approach
         Whether there is one; without, contact may lie before the first point, where the load is zero.
     """
-    guess, contact, _ = coarse(time, load, depth, approach)
+    guess, contact, left = coarse(time, load, depth, approach)
     reach = float(np.ptp(depth))
     lowest = depth.min() - (0.0 if approach else 0.5 * reach)
     low, high = lowest, depth.min() + 0.98 * reach
-    laws, baselines, noises = Laws(), Baselines(), [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
+    laws, baselines = Laws(), Baselines(together=left > WELL**2)
+    noises = [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
     for step in range(STEPS):
         count = _counting(guess, max(contact, high) if step else contact, depth)
         blocks = Blocks.of(_edges(depth[:count], low, high, contact if step == 0 else None), time, depth, load)

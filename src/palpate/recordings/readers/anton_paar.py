@@ -7,28 +7,36 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 
 from palpate.errors import InputError
-from palpate.recordings.readers.anton_paar_columns import KEYS
+from palpate.recordings.readers.anton_paar_columns import HEADING, NAMES, key_of
 from palpate.recordings.readers.numbers_in_text import number, refuse_unlike, require_tabs, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import CHANNELS, scale
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, unfinished, usable
 from palpate.recordings.recording import Recording
 
-HEADING = re.compile(rf"\s*({'|'.join(KEYS)})\s*[(\[](.+)[)\]]\s*")
+BRACKET = re.compile(r"[\[({<]")  # before each unit
 LARGEST = {"load": "Fmax", "depth": "hmax"}  # among the results above the values
 SHORT = 0.02  # of these
 
 
 def matches(source: Source) -> bool:
-    """Return whether the file begins with the word Indentation."""
-    return source.first.startswith("Indentation")
+    """Return whether the file begins with the word Indentation, or a later line is of a test's headings."""
+    return source.first.startswith("Indentation") or (
+        len(columns(source.first)) < len(NAMES) and _header(source) is not None
+    )
+
+
+def _header(source: Source) -> int | None:
+    """Return the line that names all channels, each with its unit; None where there is none."""
+    bracketed = ((k, line) for k, line in source.lines.in_words() if BRACKET.search(line))
+    return next((k for k, line in bracketed if len(columns(line)) == len(NAMES)), None)
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test of the file; depth and load are the vendor's, from contact on."""
     refuse_corrections(source, corrections)
     lines, path = source.lines, source.path
-    start = next((k for k, line in lines.in_words() if len(columns(line)) == len(KEYS)), None)
+    start = _header(source)
     if start is None:
         for _, line in lines.in_words():
             if names_all(line):
@@ -41,7 +49,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     places = columns(lines[start])
     values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
     refuse_unlike(lines[start], columns, values, path)
-    time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in KEYS.values())
+    time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in NAMES)
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     facts = metadata(lines[:start])
@@ -64,13 +72,13 @@ def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[st
 
 def names_all(line: str) -> bool:
     """Return whether a line names all channels, whatever is between them."""
-    return all(re.search(rf"\b{key} *[(\[]", line) for key in KEYS)
+    return all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values())
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:
     """Return the place and the unit of each channel that a line of headings such as ``Pd (nm)`` names."""
-    headings = enumerate(map(HEADING.fullmatch, line.split("\t")))
-    return {KEYS[found[1]]: (place, found[2]) for place, found in headings if found}
+    headings = enumerate(map(HEADING.fullmatch, map(str.strip, line.split("\t"))))
+    return {key_of(found): (place, found[3]) for place, found in headings if found and not found[1]}
 
 
 def metadata(lines: Iterable[str]) -> dict[str, str]:

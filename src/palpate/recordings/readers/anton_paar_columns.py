@@ -30,8 +30,15 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
-HEADING = re.compile(r"(?:[XY]_(.+?)[_ ]+)?(Time|Fn|Pd)[_ ]*[\[({<](.+)[\])}>]", re.IGNORECASE)
-KEYS = {"Time": "time", "Fn": "load", "Pd": "depth"}
+NAMES = {  # in English, French and German
+    "time": ("Time", "Temps", "Zeit"),
+    "load": ("Fn", "Normal force", "Force normale", "Force", "Normalkraft", "Kraft"),
+    "depth": ("Pd", "Penetration depth", "Profondeur de pénétration", "Profondeur", "Eindringtiefe"),
+}
+KEYS = {name.casefold(): key for key, names in NAMES.items() for name in names}
+HEADING = re.compile(
+    rf"(?:[XY]_(.+?)[_ ]+)?({'|'.join(KEYS).replace(' ', '[ _]')})[_ ]*[\[({{<](.+)[\])}}>]", re.IGNORECASE
+)
 GAP = 10
 HEAD = 10  # rows of a sheet in which its headings are sought
 Series = tuple[np.ndarray, np.ndarray]
@@ -70,7 +77,7 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
     """Return the tests in columns, each with its heading; the sheet's name comes before a test's that is `known`."""
     headed = [(found, values) for heading, values in columns if (found := HEADING.fullmatch(heading.strip()))]
     channels = [
-        (key := KEYS[found[2].capitalize()], found[1] or sheet or source.path.stem, values * scale(key, found[3]))
+        (key := key_of(found), found[1] or sheet or source.path.stem, values * scale(key, found[3]))
         for found, values in headed
     ]
     times = [values for key, _, values in channels if key == "time"]
@@ -87,11 +94,16 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
     ]
 
 
+def key_of(heading: re.Match[str]) -> str:
+    """Return the channel that a heading names."""
+    return KEYS[heading[2].casefold().replace("_", " ")]
+
+
 def _names(cells: Sequence[Any]) -> bool:
     """Return whether cells name the time and the other channels of a test, one of them where it is called by name."""
     found = [named for cell in cells if (named := HEADING.fullmatch(str(cell).strip()))]
-    keys = {named[2].capitalize() for named in found}
-    return "Time" in keys and len(keys) > (1 if any(named[1] for named in found) else 2)
+    keys = {key_of(named) for named in found}
+    return "time" in keys and len(keys) > (1 if any(named[1] for named in found) else 2)
 
 
 def _header(source: Source, sheet: str) -> int | None:

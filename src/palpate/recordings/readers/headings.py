@@ -17,6 +17,10 @@ LIKE_A_UNIT = re.compile(
     r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
     r"|(?:milli|micro|nano)?seconds)"
 )
+# Before a bracket or at the end of one or of the heading: ``10^-3 [N]``, ``1e-3 (N)``, ``[N] x1000``.
+FACTOR = re.compile(
+    r"(?:10 ?(?:\^|\*\*) ?[-+−]?\d+|10[⁻⁺]?[⁰¹²³⁴-⁹]+|\d[eE][-+]\d+|[x×*] ?10+)(?= ?[*·×]? ?(?:[()\[\]{}<>]|$))"
+)
 SPELT_OUT = re.compile(r"(?<![^\W_])(milli|micro|nano|pico|kilo)[ _-]([Nms])(?![^\W_])", re.IGNORECASE)
 CHANNEL_WORDS = {
     "time": {"time", "zeit", "temps", "t"},
@@ -72,7 +76,7 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     Raises
     ------
     InputError
-        When the unit is not known, may be part of the name, or is stated twice and differently.
+        When the unit is not known or has a factor, may be part of the name, or is stated twice and differently.
     """
     texts = [SPELT_OUT.sub(_abbreviated, plain(text)) for text in (*alone, heading)]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
@@ -83,6 +87,9 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     units = [unit for text in marked if (unit := unit_of(key, text))]
     if not units:
         units = [unit for word in words if (unit := unit_of(key, word)) and (len(word) > 1 or word == CHANNELS[key])]
+    factor = FACTOR.search(heading.strip())
+    if factor:
+        units, marked = [], [factor[0]]
     doubtful = marked or [word for word in words if unit_of(key, word) or LIKE_A_UNIT.fullmatch(word)]
     if len(set(units)) == 1:
         return units[0]

@@ -4,6 +4,9 @@ A heading names channel, unit and direction: ``Defl_pN_Ex``, ``Height_Sensor_nm_
 the way of the piezo less the cantilever's deflection; either is counted along the way in::
 
     depth = separation, or height - deflection
+
+Without a column of times the rows are spread evenly by the scan rate that the header states: its period is one
+extension and one retraction. Two public headers confirm it, with ramps of 3000.0 and 2000.0 nm = speed / (2 rate).
 """
 
 from __future__ import annotations
@@ -26,6 +29,14 @@ DIRECTIONS = ("Ex", "Rt")  # extension, retraction
 TIME, DEFLECTION, SEPARATION = "Time", "Defl", "Separation"
 HEIGHTS = ("Height_Sensor", "Calc_Ramp")
 WITH_UNIT = {"Tip Radius": "Tip Radius [nm]"}
+FORCE_LIST, RATE, SAMPLES = "*Ciao force list", "Scan rate", "Samps/line"
+SPEEDS = {"Ex": "Forward vel.", "Rt": "Reverse vel."}  # both in one unit
+NUMBER = re.compile(r"\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+REMEDY = "export it with time, force and separation, or with height and deflection in nm for the latter"
+SPREAD = (
+    "the file holds no time: the rows of each direction are spread evenly, by the scan rate in the header; a pause "
+    "between extension and retraction is not in it"
+)
 HALF = 0.5  # of the load's rise within a segment: one that is beyond it is turned at, not away from the surface
 Columns = dict[tuple[str, str, str], int]
 
@@ -58,25 +69,32 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     width = len(source.lines[start].rstrip().split("\t"))
     values = table(source.lines[start + 1 :], start + 2, width, source.path)
     present = {key[::2] for key in columns}
-    segments = [_segment(source, columns, values, way) for way in DIRECTIONS if (DEFLECTION, way) in present]
+    untimed = None if any(name == TIME for name, _ in present) else source.lines[:start]
+    segments = [_segment(source, columns, values, way, untimed) for way in DIRECTIONS if (DEFLECTION, way) in present]
     time, load, height, bent = ([segment[k] for segment in segments] for k in range(4))
     if len(segments) > 1:
         _check_turn(*load)
         if time[1][0] <= time[0][-1]:  # a clock that the retraction begins anew goes on
             time[1] = time[1] - time[1][0] + 2 * time[0][-1] - time[0][-2]
-    inward = np.sign(height[0][-1] - height[0][0])
-    since, pressed, way = np.concatenate(time), np.concatenate(load), np.concatenate(height)
-    kept, warnings = usable(source, "measured values", since, pressed, way)
-    depth = (inward * way - np.concatenate(bent))[kept]
+    since, pressed, depth = (np.concatenate(parts) for parts in (time, load, _depths(height, bent)))
+    kept, warnings = usable(source, "measured values", since, pressed, depth)
     if not any(key[0] in (SEPARATION, HEIGHTS[0]) for key in columns):
         warnings = (*warnings, BY_PIEZO)
+    if untimed is not None:
+        warnings = (*warnings, SPREAD)
     name, notes = source.path.stem, (f"from {source.path.name}",)
-    recording = Recording(since[kept] - since[kept][0], pressed[kept], depth - depth[0], name, notes)
+    first = kept[0]
+    recording = Recording(since[kept] - since[first], pressed[kept], depth[kept] - depth[first], name, notes)
     return [VendorTest(name, recording, _facts(source.lines[:start]), warnings, marked=False)]
 
 
-def _segment(source: Source, columns: Columns, values: np.ndarray, way: str) -> tuple[np.ndarray, ...]:
-    """Return, in the order of time, time [s], load [mN], separation or height, and what bends beside it [nm]."""
+def _segment(
+    source: Source, columns: Columns, values: np.ndarray, way: str, untimed: Sequence[str] | None
+) -> tuple[np.ndarray, ...]:
+    """Return, in the order of time, time [s], load [mN], separation or height, and what bends beside it [nm].
+
+    `untimed` is the header of a file without a column of times, None of another.
+    """
     time, load, height = (
         _channel(columns, values, way, quantity, names)
         for quantity, names in (("time", [TIME]), ("load", [DEFLECTION]), ("depth", [SEPARATION]))
@@ -84,20 +102,51 @@ def _segment(source: Source, columns: Columns, values: np.ndarray, way: str) -> 
     bent = None if height is None else np.zeros(len(height))
     if height is None:
         height, bent = (_channel(columns, values, way, "depth", names) for names in (HEIGHTS, [DEFLECTION]))
+    if time is None and untimed is not None and load is not None:
+        time = _spread(untimed, way, load)
     if time is None or load is None or height is None or bent is None:
         needed = {f"{TIME}_s_{way}": time, f"{DEFLECTION}_pN_{way}": load}
         missing = [name for name, found in needed.items() if found is None]
         missing += [f"{SEPARATION}_nm_{way}"] if height is None or bent is None else []
-        raise InputError(
-            f"its force curve lacks {', '.join(missing)}",
-            remedy="export it with time, force and separation, or with height and deflection in nm for the latter",
-            file=source.path,
-        )
+        raise InputError(f"its force curve lacks {', '.join(missing)}", remedy=REMEDY, file=source.path)
     whole = np.flatnonzero(np.isfinite(time + load + height + bent))
     if len(whole) < 2:
         raise InputError("holds no measured values", remedy="export the force curve again", file=source.path)
     order = whole[np.argsort(time[whole], kind="stable")]
     return time[order], load[order], height[order], bent[order]
+
+
+def _spread(header: Sequence[str], way: str, load: np.ndarray) -> np.ndarray:
+    """Return even times [s] for the loads (n,) of a direction, by the scan rate that the header states.
+
+    Rows may run against time, as those of the extension often do: the load is largest where the directions meet.
+    """
+    begin = next((k for k, line in enumerate(header) if FORCE_LIST in line), 0)
+    entries = _facts(header[begin:])
+    stated = {name: NUMBER.match(entries.get(name, "")) for name in (RATE, *SPEEDS.values())}
+    rate, *speeds = (float(found[0]) if found else 0.0 for found in stated.values())
+    samples, filled = NUMBER.findall(entries.get(SAMPLES, "")), load[np.isfinite(load)]
+    if not rate:
+        raise InputError(f"holds no times, and its header states no {RATE} that would give them", remedy=REMEDY)
+    if samples and str(len(filled)) not in samples:
+        problem = f"holds no times, and {len(filled)} rows of {way} where its header states {SAMPLES} {samples[0]}"
+        raise InputError(f"{problem}, over which the {RATE} counts", remedy=REMEDY)
+    share = 1 - dict(zip(SPEEDS, speeds, strict=True))[way] / sum(speeds) if all(speeds) else 0.5
+    clock = share / rate / max(len(filled), 1) * np.arange(len(load))
+    inward = len(filled) > 0 and filled[-1] > filled[0]
+    return clock if inward == (way == DIRECTIONS[0]) else clock[::-1]
+
+
+def _depths(height: Sequence[np.ndarray], bent: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return the depth of each direction [nm], which grows in extension and falls in retraction, from any zero.
+
+    Where they are counted from opposite ends, as ramps may be, the retraction begins where the extension ends.
+    """
+    signs = [turn * np.sign(way[-1] - way[0]) for turn, way in zip((1.0, -1.0), height, strict=False)]
+    depths = [sign * way - yielded for sign, way, yielded in zip(signs, height, bent, strict=True)]
+    if len(set(signs)) > 1:
+        depths[1] += depths[0][-1] - depths[1][0]
+    return depths
 
 
 def _channel(columns: Columns, values: np.ndarray, way: str, quantity: str, names: Sequence[str]) -> np.ndarray | None:

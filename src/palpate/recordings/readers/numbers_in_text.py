@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -94,21 +94,24 @@ def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimit
     return values
 
 
-def refuse_unlike(headings: str, known: Callable[[str], object], values: np.ndarray, path: Path) -> None:
-    """Raise `InputError` where a line of headings repeats one with other `values` (n, k) below.
+def refuse_unlike(headings: str, known: Callable[[str], Iterable[str]], values: np.ndarray, path: Path) -> None:
+    """Raise `InputError` where a line of headings names one channel twice, with other `values` (n, k) below.
 
     Parameters
     ----------
     headings, path
         See `require_tabs`.
     known
-        Whether a heading is one that counts.
+        The channel that a heading names; empty for another.
     """
     first: dict[str, int] = {}
-    for k, heading in enumerate(headings.rstrip().split("\t")):
-        name = " ".join(heading.split())
-        if known(heading) and not np.array_equal(values[:, first.setdefault(name, k)], values[:, k], equal_nan=True):
-            raise several_of(name, path)
+    cells = headings.rstrip().split("\t")
+    for k, heading in enumerate(cells):
+        for channel in known(heading):
+            before = first.setdefault(channel, k)
+            if not np.array_equal(values[:, before], values[:, k], equal_nan=True):
+                names = [" ".join(cell.split()) for cell in (cells[before], heading)]
+                raise several_of(" or ".join(dict.fromkeys(names)), path)
 
 
 def several_of(name: str, path: Path) -> InputError:

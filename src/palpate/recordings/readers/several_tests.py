@@ -17,6 +17,7 @@ TWICE = 2.0  # of the step before it: a longer one to zero is a jump; of the usu
 BESIDE = 5  # steps on either side of a cut that show how far load and depth step there anyway
 OFTEN = 200  # of the usual step in time: what begins anew goes on with steps such as these
 ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
+FEW, VARIED = 0.2, 10  # of the rows, and values: how rare a stand-in is, and how many others there are
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,25 @@ def written_twice(values: np.ndarray) -> np.ndarray:
     twice = np.zeros(len(values), dtype=bool)
     twice[whole[1:]] = np.all([(column := channel[whole])[1:] == column[:-1] for channel in values.T], axis=0)
     return twice
+
+
+def stand_ins(values: np.ndarray) -> np.ndarray:
+    """Return which of `values` (n, k), the time first, stand for missing ones, such as -9999.
+
+    Such a value is the same in few rows, and farther from all others of its channel than these are from one another. At
+    the end it may be the specimen's: a film that breaks.
+    """
+    found = np.zeros(values.shape, dtype=bool)
+    for k, channel in enumerate(values.T[1:], 1):
+        finite = np.isfinite(channel)
+        for code in {channel[finite].min(), channel[finite].max()} if finite.any() else ():
+            others = np.flatnonzero(finite & (channel != code))
+            rest = channel[others]
+            if len(rest) < max(VARIED, (1 - FEW) * finite.sum()) or np.abs(rest - code).min() <= np.ptp(rest):
+                continue
+            if len(np.unique(rest)) >= VARIED:
+                found[: others[-1], k] |= channel[: others[-1]] == code
+    return found
 
 
 def padding(values: np.ndarray) -> np.ndarray:

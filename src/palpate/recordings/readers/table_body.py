@@ -14,7 +14,7 @@ from palpate.recordings.readers.clock import seconds
 from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import is_row_of_units, is_word
-from palpate.recordings.readers.several_tests import Part, parted
+from palpate.recordings.readers.several_tests import Part, parted, stand_ins
 from palpate.recordings.readers.tables import Table
 
 
@@ -73,6 +73,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     shown, messages = seconds([aside[k][0] for k in numeric], heading)
     clock = dict(zip(numeric, shown, strict=True))
     values = _values(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
+    values[stand_ins(values)] = np.inf
     whole = np.isfinite(values).all(axis=1)
     if not whole.any():
         return None
@@ -102,7 +103,7 @@ def _values(cells: Table, aside: Mapping[int, Sequence[Any]]) -> np.ndarray:
 
 
 def parts_of(body: TableBody) -> list[Part]:
-    """Return the tests below one another in a table; raises `InputError` where one of them has names of its own."""
+    """Return the tests below one another in a table; raises `InputError` where one has other names or units."""
     parts = parted(body.values, body.broken, body.cells.place)
     whole = np.isfinite(body.values).all(axis=1)
     for part in parts[1:]:
@@ -112,11 +113,11 @@ def parts_of(body: TableBody) -> list[Part]:
         others = [
             k
             for k, row in zip(between, words_of(body.cells.rows[last + 1 : begin]), strict=True)
-            if _is_header(row) and not body.repeated[k]
+            if (_is_header(row) and not body.repeated[k]) or (is_row_of_units(row) and row not in body.above)
         ]
         if others:
             raise InputError(
-                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are other names than those of the test before",
+                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are names or units unlike those of the test before",
                 remedy="write each of several tests to a file of its own",
                 place=body.cells.place(others[0]),
             )

@@ -27,7 +27,7 @@ SPELLED = {
         "minuten": "min", "min": "min", "hour": "h", "heure": "h", "stunde": "h", "stunden": "h", "hr": "h", "day": "d",
         "segundo": "s",
     },
-    "load": {"newton": "N", "lb": "lbf", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
+    "load": {"newton": "N", "lb": "lbf", "dyn": "dyne", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
     "depth": {"meter": "m", "metre": "m", "mètre": "m", "micron": "um", "angstrom": "A", "angström": "A", "ang": "A"},
 }  # fmt: skip
 PREFIX = {

@@ -13,7 +13,7 @@ from scipy.ndimage import median_filter
 from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.contact_point import way_in
-from palpate.recordings.readers.several_tests import padding, written_twice
+from palpate.recordings.readers.several_tests import padding, stand_ins, written_twice
 from palpate.recordings.readers.source import Source
 from palpate.recordings.recording import Recording, spaced
 
@@ -228,6 +228,7 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
         than two are left.
     """
     values = np.array([time, *others]).T
+    values[stand_ins(values)] = np.nan
     zeros = padding(values)
     idle = written_twice(values) | zeros
     whole = np.isfinite(values).all(axis=1) & ~idle
