@@ -117,7 +117,7 @@ def parts_of(body: TableBody) -> list[Part]:
         ]
         if others:
             raise InputError(
-                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are names or units unlike those of the test before",
+                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before",
                 remedy="write each of several tests to a file of its own",
                 place=body.cells.place(others[0]),
             )
