@@ -26,6 +26,7 @@ LEVEL = 0.95  # probability of the interval
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
 MUCH_WORSE = 2.0  # ratio of mean squares
 WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline, or a straight one alone
+SERIES = 5e-4  # of the load's range, chosen: so closely a drift and a tilt together are the load of a spring in series
 FEWEST_IN_AIR = 6  # points
 CLEARLY = 6.0  # root mean squares of what a fit leaves, by which a law rises that is no accident, chosen
 LITTLE = 4.0  # times what a law leaves, that a line leaves where the law explains more than it, chosen
@@ -83,7 +84,7 @@ def searched(
     reach = float(np.ptp(depth))
     lowest = depth.min() - (0.0 if approach else 0.5 * reach)
     low, high = lowest, depth.min() + 0.98 * reach
-    laws, baselines = Laws(), Baselines(together=left > WELL**2)
+    laws, baselines = Laws(), Baselines(together=left > WELL**2 or not _in_series(time, load, depth))
     noises = [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
     for step in range(STEPS):
         count = _counting(guess, max(contact, high) if step else contact, depth)
@@ -117,6 +118,13 @@ def searched(
         noises = list(dict.fromkeys(noises))
     kinds = frozenset(name.split()[0] for name, _ in best[1])
     return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
+
+
+def _in_series(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a drift and a tilt together are the load, as of a spring in series that is driven evenly."""
+    columns = np.column_stack([np.ones(len(time)), time, depth])
+    left = load - columns @ np.linalg.lstsq(columns, load, rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2))) < SERIES * np.ptp(load)
 
 
 def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
