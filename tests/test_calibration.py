@@ -174,6 +174,13 @@ def test_a_fit_ends_on_the_finest_curves_with_slopes_that_are_about_right():
     """The model errs by less than the recordings tell, and by more than the estimate may."""
 
     class Finest:
+        @property
+        def record(self):
+            return self
+
+        def consistent(self, u, curves, slopes):
+            return Forward()
+
         def curves(self, u):
             return Forward().curves([u])[0]
 
@@ -185,9 +192,6 @@ def test_a_fit_ends_on_the_finest_curves_with_slopes_that_are_about_right():
 
         def __init__(self):
             super().__init__({"slow": Family(1.01), "fast": Family(0.5)})
-
-        def consistent(self, u, curves, slopes):
-            return Forward()
 
     data = observed(np.random.default_rng(0), sigma=3.0, rho=0.0, site=0.0)
     usual = calibrated(data, Forward(Coarse().families))

@@ -13,6 +13,8 @@ import numpy as np
 
 from palpate.errors import InputError
 
+LAST = 0.3  # of the hold, to which the parabola is fitted that gives the rate at its end
+
 
 def corrected_stiffness(stiffness: float, creep_rate: float, unloading_rate: float) -> float:
     """Return the elastic stiffness S_e [mN/nm]; raises `InputError` where nothing is unloaded.
@@ -48,7 +50,7 @@ def creep_rate(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
     """
     hold = np.flatnonzero(load > 0.995 * load.max())
     hold = hold[hold <= np.flatnonzero(load > 0.999 * load.max())[-1]]
-    last = hold[-max(4, int(0.3 * len(hold))) :]
+    last = hold[-max(4, int(LAST * len(hold))) :]
     if len(hold) < 8:
         raise InputError("the recording has no hold", remedy="use a test that holds the largest load before unloading")
     fit = np.polynomial.Polynomial.fit(time[last], depth[last], 2)

@@ -76,10 +76,10 @@ class Steps:
             held = self.slopes[:, ~free] @ step[~free]
             step[free] = _limited(self.slopes[:, free], self.residual + departure + held, length)
             room = np.where(step > 0.0, largest, least) - self.u
-            beyond = np.where(free & (np.abs(step) > np.abs(room)), np.abs(step) - np.abs(room), 0.0)
+            beyond = free & (np.abs(step) > np.abs(room))
             if not beyond.any():
                 break
-            first = int(np.argmax(beyond / np.maximum(np.abs(step), 1e-300)))
+            first = int(np.argmin(np.divide(room, step, out=np.full(len(step), np.inf), where=beyond)))
             step[first], free[first] = room[first], False
         return np.clip(self.u + step, least, largest)
 

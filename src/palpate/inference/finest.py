@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from palpate.inference.forward import Curves, FiniteElements
+    from palpate.inference.forward import Curves
+    from palpate.inference.space_mapping import SpaceMapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,24 +24,24 @@ class Finest:
 
     Parameters
     ----------
-    usual
-        The finite elements on the study's mesh.
+    record
+        The model of record, with the finite elements on the study's mesh.
     """
 
-    usual: FiniteElements
+    record: SpaceMapped
 
     def curves(self, u: np.ndarray) -> Curves | str:
         """Return the response (n_points,) at coordinates u (k,), or why a simulation failed."""
-        return self.usual.of_accuracy(2).curves([u])[0]
+        return self.record.full.of_accuracy(2).curves([u])[0]
 
     def tangents(self, u: np.ndarray) -> tuple[Curves, Curves] | str:
         """Return the response (n_points,) at coordinates u (k,) and its derivatives (n_points, k)."""
-        few, keep = self.usual.of_accuracy(1).thinned()
+        few, keep = self.record.full.of_accuracy(1).thinned()
         curves, found = self.curves(u), few.tangents([u])[0]
         if isinstance(curves, str) or isinstance(found, str):
             return curves if isinstance(curves, str) else str(found)
         slopes = {}
-        for condition in self.usual.conditions:
+        for condition in self.record.full.conditions:
             time, columns = condition.protocol.sample_time, found[1][condition.name].T
             knots = time[keep[condition.name]]
             slopes[condition.name] = np.stack([np.interp(time, knots, column) for column in columns], axis=1)

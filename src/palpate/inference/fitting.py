@@ -145,13 +145,15 @@ class Fitter:
     def settled(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
         finest = fit.model.finest if self.problem.replicated and fit.misfit_ratio <= self.policy.settled else None
-        if finest is None:
-            return fit
-        if isinstance(found := finest.tangents(fit.z), str):
+        if finest is None or isinstance(found := finest.tangents(fit.z), str):
             return fit
         goal, policy = self._without_discrepancy(fit), self.policy
         way = settled(goal, finest, Descent(fit.z, *found), policy.settling, policy.tolerance)
-        return self._fit(fit.explanation, fit.model.consistent(way.u, way.curves, way.slopes), way, fit.errors)
+        try:
+            record = finest.record.consistent(way.u, way.curves, way.slopes)
+        except PalpateError:
+            return fit
+        return self._fit(fit.explanation, record, way, fit.errors)
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
         """Return the places to start, a single one with its derivatives where the model does not fail."""

@@ -60,15 +60,6 @@ class Forward(typing.Protocol):
     def finest(self) -> Finest | None:
         """Finer meshes, where the derivatives of the model of record err; None elsewhere."""
 
-    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> Forward:
-        """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
-
-        Raises
-        ------
-        PalpateError
-            When the model fails there.
-        """
-
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
 
@@ -138,10 +129,6 @@ class FiniteElements:
     @property
     def finest(self) -> None:
         """See `Forward`: only the model of record is compared with finer meshes."""
-
-    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
-        """See `Forward`."""
-        return self.of_record(u).consistent(u, curves, slopes)
 
     def of_accuracy(self, degrees: int) -> FiniteElements:
         """Return the same on a mesh that is so many degrees finer than the study's."""

@@ -172,10 +172,16 @@ class SpaceMapped:
         full = self.full
         solid = full.specification(np.full(len(full.coordinates.free), 0.5), full.conditions[0])
         yields = full.study.indenter.of_revolution and applied_to_body(solid).specimen.yields
-        return Finest(full) if yields else None
+        return Finest(self) if yields else None
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
-        """See `Forward`."""
+        """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
+
+        Raises
+        ------
+        PalpateError
+            When the fast model fails there.
+        """
         (few, keep), references = self.full.thinned(), dict(self.references)
         (found,) = few.tangents([u])
         if isinstance(found, str):

@@ -102,10 +102,6 @@ class Surrogates:
     def finest(self) -> None:
         """See `Forward`: none is known."""
 
-    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> Surrogates:
-        """See `Forward`: these."""
-        return self
-
     def thinned(self) -> tuple[Surrogates, Mapping[str, np.ndarray]]:
         """See `Forward`: none is cheaper."""
         (middle,) = self.at(np.full((1, len(self.coordinates.free)), 0.5))

@@ -48,7 +48,8 @@ class Baselines:
         if self.in_air < FOR_OFFSET:
             yield (ZERO,)
             return
-        straight = STRAIGHT[: (4 if self.together else 3) if self.in_air >= FOR_SLOPE else 1]
+        sloped = STRAIGHT if self.together else STRAIGHT[:-1]
+        straight = sloped if self.in_air >= FOR_SLOPE else STRAIGHT[:1]
         waves: list[tuple[Term, ...]] = [()]
         starts: list[tuple[Term, ...]] = [()]
         if self.in_air >= FOR_CURVE:
