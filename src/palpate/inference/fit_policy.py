@@ -30,7 +30,7 @@ class FitPolicy:
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
     settled
-        The same up to which the fit of a body that yields goes on with finer meshes.
+        The same up to which a fit goes on with finer meshes, where these are needed.
     settling
         At most so many steps with them; two suffice where the fit before ended five standard deviations away.
     """

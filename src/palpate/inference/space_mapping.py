@@ -168,11 +168,11 @@ class SpaceMapped:
 
     @property
     def finest(self) -> Finest | None:
-        """See `Forward`; a body of revolution that yields has one."""
+        """See `Forward`; indentations by bodies of revolution have one, where `Finest` says so."""
         full = self.full
-        solid = full.specification(np.full(len(full.coordinates.free), 0.5), full.conditions[0])
-        yields = full.study.indenter.of_revolution and applied_to_body(solid).specimen.yields
-        return Finest(self) if yields else None
+        middle = full.specification(np.full(len(full.coordinates.free), 0.5), full.conditions[0])
+        needed = full.study.indenter.of_revolution and Finest.needed(applied_to_body(middle))
+        return Finest(self) if needed else None
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
         """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).

@@ -101,7 +101,7 @@ def simulate(
     kinematics
         ``small`` (the default) or ``large`` strains.
     accuracy
-        ``standard`` (the default), ``medium`` or ``fine``.
+        ``standard`` (the default), ``medium``, ``fine`` or ``finest``.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen, elastic_substrate, under_tip
 
-ACCURACIES = ("standard", "medium", "fine")
+ACCURACIES = ("standard", "medium", "fine", "finest")
 KINEMATICS = ("small", "large")
 
 
@@ -38,7 +38,7 @@ class Specification:
     kinematics
         ``small`` or ``large`` strains.
     accuracy
-        ``standard``, ``medium`` or ``fine``.
+        ``standard``, ``medium``, ``fine`` or ``finest``.
     mechanisms
         Missing physics to simulate too: parameters by name for each key of `palpate.mechanisms`.
     film_thickness, substrate_modulus

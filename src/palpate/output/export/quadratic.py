@@ -20,6 +20,7 @@ RESOLUTIONS = {
     "standard": Resolution(growth=1.3, sectors=5, inner=0.1, far=500.0),
     "medium": Resolution(growth=1.2, sectors=6, inner=0.1, far=500.0),
     "fine": Resolution(growth=1.15, sectors=8, inner=0.1, far=500.0),
+    "finest": Resolution(growth=1.12, sectors=10, inner=0.1, far=500.0),
 }
 REACH = 6.0  # contact radii, to which the surface may touch
 

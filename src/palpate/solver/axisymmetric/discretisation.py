@@ -16,6 +16,9 @@ RESOLUTIONS = {
         growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
     ),
     "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
+    "finest": Resolution(
+        growth=1.033, sectors=24, inner=0.1, far=4000.0, outer_growth=1.2, refine=3, load_growth=0.03125
+    ),
 }
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])  # of the first step, where it is divided
 SAME = 1e-9  # of the test, within which a sample lies at a corner; less than `LEAST_STEP` of a protocol

@@ -30,6 +30,7 @@ RESOLUTIONS = {
     "standard": Resolution(growth=1.10, sectors=9),
     "medium": Resolution(growth=1.08, sectors=12),
     "fine": Resolution(growth=1.07, sectors=15, far=4000.0, outer_growth=1.2, refine=2),
+    "finest": Resolution(growth=1.06, sectors=18, far=4000.0, outer_growth=1.2, refine=3),
 }
 
 
