@@ -1,5 +1,7 @@
 """Long text exports: what is read by columns is what is read row by row, and no more of it is kept than counts."""
 
+import io
+
 import numpy as np
 import pytest
 from tables import SHORT
@@ -49,6 +51,10 @@ LAYOUTS = {
 }
 
 
+def lines_of(text):
+    return Lines.of(io.BytesIO(text), "utf-8", last=len(text))
+
+
 def found(path, columns):
     try:
         tests = read_vendor_file(path, columns=columns, contact="none")
@@ -75,7 +81,7 @@ def test_plain_numbers_are_those_of_the_cells(monkeypatch, delimiter, sign):
     values = np.random.default_rng(1).standard_normal((500, 4)) * 10.0 ** np.arange(-150, 250, 100)
     cells = [[f"{value:.17g}".replace(".", sign) for value in row] for row in values]
     text = "\n".join(map(delimiter.join, cells)).encode()
-    assert np.array_equal(plain_numbers.plain_numbers(Lines.of(text, "utf-8"), delimiter)[0], values)
+    assert np.array_equal(plain_numbers.plain_numbers(lines_of(text), delimiter)[0].T, values)
     assert np.array_equal(numbers(cells, str), values)
 
 
@@ -83,7 +89,7 @@ def test_plain_numbers_are_those_of_the_cells(monkeypatch, delimiter, sign):
 def test_what_is_no_plain_number_is_left_to_the_reader_of_single_cells(monkeypatch, cell):
     monkeypatch.setattr(plain_numbers, "SHORT", 0)
     text = f"1.5\t2.5\n{cell}\t2.5\n".encode()
-    assert plain_numbers.plain_numbers(Lines.of(text, "utf-8"), "\t") is None
+    assert plain_numbers.plain_numbers(lines_of(text), "\t") is None
 
 
 @pytest.mark.parametrize("text", ["", "a", "a\n", "a\r\nb", "a\rb\n\r\n1", "\r\r\n\n1;2\n\nµ", "1\n2\r"])
@@ -91,7 +97,7 @@ def test_what_is_no_plain_number_is_left_to_the_reader_of_single_cells(monkeypat
 def test_lines_end_where_a_text_s_do(monkeypatch, text, block):
     monkeypatch.setattr(lines, "BLOCK", block)
     whole = lines.BREAK.split(text)
-    read = Lines.of(text.encode(), "utf-8")
+    read = lines_of(text.encode())
     assert list(read) == [read[k] for k in range(len(read))] == whole
     assert list(read[1:]) == whole[1:]
     assert [line for _, line in read.in_words()] == [line for line in whole if set(line) & set("abµ")]

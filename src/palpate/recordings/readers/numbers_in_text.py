@@ -57,8 +57,8 @@ def table(lines: Lines, first_line: int, columns: int, path: Path, delimiter: st
         decimal sign.
     """
     found = plain_numbers(lines, delimiter)
-    if found and found[0].shape[1] >= columns:
-        values = found[0]
+    if found and len(found[0]) >= columns:
+        values = found[0].T
     else:
         values = _one_by_one(lines, first_line, columns, path, delimiter)
     values[~np.isfinite(values)] = np.nan
