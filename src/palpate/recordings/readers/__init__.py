@@ -33,7 +33,7 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.readers.zero import Contact, zeroed_each
 
-LARGEST = 1 << 29  # bytes of a file; text takes several times as much memory
+LARGEST = 1 << 29  # bytes of a file; the columns of a text take about as much memory
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
 __all__ = [

@@ -13,7 +13,7 @@ from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.column_warnings import column_warnings
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
-from palpate.recordings.readers.several_tests import Channels, Part, taken, whole
+from palpate.recordings.readers.several_tests import Channels, Part, ends, taken, whole
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from palpate.recordings.readers.tables import NAME_WITH_UNIT, OnDemand, Table, tables_of
@@ -92,9 +92,9 @@ def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable]:
 def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorTest:
     """Return the test of a name from its part of a table."""
     table, skipped = body.table, len(body.table.rows) - len(body.cells.rows)
-    begin, filled = skipped + part.rows.start, np.flatnonzero(whole(part.channels)).astype(np.int32)
+    begin, filled = skipped + part.rows.start, whole(part.channels)
     if body.named is not None or table.delimiter == ",":
-        _check_width(table, body.header, filled + begin)
+        _check_width(table, body.header, begin, filled)
     kept, messages = _kept(body.cells, part)
     units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
     messages = (*body.messages, *part.messages, *messages)
@@ -107,13 +107,13 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
     at_end = part.rows.stop == len(body.cells.rows)
-    messages += unfinished(load) if at_end and _breaks_off(part.channels, int(filled[-1])) else ()
+    messages += unfinished(load) if at_end and _breaks_off(part.channels, ends(filled)[1]) else ()
     return VendorTest(name, recording, facts, messages, marked=False)
 
 
-def _breaks_off(channels: Channels, last: int) -> bool:
-    """Return whether rows without three numbers follow the `last` one with them that are no words."""
-    rest = np.array([channel[last + 1 :] for channel in channels])
+def _breaks_off(channels: Channels, end: int) -> bool:
+    """Return whether rows from the `end` on, which lack three numbers, are no words."""
+    rest = np.array([channel[end:] for channel in channels])
     return bool((np.isfinite(rest).any(axis=0) | np.isinf(rest).all(axis=0)).any())
 
 
@@ -138,16 +138,19 @@ def _units(
     return {key: unit or CHANNELS[key] for key, unit in units.items()}, assumed
 
 
-def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
-    """Refuse `rows` of numbers where a separator within a number, or within a name, has torn the cells apart.
+def _check_width(table: Table, header: int | None, begin: int, filled: np.ndarray) -> None:
+    """Refuse rows of numbers where a separator within a number, or within a name, has torn the cells apart.
 
-    They have more cells than the header; or where there is none, more than three, and not one with a decimal sign.
-    In a table split at blanks they have fewer than a header whose names hold blanks.
+    These are the rows `filled` (n,) from the one `begin` on. They have more cells than the header; or where there is
+    none, more than three, and not one with a decimal sign. In a table split at blanks they have fewer than a header
+    whose names hold blanks.
     """
     width = len(CHANNELS) if header is None else len(table.rows[header])
     if table.core:  # whose rows are all as wide
-        first, end = np.searchsorted(rows, [table.core.first, table.core.end])
-        rows = np.append(rows[: first + 1], rows[max(end, first + 1) :])
+        filled = filled.copy()
+        inside = filled[max(table.core.first - begin, 0) : max(table.core.end - begin, 0)]
+        inside &= np.cumsum(inside, dtype=np.int32) == 1
+    rows = [begin + int(row) for row in np.flatnonzero(filled)]
     if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
         return
     wider = next((row for row in rows if any(str(cell).strip() for cell in table.rows[row][width:])), None)
@@ -171,16 +174,15 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
     channels, idle = part.channels, part.idle
     filled = whole(channels) & ~idle
     partly = np.logical_or.reduce([np.isfinite(channel) for channel in channels]) & ~idle
-    complete = np.flatnonzero(filled).astype(np.int32)
-    begin, end = complete[0], complete[-1] + 1
+    begin, end = ends(filled)
     between = ~idle
     between[:begin] = between[end:] = False
     late = np.zeros(len(idle), dtype=bool)
-    late[complete[~increasing(taken(channels[0], filled))]] = True
+    late[filled] = ~increasing(taken(channels[0], filled))
     spoilt = ~filled & (between | partly)
     counted = between.copy()
     counted[end:] = spoilt[end:] & np.logical_or.reduce([np.isnan(channel[end:]) for channel in channels])
-    damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(filled & ~late).astype(np.int32)
+    damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(filled & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
         raise _too_many(cells, part, damaged, late, int(counted.sum()))
     if len(kept) < 2:

@@ -55,13 +55,14 @@ def parted(channels: Channels, broken: np.ndarray, place: Callable[..., str]) ->
     """
     time, *others = channels
     idle = written_twice(channels) | padding(channels)
-    kept = np.flatnonzero(whole(channels) & ~idle).astype(np.int32)
+    filled = whole(channels) & ~idle
+    kept = np.flatnonzero(filled).astype(np.int32)
     if len(kept) < 3:
         return [Part(range(len(time)), channels, idle, _messages(idle, channels, place))]
     apart = np.zeros(len(kept), dtype=bool)
     after = np.searchsorted(kept, np.flatnonzero(broken).astype(np.int32))
     apart[after[(after > 0) & (after < len(kept))]] = True
-    cuts = _cuts(channels, kept, apart)
+    cuts = _cuts(channels, filled, kept, apart)
     goes_on = time.copy() if "segment" in cuts.values() else time
     begins, segments, unmarked = [0], dict[int, list[int]](), list[int]()
     for k, kind in cuts.items():
@@ -98,8 +99,16 @@ def whole(channels: Channels) -> np.ndarray:
 
 
 def taken(channel: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Return some `rows` (n,) of a channel, itself where they are all."""
-    return channel if rows.all() else channel[rows]
+    """Return some `rows` (n,) of a channel, without a copy where they lie side by side."""
+    if not rows.any():
+        return channel[:0]
+    first, end = ends(rows)
+    return channel[first:end] if rows[first:end].all() else channel[rows]
+
+
+def ends(rows: np.ndarray) -> tuple[int, int]:
+    """Return the first of the rows (n,) that are marked, and the one after the last."""
+    return int(np.argmax(rows)), len(rows) - int(np.argmax(rows[::-1]))
 
 
 def written_twice(channels: Channels) -> np.ndarray:
@@ -122,12 +131,12 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
     found = list(channels)
     for k, channel in enumerate(channels[1:], 1):
         finite = np.isfinite(channel)
-        for code in set(_ends(taken(channel, finite))) if finite.any() else ():
+        for code in set(_extremes(taken(channel, finite))) if finite.any() else ():
             others = finite & (channel != code)
             if others.sum() < max(VARIED, (1 - FEW) * finite.sum()):
                 continue
-            ends = _ends(taken(channel, others))
-            if min(abs(end - code) for end in ends) <= ends[1] - ends[0]:
+            least, largest = _extremes(taken(channel, others))
+            if min(abs(least - code), abs(largest - code)) <= largest - least:
                 continue
             if len(np.unique(channel[others])) >= VARIED:
                 before_last = np.arange(len(channel)) < np.flatnonzero(others)[-1]
@@ -135,7 +144,7 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
     return found
 
 
-def _ends(values: np.ndarray) -> tuple[float, float]:
+def _extremes(values: np.ndarray) -> tuple[float, float]:
     """Return the least and the largest of some values (n,)."""
     return float(values.min()), float(values.max())
 
@@ -152,14 +161,14 @@ def padding(channels: Channels) -> np.ndarray:
     if zero.all():
         return padded
     first = int(np.argmin(zero))
-    last = len(zero) - 1 - int(np.argmax(pressed[::-1])) if pressed.any() else len(zero)
+    last = ends(pressed)[1] - 1 if pressed.any() else len(zero)
     zero[:-1] &= zero[1:]
     zero[:first] = False
     if 0 < last < len(zero) - 2:
         rows = np.flatnonzero(filled)[[last - 1, last]]
         for channel in channels[1:]:
             before, end = np.abs(channel[rows])
-            largest = max(map(abs, _ends(taken(channel, filled))))
+            largest = max(map(abs, _extremes(taken(channel, filled))))
             zero[last + 1 :] |= end > max(SAME * largest, TWICE * abs(end - before))
     padded[filled] = zero
     return padded
@@ -176,14 +185,15 @@ def _messages(idle: np.ndarray, channels: Channels, place: Callable[..., str]) -
     )
 
 
-def _cuts(channels: Channels, kept: np.ndarray, apart: np.ndarray) -> dict[int, str]:
-    """Return at which of the whole rows `kept` (m,) a ``test`` or a ``segment`` begins.
+def _cuts(channels: Channels, filled: np.ndarray, kept: np.ndarray, apart: np.ndarray) -> dict[int, str]:
+    """Return at which of the whole rows a ``test`` or a ``segment`` begins.
 
-    `apart` (m,) marks rows after a blank row or a repeated header.
+    `filled` (n,) marks these rows, `kept` (m,) are their numbers, and `apart` (m,) marks those of them after a blank
+    row or a repeated header.
     """
     time, *others = channels
-    span = np.array([np.ptp(other[kept]) for other in others])
-    jumps, stands, usual = _jumps(channels, kept, float(span[1]))
+    span = np.array([np.ptp(taken(other, filled)) for other in others])
+    jumps, stands, usual = _jumps(taken(time, filled), taken(others[1], filled), float(span[1]))
     cuts: dict[int, str] = {}
     test = segment = 0
     for k in np.flatnonzero(apart | jumps | stands):
@@ -215,19 +225,13 @@ def _cuts(channels: Channels, kept: np.ndarray, apart: np.ndarray) -> dict[int, 
     return cuts
 
 
-def _jumps(channels: Channels, kept: np.ndarray, span: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return at which of the rows `kept` (m,) the depth falls after a pause, where time stands or goes back, its step.
-
-    `span` is the range of the depth.
-    """
-    steps = np.diff(channels[0][kept])
-    forward = steps[steps > 0]
-    usual = float(np.median(forward, overwrite_input=True)) if len(forward) else 0.0
-    del forward
-    paused, stands = steps > TWICE * usual, steps <= 0
-    del steps
-    falls = np.diff(channels[2][kept]) < -SAME * span
-    return np.append(False, falls & paused), np.append(False, stands), usual
+def _jumps(time: np.ndarray, depth: np.ndarray, span: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return where the depth, of a range `span`, falls after a pause, where time stands or goes back, and its step."""
+    stands = np.diff(time) <= 0
+    usual = 0.0 if stands.all() else float(np.median(taken(np.diff(time), ~stands), overwrite_input=True))
+    jumps = np.diff(time) > TWICE * usual
+    jumps &= np.diff(depth) < -SAME * span
+    return np.append(False, jumps), np.append(False, stands), usual
 
 
 def _until_next(clock: np.ndarray, others: np.ndarray) -> float:
