@@ -1,6 +1,7 @@
 """Long text exports: what is read by columns is what is read row by row, and no more of it is kept than counts."""
 
 import io
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from tables import SHORT
 
 from palpate.errors import InputError
 from palpate.recordings import recording
-from palpate.recordings.readers import lines, plain_numbers, read_vendor_file
+from palpate.recordings.readers import lines, plain_numbers, read_vendor_file, source
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.lines import Lines
 
@@ -109,3 +110,18 @@ def test_of_a_long_test_evenly_spaced_points_and_the_last_are_kept(tmp_path, mon
     (test,) = read_vendor_file(tmp_path / "a.txt", contact="none")
     assert test.recording.time == pytest.approx(np.append(TIME[::6], TIME[-1]), abs=1e-4)
     assert "101 of 600 points are kept" in test.warnings[-1]
+
+
+@pytest.mark.parametrize(("head", "columns"), [(ANTON_PAAR, None), (NAMED, SHORT)])
+def test_a_long_text_is_never_held_whole_and_its_columns_once(tmp_path, monkeypatch, head, columns):
+    monkeypatch.setattr(recording, "MOST", 1000)
+    for module in (lines, source):
+        monkeypatch.setattr(module, "BLOCK", 1 << 16)
+    rows = [f"{k / 1000:.3f}\t{np.interp(k, [0, 50_000, 100_000], [0, 2, 0.01]):.9f}\t{k:.9f}" for k in range(100_000)]
+    (tmp_path / "a.txt").write_text(layout(head, rows))
+    found(tmp_path / "a.txt", columns)
+    tracemalloc.start()
+    found(tmp_path / "a.txt", columns)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2.5 * 8 * 3 * len(rows)
