@@ -1,5 +1,7 @@
 """Recordings in step with the load history that their condition follows."""
 
+import io
+
 import numpy as np
 import pytest
 
@@ -48,6 +50,6 @@ def test_half_of_the_samples_follow_the_load():
 
 def test_times_that_differ_by_rounding_alone_are_repeated(tmp_path):
     time = np.array([0.0, 0.2, 0.4, 0.4 + 1e-13, *np.arange(0.6, 10, 0.2)])
-    kept, warnings = usable(Source(tmp_path / "x", b""), "", time, time)
+    kept, warnings = usable(Source(tmp_path / "x", io.BytesIO()), "", time, time)
     assert len(kept) == len(time) - 1
     assert warnings == ()

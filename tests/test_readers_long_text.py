@@ -1,12 +1,15 @@
 """Long text exports: what is read by columns is what is read row by row, and no more of it is kept than counts."""
 
+import io
+import tracemalloc
+
 import numpy as np
 import pytest
 from tables import SHORT
 
 from palpate.errors import InputError
 from palpate.recordings import recording
-from palpate.recordings.readers import lines, plain_numbers, read_vendor_file
+from palpate.recordings.readers import lines, plain_numbers, read_vendor_file, source
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.lines import Lines
 
@@ -49,6 +52,10 @@ LAYOUTS = {
 }
 
 
+def lines_of(text):
+    return Lines.of(io.BytesIO(text), "utf-8", last=len(text))
+
+
 def found(path, columns):
     try:
         tests = read_vendor_file(path, columns=columns, contact="none")
@@ -75,7 +82,7 @@ def test_plain_numbers_are_those_of_the_cells(monkeypatch, delimiter, sign):
     values = np.random.default_rng(1).standard_normal((500, 4)) * 10.0 ** np.arange(-150, 250, 100)
     cells = [[f"{value:.17g}".replace(".", sign) for value in row] for row in values]
     text = "\n".join(map(delimiter.join, cells)).encode()
-    assert np.array_equal(plain_numbers.plain_numbers(Lines.of(text, "utf-8"), delimiter)[0], values)
+    assert np.array_equal(plain_numbers.plain_numbers(lines_of(text), delimiter)[0].T, values)
     assert np.array_equal(numbers(cells, str), values)
 
 
@@ -83,7 +90,7 @@ def test_plain_numbers_are_those_of_the_cells(monkeypatch, delimiter, sign):
 def test_what_is_no_plain_number_is_left_to_the_reader_of_single_cells(monkeypatch, cell):
     monkeypatch.setattr(plain_numbers, "SHORT", 0)
     text = f"1.5\t2.5\n{cell}\t2.5\n".encode()
-    assert plain_numbers.plain_numbers(Lines.of(text, "utf-8"), "\t") is None
+    assert plain_numbers.plain_numbers(lines_of(text), "\t") is None
 
 
 @pytest.mark.parametrize("text", ["", "a", "a\n", "a\r\nb", "a\rb\n\r\n1", "\r\r\n\n1;2\n\nµ", "1\n2\r"])
@@ -91,7 +98,7 @@ def test_what_is_no_plain_number_is_left_to_the_reader_of_single_cells(monkeypat
 def test_lines_end_where_a_text_s_do(monkeypatch, text, block):
     monkeypatch.setattr(lines, "BLOCK", block)
     whole = lines.BREAK.split(text)
-    read = Lines.of(text.encode(), "utf-8")
+    read = lines_of(text.encode())
     assert list(read) == [read[k] for k in range(len(read))] == whole
     assert list(read[1:]) == whole[1:]
     assert [line for _, line in read.in_words()] == [line for line in whole if set(line) & set("abµ")]
@@ -103,3 +110,18 @@ def test_of_a_long_test_evenly_spaced_points_and_the_last_are_kept(tmp_path, mon
     (test,) = read_vendor_file(tmp_path / "a.txt", contact="none")
     assert test.recording.time == pytest.approx(np.append(TIME[::6], TIME[-1]), abs=1e-4)
     assert "101 of 600 points are kept" in test.warnings[-1]
+
+
+@pytest.mark.parametrize(("head", "columns"), [(ANTON_PAAR, None), (NAMED, SHORT)])
+def test_a_long_text_is_never_held_whole_and_its_columns_once(tmp_path, monkeypatch, head, columns):
+    monkeypatch.setattr(recording, "MOST", 1000)
+    for module in (lines, source):
+        monkeypatch.setattr(module, "BLOCK", 1 << 16)
+    rows = [f"{k / 1000:.3f}\t{np.interp(k, [0, 50_000, 100_000], [0, 2, 0.01]):.9f}\t{k:.9f}" for k in range(100_000)]
+    (tmp_path / "a.txt").write_text(layout(head, rows))
+    found(tmp_path / "a.txt", columns)
+    tracemalloc.start()
+    found(tmp_path / "a.txt", columns)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2.5 * 8 * 3 * len(rows)

@@ -33,7 +33,7 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.readers.zero import Contact, zeroed_each
 
-LARGEST = 1 << 29  # bytes of a file; text takes several times as much memory
+LARGEST = 1 << 29  # bytes of a file; the columns of a text take about as much memory
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
 
 __all__ = [
@@ -104,18 +104,18 @@ def read_each(
     try:
         if path.stat().st_size > LARGEST:
             raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once", file=path)
-        content = path.read_bytes()
+        with path.open("rb") as stream:
+            if sha256 is not None and hashlib.file_digest(stream, "sha256").hexdigest() != sha256:
+                problem = "is not the file that the study names (sha256 differs)"
+                raise InputError(problem, remedy="fetch it again", file=path)
+            source = Source(path, stream)
+            if all(block.isspace() for block in source.blocks()):
+                raise InputError("is empty", remedy="export or copy it again", file=path)
+            tests = [_printable(test) for test in _whole(source, corrections, columns)]
+            aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
+            return unless_all_fail(remarked(source, aside))
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    if sha256 is not None and hashlib.sha256(content).hexdigest() != sha256:
-        raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again", file=path)
-    if content.isspace() or not content:
-        raise InputError("is empty", remedy="export or copy it again", file=path)
-    source = Source(path, content)
-    try:
-        tests = [_printable(test) for test in _whole(source, corrections, columns)]
-        aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
-        return unless_all_fail(remarked(source, aside))
     except InputError as error:
         raise error.located(file=path) from None
 

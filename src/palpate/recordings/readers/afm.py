@@ -20,7 +20,7 @@ import numpy as np
 from palpate.base.bounded_hdf5 import problem_of
 from palpate.base.bounded_process import BEYOND, MEMORY
 from palpate.errors import InputError
-from palpate.recordings.readers.igor import is_wave, sampling, stated
+from palpate.recordings.readers.igor import HEADERS, is_wave, sampling, stated
 from palpate.recordings.readers.source import HDF5, ZIP, Source
 from palpate.recordings.readers.vendor import (
     Corrections,
@@ -48,12 +48,12 @@ def matches(source: Source) -> bool:
 
 def _ending(source: Source) -> str | None:
     """Return the ending by which ``afmformats`` knows the format."""
-    content = source.content
-    if content.startswith(HDF5) and b"afmformats" in content:
+    begun = source.begun
+    if begun.startswith(HDF5) and b"afmformats" in source.content:
         return ".h5"
-    if is_wave(content):
+    if begun.startswith(tuple(HEADERS)) and is_wave(source.content):
         return ".ibw"
-    if content.startswith(ZIP) and b"header.properties" in content:
+    if begun.startswith(ZIP) and b"header.properties" in source.content:
         return source.path.suffix if source.path.suffix in JPK_ENDINGS else JPK_ENDINGS[0]
     return None
 

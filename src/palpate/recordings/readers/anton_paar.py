@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from palpate.errors import InputError
 from palpate.recordings.readers.anton_paar_columns import HEADING, NAMES, key_of
-from palpate.recordings.readers.numbers_in_text import number, refuse_unlike, require_tabs, table
+from palpate.recordings.readers.numbers_in_text import column, number, refuse_unlike, require_tabs, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import CHANNELS, scale
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, unfinished, usable
@@ -49,7 +49,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     places = columns(lines[start])
     values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
     refuse_unlike(lines[start], columns, values, path)
-    time, load, depth = (values[:, places[key][0]] * scale(key, places[key][1]) for key in NAMES)
+    time, load, depth = (column(values, places[key][0], scale(key, places[key][1])) for key in NAMES)
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     facts = metadata(lines[:start])

@@ -76,10 +76,9 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
     """Return the tests in columns, each with its heading; the sheet's name comes before a test's that is `known`."""
     headed = [(found, values) for heading, values in columns if (found := HEADING.fullmatch(heading.strip()))]
-    channels = [
-        (key := key_of(found), found[1] or sheet or source.path.stem, values * scale(key, found[3]))
-        for found, values in headed
-    ]
+    for found, values in headed:
+        values *= scale(key_of(found), found[3])
+    channels = [(key_of(found), found[1] or sheet or source.path.stem, values) for found, values in headed]
     times = [values for key, _, values in channels if key == "time"]
     time = times[0] if len(times) == 1 else np.full(len(columns[0][1]), np.nan)
     tests: dict[str, dict[str, list[Series]]] = {}

@@ -13,7 +13,7 @@ from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.column_warnings import column_warnings
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
-from palpate.recordings.readers.several_tests import Part
+from palpate.recordings.readers.several_tests import Channels, Part, ends, taken, whole
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from palpate.recordings.readers.tables import NAME_WITH_UNIT, OnDemand, Table, tables_of
@@ -92,28 +92,29 @@ def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable]:
 def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorTest:
     """Return the test of a name from its part of a table."""
     table, skipped = body.table, len(body.table.rows) - len(body.cells.rows)
-    whole = np.flatnonzero(np.isfinite(part.values).all(axis=1))
+    begin, filled = skipped + part.rows.start, whole(part.channels)
     if body.named is not None or table.delimiter == ",":
-        _check_width(table, body.header, part.rows[whole] + skipped)
+        _check_width(table, body.header, begin, filled)
     kept, messages = _kept(body.cells, part)
     units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
     messages = (*body.messages, *part.messages, *messages)
     if assumed:
         messages += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
-    time, load, depth = (part.values[kept, k] * scale(key, units[key]) for k, key in enumerate(CHANNELS))
-    messages += column_warnings(body, part.rows[kept] + skipped)
+    time, load, depth = (
+        channel[kept] * scale(key, units[key]) for channel, key in zip(part.channels, CHANNELS, strict=True)
+    )
+    messages += column_warnings(body, kept + begin)
     facts = {"columns": ", ".join(f"{key} {columns.names[key]} [{units[key]}]" for key in CHANNELS)}
     recording = Recording(time - time[0], load, depth, name, (f"from {table.source.path.name}",))
-    messages += (
-        unfinished(load) if part.rows[-1] == len(body.values) - 1 and _breaks_off(part.values, whole[-1]) else ()
-    )
+    at_end = part.rows.stop == len(body.cells.rows)
+    messages += unfinished(load) if at_end and _breaks_off(part.channels, ends(filled)[1]) else ()
     return VendorTest(name, recording, facts, messages, marked=False)
 
 
-def _breaks_off(values: np.ndarray, last: int) -> bool:
-    """Return whether rows without three numbers follow the `last` one of `values` (n, 3) that are no words."""
-    rest = values[last + 1 :]
-    return bool((np.isfinite(rest).any(axis=1) | np.isinf(rest).all(axis=1)).any())
+def _breaks_off(channels: Channels, end: int) -> bool:
+    """Return whether rows from the `end` on, which lack three numbers, are no words."""
+    rest = np.array([channel[end:] for channel in channels])
+    return bool((np.isfinite(rest).any(axis=0) | np.isinf(rest).all(axis=0)).any())
 
 
 def _units(
@@ -137,16 +138,19 @@ def _units(
     return {key: unit or CHANNELS[key] for key, unit in units.items()}, assumed
 
 
-def _check_width(table: Table, header: int | None, rows: np.ndarray) -> None:
-    """Refuse `rows` of numbers where a separator within a number, or within a name, has torn the cells apart.
+def _check_width(table: Table, header: int | None, begin: int, filled: np.ndarray) -> None:
+    """Refuse rows of numbers where a separator within a number, or within a name, has torn the cells apart.
 
-    They have more cells than the header; or where there is none, more than three, and not one with a decimal sign.
-    In a table split at blanks they have fewer than a header whose names hold blanks.
+    These are the rows `filled` (n,) from the one `begin` on. They have more cells than the header; or where there is
+    none, more than three, and not one with a decimal sign. In a table split at blanks they have fewer than a header
+    whose names hold blanks.
     """
     width = len(CHANNELS) if header is None else len(table.rows[header])
     if table.core:  # whose rows are all as wide
-        inside = (rows >= table.core.first) & (rows < table.core.end)
-        rows = rows[~inside | (np.cumsum(inside) == 1)]
+        filled = filled.copy()
+        inside = filled[max(table.core.first - begin, 0) : max(table.core.end - begin, 0)]
+        inside &= np.cumsum(inside, dtype=np.int32) == 1
+    rows = [begin + int(row) for row in np.flatnonzero(filled)]
     if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
         return
     wider = next((row for row in rows if any(str(cell).strip() for cell in table.rows[row][width:])), None)
@@ -167,16 +171,18 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
     Idle rows count for nothing. Empty cells before the first and after the last whole row are no
     damage: a channel may begin later or end earlier.
     """
-    values, idle = part.values, part.idle
-    whole, partly = np.isfinite(values).all(axis=1) & ~idle, np.isfinite(values).any(axis=1) & ~idle
-    complete = np.flatnonzero(whole)
-    row = np.arange(len(values))
-    between = (row >= complete[0]) & (row <= complete[-1]) & ~idle
-    late = np.zeros(len(values), dtype=bool)
-    late[complete[~increasing(values[complete, 0])]] = True
-    spoilt = ~whole & (between | partly)
-    counted = between | (spoilt & (row > complete[-1]) & np.isnan(values).any(axis=1))
-    damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(whole & ~late)
+    channels, idle = part.channels, part.idle
+    filled = whole(channels) & ~idle
+    partly = np.logical_or.reduce([np.isfinite(channel) for channel in channels]) & ~idle
+    begin, end = ends(filled)
+    between = ~idle
+    between[:begin] = between[end:] = False
+    late = np.zeros(len(idle), dtype=bool)
+    late[filled] = ~increasing(taken(channels[0], filled))
+    spoilt = ~filled & (between | partly)
+    counted = between.copy()
+    counted[end:] = spoilt[end:] & np.logical_or.reduce([np.isnan(channel[end:]) for channel in channels])
+    damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(filled & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
         raise _too_many(cells, part, damaged, late, int(counted.sum()))
     if len(kept) < 2:
@@ -184,7 +190,7 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
             "is the only row of numbers", remedy="export the test again", place=cells.place(part.rows[kept[0]])
         )
     causes = [
-        f"{cause} ({cells.place(*part.rows[rows])})"
+        f"{cause} ({cells.place(*np.flatnonzero(rows) + part.rows.start)})"
         for cause, rows in (("no three numbers", spoilt), ("time does not increase", late))
         if rows.any()
     ]
@@ -196,12 +202,12 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
 
 def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
     """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
-    first, values = int(damaged[0]), part.values
-    row = int(part.rows[first])
+    first, time = int(damaged[0]), part.channels[0]
+    row = part.rows[first]
     written = ", ".join(str(cell) for cell in cells.rows[row])
     what = "does not come later than the rows before" if late[first] else "is not three numbers"
     remedy = "correct them, export the test again, or write each of several tests to a file of its own"
-    if late[damaged].all() and (values[late, 0] == np.fmax.accumulate(values[:, 0])[late]).all():
+    if late[damaged].all() and (time[late] == np.fmax.accumulate(time)[late]).all():
         what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
     problem = f"{written!r} {what}; {len(damaged)} of {count} rows cannot be used"
     return InputError(problem, remedy=remedy, place=cells.place(row))

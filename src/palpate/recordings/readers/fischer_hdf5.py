@@ -12,7 +12,7 @@ import numpy as np
 
 from palpate.base.bounded_hdf5 import available, read_hdf5
 from palpate.errors import InputError
-from palpate.recordings.readers.several_tests import parted
+from palpate.recordings.readers.several_tests import Channels, parted
 from palpate.recordings.readers.source import HDF5, Source
 from palpate.recordings.readers.units import SCALES, unit_of
 from palpate.recordings.readers.vendor import (
@@ -39,12 +39,10 @@ APPROACH = 0.05  # of the largest load: what stays below it before the clock beg
 
 def matches(source: Source) -> bool:
     """Return whether the file is HDF5 and names Fischer's program, and no other's converter."""
+    if not source.begun.startswith(HDF5):
+        return False
     content = source.content
-    return (
-        content.startswith(HDF5)
-        and any(name in content for name in WRITERS)
-        and not any(name in content for name in OTHER_WRITERS)
-    )
+    return any(name in content for name in WRITERS) and not any(name in content for name in OTHER_WRITERS)
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
@@ -76,11 +74,11 @@ def _channels(group: Columns) -> dict[str, str]:
 def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) -> list[VendorTest | Unreadable]:
     """Return the tests in a group: one, or as many as its clock begins anew and the load rises again."""
     name = " ".join(part for part in path.split("/") if part not in ("", "data")) or source.path.stem
-    values = attempt(source.path, name, _values, group)
-    if isinstance(values, Unreadable):
-        return [Unreadable(name, values.error)]
-    parts = parted(values, np.zeros(len(values), dtype=bool), _point)
-    peaks = [float(part.values[:, 1].max()) for part in parts]
+    channels = attempt(source.path, name, _values, group)
+    if isinstance(channels, Unreadable):
+        return [Unreadable(name, channels.error)]
+    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), _point)
+    peaks = [float(part.channels[1].max()) for part in parts]
     pressed = [part for part, peak in zip(parts, peaks, strict=True) if peak > APPROACH * max(peaks)]
     tests: list[VendorTest | Unreadable] = []
     for number, part in enumerate(pressed, 1):
@@ -91,7 +89,7 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
                 *messages,
                 f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out",
             )
-        tests.append(attempt(source.path, called, _test, source, called, part.values, facts, messages))
+        tests.append(attempt(source.path, called, _test, source, called, part.channels, facts, messages))
     return tests
 
 
@@ -100,8 +98,8 @@ def _point(*rows: int) -> str:
     return f"point {first_few([row + 1 for row in rows])}"
 
 
-def _values(group: Columns) -> np.ndarray:
-    """Return time [s], load [mN] and depth [nm] of a group, shape (n, 3)."""
+def _values(group: Columns) -> list[np.ndarray]:
+    """Return time [s], load [mN] and depth [nm] of a group, each of shape (n,)."""
     columns = []
     for key, name in _channels(group).items():
         data, attributes = group[name]
@@ -115,15 +113,15 @@ def _values(group: Columns) -> np.ndarray:
         columns.append(SCALES[key][unit] * np.asarray(data, dtype=float))
     if len({len(column) for column in columns}) > 1:
         raise InputError("its channels are of unequal length", remedy="convert it again, or export the tests as text")
-    return np.column_stack(columns)
+    return columns
 
 
 def _test(
-    source: Source, name: str, values: np.ndarray, facts: dict[str, str], messages: tuple[str, ...]
+    source: Source, name: str, channels: Channels, facts: dict[str, str], messages: tuple[str, ...]
 ) -> VendorTest:
-    """Return the test of a name from its `values` (n, 3)."""
-    kept, warnings = usable(source, name, *values.T)
-    time, load, depth = values[kept].T
+    """Return the test of a name from its time, load and depth."""
+    kept, warnings = usable(source, name, *channels)
+    time, load, depth = (channel[kept] for channel in channels)
     recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
     return VendorTest(name, recording, facts, (*messages, *warnings, *unfinished(load)), marked=False)
 

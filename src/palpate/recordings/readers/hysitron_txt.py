@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.recordings.readers.numbers_in_text import counted, refuse_unlike, require_tabs
+from palpate.recordings.readers.numbers_in_text import column, counted, refuse_unlike, require_tabs
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import CHANNELS, SCALES, unit_of
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
@@ -66,7 +66,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     values = counted(source.lines[start + 1 :], start + 2, width, source.path, announced)
     refuse_unlike(source.lines[start], columns, values, source.path)
     needed = [*CHANNELS] if corrections is None else [*CHANNELS, VOLTS]
-    channels = [values[:, index] * factor for index, factor in (places[key] for key in needed)]
+    channels = [column(values, *places[key]) for key in needed]
     kept, warnings = usable(source, "values", *channels)
     time, load, depth, *volts = (channel[kept] for channel in channels)
     begin = contact(load, depth)

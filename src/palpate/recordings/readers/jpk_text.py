@@ -49,14 +49,15 @@ class ExportedSegment:
     channels: dict[str, tuple[np.ndarray, str]]
 
     def channel(self, quantity: str, names: Sequence[str]) -> np.ndarray:
-        """Return the first of the columns `names` that there is, in s, mN or nm."""
+        """Return the first of the columns `names` that there is, brought to s, mN or nm in place, once."""
         name = next((name for name in names if name in self.channels), None)
         if name is None:
             raise InputError(f"lacks the column {names[0]}", remedy="export it too")
         values, unit = self.channels[name]
         if unit not in SCALES[quantity]:
             raise InputError(f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(SCALES[quantity])}")
-        return SCALES[quantity][unit] * values
+        values *= SCALES[quantity][unit]
+        return values
 
     def stated(self, *names: str) -> float:
         """Return the first positive number that the header states under one of the names; zero without."""
@@ -78,6 +79,16 @@ def matches(source: Source) -> bool:
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one curve, with its approach; contact is not marked."""
     refuse_corrections(source, corrections)
+    channels, facts, messages = _curve(source)
+    kept, warnings = usable(source, "measured values", *channels)
+    since, load, way = (channel[kept] for channel in channels)
+    name = source.path.stem
+    recording = Recording(since - since[0], load, way - way[0], name, (f"from {source.path.name}",))
+    return [VendorTest(name, recording, facts, (*warnings, *messages), marked=False)]
+
+
+def _curve(source: Source) -> tuple[list[np.ndarray], dict[str, str], tuple[str, ...]]:
+    """Return time [s], load [mN] and depth [nm] of all segments, what the first states, and messages."""
     segments = _segments(source)
     if not segments:
         raise InputError("holds no measured values", remedy="export the force curve again", file=source.path)
@@ -86,15 +97,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     time, messages = _time(segments)
     if not any(name in segment.channels for segment in segments for name in (*TIP, *HEIGHTS[:-1])):
         messages = (*messages, BY_PIEZO)
-    channels = [np.concatenate(parts) for parts in (time, force, depth)]
-    kept, warnings = usable(source, "measured values", *channels)
-    since, load, way = (channel[kept] for channel in channels)
     facts = {key: value for key, value in segments[0].facts.items() if value}
     if spring := segments[0].stated("springConstant"):
         facts["spring constant [N/m]"] = f"{spring:.6g}"
-    name = source.path.stem
-    recording = Recording(since - since[0], load, way - way[0], name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, facts, (*warnings, *messages), marked=False)]
+    return [np.concatenate(parts) for parts in (time, force, depth)], facts, messages
 
 
 def _segments(source: Source) -> list[ExportedSegment]:

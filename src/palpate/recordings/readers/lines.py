@@ -1,11 +1,11 @@
-"""The lines of a text: found at once, in its bytes, and decoded one by one when they are asked for."""
+"""The lines of a text: found at once, in its bytes, and read and decoded when they are asked for."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import overload
+from typing import BinaryIO, overload
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from palpate.errors import InputError
 
 BLOCK = 1 << 22  # bytes that are looked at together
 MOST = 3_000_000  # lines that are read one by one; more take more than a minute and 1 GB of memory
+POSITION = np.int32  # of a byte: files have at most 2^29
 BREAK = re.compile(r"\r\n|\r|\n")
 PLAIN, LF, CR, OTHER = range(4)
 KINDS = bytes(
@@ -26,7 +27,7 @@ class Lines(Sequence[str]):
 
     Parameters
     ----------
-    content, encoding
+    stream, encoding
         The text's bytes; each byte that breaks a line is one in ASCII.
     starts : ndarray, shape (n + 1,)
         Where each line begins, and where the last one ends.
@@ -34,28 +35,28 @@ class Lines(Sequence[str]):
         Numbers, from 0, of the lines that hold more than digits, signs and what parts numbers.
     """
 
-    content: bytes
+    stream: BinaryIO
     encoding: str
     starts: np.ndarray
     worded: np.ndarray
 
     @classmethod
-    def of(cls, content: bytes, encoding: str, begin: int = 0) -> Lines:
-        """Return the lines of bytes from the position `begin` on."""
-        starts, worded, count = [np.array([begin])], [], 0
-        while begin < len(content):
-            end = min(begin + BLOCK, len(content))
-            end += content[end - 1 : end + 1] == b"\r\n"
-            kinds = np.frombuffer(content[begin:end].translate(KINDS), np.uint8)
+    def of(cls, stream: BinaryIO, encoding: str, begin: int = 0, last: int = 0) -> Lines:
+        """Return the lines of bytes from the position `begin` up to the `last`."""
+        starts, worded, count = [np.array([begin], POSITION)], [], 0
+        while begin < last:
+            end = min(begin + BLOCK, last)
+            end += piece(stream, end - 1, end + 1) == b"\r\n"
+            kinds = np.frombuffer(piece(stream, begin, end).translate(KINDS), np.uint8)
             places = np.flatnonzero(kinds)
             found = kinds[places]
             before_lf = (found[:-1] == CR) & (found[1:] == LF) & (np.diff(places) == 1)
             ends = (found == LF) | ((found == CR) & ~np.append(before_lf, False)) if len(found) else found == LF
             worded.append(count + _each_once((np.cumsum(ends) - ends)[found == OTHER]))
-            starts.append(begin + places[ends] + 1)
+            starts.append((begin + places[ends] + 1).astype(POSITION))
             begin, count = end, count + int(ends.sum())
-        starts.append(np.array([len(content)]))
-        return cls(content, encoding, np.concatenate(starts), _each_once(np.concatenate([np.empty(0, int), *worded])))
+        starts.append(np.array([last], POSITION))
+        return cls(stream, encoding, np.concatenate(starts), _each_once(np.concatenate([np.empty(0, int), *worded])))
 
     def __len__(self) -> int:
         return len(self.starts) - 1
@@ -73,13 +74,15 @@ class Lines(Sequence[str]):
             among = slice(*np.searchsorted(self.worded, (first, last)))
             return replace(self, starts=self.starts[first : last + 1], worded=self.worded[among] - first)
         number = range(len(self))[wanted]
-        text = self.content[self.starts[number] : self.starts[number + 1]].decode(self.encoding)
-        return BREAK.sub("", text)
+        return BREAK.sub("", self.written(number, number + 1).decode(self.encoding))
 
     def __iter__(self) -> Iterator[str]:
         for first, last in self.blocks():
-            text = self.content[self.starts[first] : self.starts[last]].decode(self.encoding)
-            yield from BREAK.split(text)[: last - first]
+            yield from BREAK.split(self.written(first, last).decode(self.encoding))[: last - first]
+
+    def written(self, first: int, last: int) -> bytes:
+        """Return the bytes of the lines from the `first` up to the `last`."""
+        return piece(self.stream, int(self.starts[first]), int(self.starts[last]))
 
     def one_by_one(self) -> list[str]:
         """Return all lines; raises `InputError` where these are too many."""
@@ -91,7 +94,7 @@ class Lines(Sequence[str]):
         """Yield the first line, and that after the last, of each block of lines."""
         first = 0
         while first < len(self):
-            last = int(np.searchsorted(self.starts, self.starts[first] + BLOCK, side="right")) - 1
+            last = int(np.searchsorted(self.starts, POSITION(self.starts[first] + BLOCK), side="right")) - 1
             last = min(max(last, first + 1), len(self))
             yield first, last
             first = last
@@ -99,6 +102,12 @@ class Lines(Sequence[str]):
     def in_words(self) -> Iterator[tuple[int, str]]:
         """Yield the lines that are more than numbers, as any with a name is, and their numbers from 0."""
         return ((int(number), self[int(number)]) for number in self.worded)
+
+
+def piece(stream: BinaryIO, begin: int, end: int) -> bytes:
+    """Return the bytes of a stream from one position up to another."""
+    stream.seek(begin)
+    return stream.read(end - begin)
 
 
 def _each_once(numbers: np.ndarray) -> np.ndarray:

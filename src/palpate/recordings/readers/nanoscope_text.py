@@ -18,7 +18,7 @@ import numpy as np
 
 from palpate.errors import InputError
 from palpate.recordings.readers.afm import BY_PIEZO
-from palpate.recordings.readers.numbers_in_text import table
+from palpate.recordings.readers.numbers_in_text import column, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import scale, unit_of
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
@@ -66,17 +66,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     refuse_corrections(source, corrections)
     start = _header(source) or 0
     columns = _columns(source.lines[start])
-    width = len(source.lines[start].rstrip().split("\t"))
-    values = table(source.lines[start + 1 :], start + 2, width, source.path)
-    present = {key[::2] for key in columns}
-    untimed = None if any(name == TIME for name, _ in present) else source.lines[:start]
-    segments = [_segment(source, columns, values, way, untimed) for way in DIRECTIONS if (DEFLECTION, way) in present]
-    time, load, height, bent = ([segment[k] for segment in segments] for k in range(4))
-    if len(segments) > 1:
-        _check_turn(*load)
-        if time[1][0] <= time[0][-1]:  # a clock that the retraction begins anew goes on
-            time[1] = time[1] - time[1][0] + 2 * time[0][-1] - time[0][-2]
-    since, pressed, depth = (np.concatenate(parts) for parts in (time, load, _depths(height, bent)))
+    untimed = None if any(key[0] == TIME for key in columns) else source.lines[:start]
+    since, pressed, depth = _joined(source, start, columns, untimed)
     kept, warnings = usable(source, "measured values", since, pressed, depth)
     if not any(key[0] in (SEPARATION, HEIGHTS[0]) for key in columns):
         warnings = (*warnings, BY_PIEZO)
@@ -88,18 +79,32 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     return [VendorTest(name, recording, _facts(source.lines[:start]), warnings, marked=False)]
 
 
+def _joined(source: Source, start: int, columns: Columns, untimed: Sequence[str] | None) -> list[np.ndarray]:
+    """Return time [s], load [mN] and depth [nm] below the line of headings, of one direction after the other."""
+    width = len(source.lines[start].rstrip().split("\t"))
+    values = table(source.lines[start + 1 :], start + 2, width, source.path)
+    ways = [way for way in DIRECTIONS if (DEFLECTION, way) in {key[::2] for key in columns}]
+    time, load, height, bent = zip(*(_segment(source, columns, values, way, untimed) for way in ways), strict=True)
+    if len(ways) > 1:
+        _check_turn(*load)
+        if time[1][0] <= time[0][-1]:  # a clock that the retraction begins anew goes on
+            time = (time[0], time[1] - time[1][0] + 2 * time[0][-1] - time[0][-2])
+    return [np.concatenate(parts) for parts in (time, load, _depths(height, bent))]
+
+
 def _segment(
     source: Source, columns: Columns, values: np.ndarray, way: str, untimed: Sequence[str] | None
 ) -> tuple[np.ndarray, ...]:
     """Return, in the order of time, time [s], load [mN], separation or height, and what bends beside it [nm].
 
-    `untimed` is the header of a file without a column of times, None of another.
+    They lie in the columns of `values` wherever these hold them. `untimed` is the header of a file without a column of
+    times, None of another.
     """
     time, load, height = (
         _channel(columns, values, way, quantity, names)
         for quantity, names in (("time", [TIME]), ("load", [DEFLECTION]), ("depth", [SEPARATION]))
     )
-    bent = None if height is None else np.zeros(len(height))
+    bent = None if height is None else np.zeros(1)
     if height is None:
         height, bent = (_channel(columns, values, way, "depth", names) for names in (HEIGHTS, [DEFLECTION]))
     if time is None and untimed is not None and load is not None:
@@ -113,7 +118,9 @@ def _segment(
     if len(whole) < 2:
         raise InputError("holds no measured values", remedy="export the force curve again", file=source.path)
     order = whole[np.argsort(time[whole], kind="stable")]
-    return time[order], load[order], height[order], bent[order]
+    for channel in (time, load, height, *([bent] if len(bent) > 1 else [])):
+        channel[: len(order)] = channel[order]
+    return time[: len(order)], load[: len(order)], height[: len(order)], bent[: len(order)]
 
 
 def _spread(header: Sequence[str], way: str, load: np.ndarray) -> np.ndarray:
@@ -143,7 +150,10 @@ def _depths(height: Sequence[np.ndarray], bent: Sequence[np.ndarray]) -> list[np
     Where they are counted from opposite ends, as ramps may be, the retraction begins where the extension ends.
     """
     signs = [turn * np.sign(way[-1] - way[0]) for turn, way in zip((1.0, -1.0), height, strict=False)]
-    depths = [sign * way - yielded for sign, way, yielded in zip(signs, height, bent, strict=True)]
+    depths = list(height)
+    for sign, way, yielded in zip(signs, height, bent, strict=True):
+        way *= sign
+        way -= yielded
     if len(set(signs)) > 1:
         depths[1] += depths[0][-1] - depths[1][0]
     return depths
@@ -154,7 +164,7 @@ def _channel(columns: Columns, values: np.ndarray, way: str, quantity: str, name
     for name in names:
         for (channel, unit, direction), place in columns.items():
             if channel == name and direction == way and unit_of(quantity, unit):
-                return values[:, place] * scale(quantity, unit)
+                return column(values, place, scale(quantity, unit))
     return None
 
 

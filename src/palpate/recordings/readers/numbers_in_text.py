@@ -57,12 +57,19 @@ def table(lines: Lines, first_line: int, columns: int, path: Path, delimiter: st
         decimal sign.
     """
     found = plain_numbers(lines, delimiter)
-    if found and found[0].shape[1] >= columns:
-        values = found[0]
+    if found and len(found[0]) >= columns:
+        values = found[0].T
     else:
         values = _one_by_one(lines, first_line, columns, path, delimiter)
     values[~np.isfinite(values)] = np.nan
     return values[:, :columns]
+
+
+def column(values: np.ndarray, place: int, factor: float) -> np.ndarray:
+    """Return the column at a place of a table's `values`, multiplied in place: a long one is not copied."""
+    found: np.ndarray = values[:, place]
+    found *= factor
+    return found
 
 
 def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str) -> np.ndarray:

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from palpate.recordings.readers.numbers_in_text import refuse_unlike, table
+from palpate.recordings.readers.numbers_in_text import column, refuse_unlike, table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import scale
 from palpate.recordings.readers.vendor import (
@@ -57,7 +57,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     start, places = next(_headings(source))
     values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
     refuse_unlike(lines[start], columns, values, path)
-    channels = [values[:, places[name][0]] * scale(key, places[name][1]) for name, key in COLUMNS.items()]
+    channels = [column(values, places[name][0], scale(key, places[name][1])) for name, key in COLUMNS.items()]
     kept, warnings = usable(source, "measured values", *channels)
     time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)
     depth = piezo - cantilever

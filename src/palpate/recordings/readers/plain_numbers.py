@@ -26,8 +26,8 @@ def is_long(lines: Lines) -> bool:
     return bool(lines.starts[-1] - lines.starts[0] >= SHORT)
 
 
-def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None:
-    """Return the numbers (n, k) of many lines of k cells, infinite where one is empty or invalid, and the decimal sign.
+def plain_numbers(lines: Lines, delimiter: str, room: tuple[int, int] = (0, 0)) -> tuple[np.ndarray, str] | None:
+    """Return the numbers (k, n) of many lines of k cells, infinite where one is empty or invalid, and the decimal sign.
 
     The sign is empty where no cell needs one. None where a line holds anything else, or other than k cells, where
     nothing shows the decimal sign, or of a few lines. Empty lines are passed over.
@@ -36,6 +36,8 @@ def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None
     ----------
     delimiter
         What parts the cells; a blank means any number of blanks and tabs.
+    room
+        Of how many rows, before and after, the numbers are infinite for others to fill in.
     """
     if not is_long(lines):
         return None
@@ -44,16 +46,18 @@ def plain_numbers(lines: Lines, delimiter: str) -> tuple[np.ndarray, str] | None
     if sign is None or not first:
         return None
     width = len(first.split() if delimiter == " " else first.split(delimiter))
-    values = np.empty((width, len(lines)))
-    count = 0
+    values = np.empty((width, sum(room) + len(lines)))
+    values[:, : room[0]] = np.inf
+    count = room[0]
     for begin, end in lines.blocks():
-        columns = _columns(lines.content[lines.starts[begin] : lines.starts[end]], delimiter, sign, width)
+        columns = _columns(lines.written(begin, end), delimiter, sign, width)
         if columns is None:
             return None
         for k, column in enumerate(columns):
             values[k, count : count + len(column)] = column
         count += len(columns[0])
-    return values[:, :count].T, sign
+    values[:, count : count + room[1]] = np.inf
+    return values[:, : count + room[1]], sign
 
 
 def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndarray] | None:
@@ -84,13 +88,11 @@ def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndar
 
 def _decimal_sign(lines: Lines, delimiter: str) -> str | None:
     """Return the decimal sign that lines show beyond doubt, empty where no cell needs one; None for doubt."""
-    begin, end = lines.starts[0], lines.starts[-1]
-    written = [sign for sign in OTHER if sign != delimiter and lines.content.find(sign.encode(), begin, end) >= 0]
-    if len(written) != 1:
-        return None if written else ""
-    (sign,) = written
+    signs = [sign for sign in OTHER if sign != delimiter]
     for line in itertools.islice(map(lines.__getitem__, range(len(lines))), SHOWN):
         for cell in line.split() if delimiter == " " else line.split(delimiter):
-            if sign in cell and not WRITTEN[OTHER[sign]].fullmatch(cell.strip()):
-                return sign
-    return None
+            for sign in signs:
+                if sign in cell and not WRITTEN[OTHER[sign]].fullmatch(cell.strip()):
+                    return sign
+    written = any(sign.encode() in lines.written(*ends) for ends in lines.blocks() for sign in signs)
+    return None if written else ""

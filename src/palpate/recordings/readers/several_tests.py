@@ -6,7 +6,7 @@ same test; where they begin as the test did, they are another one. So they are u
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ BESIDE = 5  # steps on either side of a cut that show how far load and depth ste
 OFTEN = 200  # of the usual step in time: what begins anew goes on with steps such as these
 ALIKE = 0.1  # of a step in time: segments that differ less are sampled at one rate
 FEW, VARIED = 0.2, 10  # of the rows, and values: how rare a stand-in is, and how many others there are
+Channels = Sequence[np.ndarray]  # the time first, each of shape (n,)
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,9 @@ class Part:
 
     Parameters
     ----------
-    rows : ndarray
+    rows
         Their numbers in the table.
-    values : ndarray, shape (n, 3)
+    channels
         Time, load and depth; time goes on over segments.
     idle : ndarray of bool, shape (n,)
         Rows that are no damage and hold nothing new: written twice, or zeros at the end.
@@ -36,110 +37,146 @@ class Part:
         What is reported to the user.
     """
 
-    rows: np.ndarray
-    values: np.ndarray
+    rows: range
+    channels: Channels
     idle: np.ndarray
     messages: tuple[str, ...] = ()
 
 
-def parted(values: np.ndarray, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
-    """Return the tests in a table's `values`.
+def parted(channels: Channels, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
+    """Return the tests in the `channels` of a table, which are not finite where a row holds no number.
 
     Parameters
     ----------
-    values : ndarray, shape (n, 3)
-        Time, load and depth; not finite where a row holds no number.
     broken : ndarray of bool, shape (n,)
         Whether a blank row or a repeated header comes before a row.
     place
         Where rows are in the file, for messages.
     """
-    idle = written_twice(values) | padding(values)
-    kept = np.flatnonzero(np.isfinite(values).all(axis=1) & ~idle)
+    time, *others = channels
+    idle = written_twice(channels) | padding(channels)
+    filled = whole(channels) & ~idle
+    kept = np.flatnonzero(filled).astype(np.int32)
     if len(kept) < 3:
-        return [Part(np.arange(len(values)), values, idle, _messages(idle, values, place))]
-    breaks = np.cumsum(broken)
-    cuts = _cuts(values[kept], np.diff(breaks[kept], prepend=breaks[kept[0]]) > 0)
-    clock, values, begins = values[kept, 0], values.copy(), [0]
-    segments: dict[int, list[int]] = {}
-    unmarked = []
+        return [Part(range(len(time)), channels, idle, _messages(idle, channels, place))]
+    apart = np.zeros(len(kept), dtype=bool)
+    after = np.searchsorted(kept, np.flatnonzero(broken).astype(np.int32))
+    apart[after[(after > 0) & (after < len(kept))]] = True
+    cuts = _cuts(channels, filled, kept, apart)
+    goes_on = time.copy() if "segment" in cuts.values() else time
+    begins, segments, unmarked = [0], dict[int, list[int]](), list[int]()
     for k, kind in cuts.items():
+        row = int(kept[k])
         if kind == "segment":
-            goes_on = float(values[kept[k - 1], 0]) + _until_next(clock, values[kept, 1:], k)
-            values[kept[k] + 1 :, 0] += goes_on - values[kept[k], 0]
-            values[kept[k], 0] = goes_on
-            segments.setdefault(len(begins), []).append(int(kept[k]))
+            near = kept[k - 2 : k + 2]
+            begin = float(goes_on[kept[k - 1]]) + _until_next(time[near], np.array([other[near] for other in others]))
+            goes_on[row + 1 :] += begin - goes_on[row]
+            goes_on[row] = begin
+            segments.setdefault(len(begins), []).append(row)
         else:
-            first = np.flatnonzero(broken[kept[k - 1] + 1 : kept[k] + 1])
-            begins.append(int(kept[k - 1] + 1 + first[-1]) if len(first) else int(kept[k]))
+            first = np.flatnonzero(broken[kept[k - 1] + 1 : row + 1])
+            begins.append(int(kept[k - 1] + 1 + first[-1]) if len(first) else row)
             if not len(first):
                 unmarked.append(len(begins))
-    idle |= written_twice(values)
+    channels = [goes_on, *others]
+    idle |= written_twice(channels) if segments else False
     parts = []
-    for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(values)], strict=True), 1):
-        rows = np.arange(begin, end)
-        messages = _messages(idle[rows], values[rows], lambda *each, rows=rows: place(*rows[list(each)]))
+    for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(time)], strict=True), 1):
+        own, unused = [channel[begin:end] for channel in channels], idle[begin:end]
+        messages = _messages(unused, own, lambda *rows, begin=begin: place(*(begin + row for row in rows)))
         if number in segments:
             where = place(*segments[number])
             messages += (f"time begins anew where load and depth go on ({where}): joined as segments of one test",)
         if number in unmarked:
             messages += (f"begins at {place(begin)}, where load and depth begin anew as in the test before",)
-        parts.append(Part(rows, values[rows], idle[rows], messages))
+        parts.append(Part(range(begin, end), own, unused, messages))
     return parts
 
 
-def written_twice(values: np.ndarray) -> np.ndarray:
-    """Return which rows of `values` (n, k) are whole and equal to the last whole row before them."""
-    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
-    twice = np.zeros(len(values), dtype=bool)
-    twice[whole[1:]] = np.all([(column := channel[whole])[1:] == column[:-1] for channel in values.T], axis=0)
+def whole(channels: Channels) -> np.ndarray:
+    """Return which rows hold a number in each channel."""
+    return np.logical_and.reduce([np.isfinite(channel) for channel in channels])
+
+
+def taken(channel: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return some `rows` (n,) of a channel, without a copy where they lie side by side."""
+    if not rows.any():
+        return channel[:0]
+    first, end = ends(rows)
+    return channel[first:end] if rows[first:end].all() else channel[rows]
+
+
+def ends(rows: np.ndarray) -> tuple[int, int]:
+    """Return the first of the rows (n,) that are marked, and the one after the last."""
+    return int(np.argmax(rows)), len(rows) - int(np.argmax(rows[::-1]))
+
+
+def written_twice(channels: Channels) -> np.ndarray:
+    """Return which rows are whole and equal to the last whole row before them."""
+    filled, same = whole(channels), np.array(True)
+    for channel in channels:
+        column = taken(channel, filled)
+        same = same & (column[1:] == column[:-1])
+    twice = np.zeros(len(filled), dtype=bool)
+    twice[np.flatnonzero(filled)[1:]] = same
     return twice
 
 
-def stand_ins(values: np.ndarray) -> np.ndarray:
-    """Return which of `values` (n, k), the time first, stand for missing ones, such as -9999.
+def without_stand_ins(channels: Channels) -> list[np.ndarray]:
+    """Return channels that are infinite where a value stands for a missing one, such as -9999.
 
     Such a value is the same in few rows, and farther from all others of its channel than these are from one another. At
-    the end it may be the specimen's: a film that breaks.
+    the end it may be the specimen's: a film that breaks. None is a time's.
     """
-    found = np.zeros(values.shape, dtype=bool)
-    for k, channel in enumerate(values.T[1:], 1):
+    found = list(channels)
+    for k, channel in enumerate(channels[1:], 1):
         finite = np.isfinite(channel)
-        for code in {channel[finite].min(), channel[finite].max()} if finite.any() else ():
-            others = np.flatnonzero(finite & (channel != code))
-            rest = channel[others]
-            if len(rest) < max(VARIED, (1 - FEW) * finite.sum()) or np.abs(rest - code).min() <= np.ptp(rest):
+        for code in set(_extremes(taken(channel, finite))) if finite.any() else ():
+            others = finite & (channel != code)
+            if others.sum() < max(VARIED, (1 - FEW) * finite.sum()):
                 continue
-            if len(np.unique(rest)) >= VARIED:
-                found[: others[-1], k] |= channel[: others[-1]] == code
+            least, largest = _extremes(taken(channel, others))
+            if min(abs(least - code), abs(largest - code)) <= largest - least:
+                continue
+            if len(np.unique(channel[others])) >= VARIED:
+                before_last = np.arange(len(channel)) < np.flatnonzero(others)[-1]
+                found[k] = np.where(before_last & (channel == code), np.inf, found[k])
     return found
 
 
-def padding(values: np.ndarray) -> np.ndarray:
-    """Return which rows of `values` (n, k), the time first, are zeros that follow a test: at the end, or before more.
+def _extremes(values: np.ndarray) -> tuple[float, float]:
+    """Return the least and the largest of some values (n,)."""
+    return float(values.min()), float(values.max())
+
+
+def padding(channels: Channels) -> np.ndarray:
+    """Return which rows are zeros that follow a test: at the end, or before more.
 
     At the end the time may go on in two rows or more whose other channels jump to zero.
     """
-    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
-    zeros = [channel[whole] == 0 for channel in values.T]
-    zero = np.all(zeros, axis=0)
-    padded = np.zeros(len(values), dtype=bool)
+    filled = whole(channels)
+    zeros = [(channel == 0)[filled] for channel in channels]
+    zero, pressed = np.logical_and.reduce(zeros), ~np.logical_and.reduce(zeros[1:])
+    padded = np.zeros(len(filled), dtype=bool)
     if zero.all():
         return padded
-    padded[whole] = zero & np.append(zero[1:], True) & (np.arange(len(whole)) > np.argmin(zero))
-    pressed = np.flatnonzero(~np.all(zeros[1:], axis=0))
-    last = int(pressed[-1]) if len(pressed) else len(whole)
-    if 0 < last < len(whole) - 2:
-        others = np.abs(values[whole, 1:])
-        step = np.abs(others[last] - others[last - 1])
-        if (others[last] > np.maximum(SAME * others.max(axis=0), TWICE * step)).any():
-            padded[whole[last + 1 :]] = True
+    first = int(np.argmin(zero))
+    last = ends(pressed)[1] - 1 if pressed.any() else len(zero)
+    zero[:-1] &= zero[1:]
+    zero[:first] = False
+    if 0 < last < len(zero) - 2:
+        rows = np.flatnonzero(filled)[[last - 1, last]]
+        for channel in channels[1:]:
+            before, end = np.abs(channel[rows])
+            largest = max(map(abs, _extremes(taken(channel, filled))))
+            zero[last + 1 :] |= end > max(SAME * largest, TWICE * abs(end - before))
+    padded[filled] = zero
     return padded
 
 
-def _messages(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -> tuple[str, ...]:
+def _messages(idle: np.ndarray, channels: Channels, place: Callable[..., str]) -> tuple[str, ...]:
     """Return in words which rows count for nothing."""
-    zeros = padding(values) & idle
+    zeros = padding(channels) & idle
     twice = idle & ~zeros
     return tuple(
         f"{count} row{'s' if count > 1 else ''} {what} ({place(*np.flatnonzero(rows))})"
@@ -148,37 +185,38 @@ def _messages(idle: np.ndarray, values: np.ndarray, place: Callable[..., str]) -
     )
 
 
-def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
-    """Return at which of whole rows `values` (m, 3) a ``test`` or a ``segment`` begins.
+def _cuts(channels: Channels, filled: np.ndarray, kept: np.ndarray, apart: np.ndarray) -> dict[int, str]:
+    """Return at which of the whole rows a ``test`` or a ``segment`` begins.
 
-    `apart` (m,) marks rows after a blank row or a repeated header.
+    `filled` (n,) marks these rows, `kept` (m,) are their numbers, and `apart` (m,) marks those of them after a blank
+    row or a repeated header.
     """
-    time, others = values[:, 0], values[:, 1:]
-    span = np.ptp(others, axis=0)
-    steps = np.abs(np.diff(others, axis=0))
-    forward = np.diff(time)[np.diff(time) > 0]
-    usual = float(np.median(forward)) if len(forward) else 0.0
+    time, *others = channels
+    span = np.array([np.ptp(taken(other, filled)) for other in others])
+    jumps, stands, usual = _jumps(taken(time, filled), taken(others[1], filled), float(span[1]))
     cuts: dict[int, str] = {}
     test = segment = 0
-    jumps = np.append(False, (np.diff(others[:, 1]) < -SAME * span[1]) & (np.diff(time) > TWICE * usual))
-    for k in np.flatnonzero(apart | jumps | (np.diff(time, prepend=-np.inf) <= 0)):
+    for k in np.flatnonzero(apart | jumps | stands):
         if k < segment + 2:
             continue
-        back = time[k] <= time[k - 1]
-        runs = k + 1 < len(time) and time[k + 1] < time[k - 1] and 0 < time[k + 1] - time[k] <= OFTEN * usual
-        anew = back and runs and time[k] - time[segment] <= 2 * usual
-        beside = np.concatenate([steps[max(k - 1 - BESIDE, 0) : k - 1], steps[k : k + BESIDE]])
-        goes_on = (steps[k - 1] <= np.maximum(SAME * span, 1.5 * beside.max(axis=0, initial=0.0))).all()
-        as_first = np.abs(others[k] - others[test]) <= LIKE * span
-        unloaded = abs(others[k - 1, 0] - others[test, 0]) <= LIKE * span[0]
-        from_first, from_last = abs(others[k, 1] - others[test, 1]), steps[k - 1, 1]
-        returned = unloaded and as_first.all() and from_first <= from_last
+        far = max(int(k) - 1 - BESIDE, 0)
+        clock, near = time[kept[k - 1 : k + 2]], kept[far : k + BESIDE + 1]
+        steps = np.abs(np.diff([other[near] for other in others]).T)
+        step, beside = steps[k - 1 - far], np.delete(steps, k - 1 - far, axis=0)
+        before, here, first = np.array([other[kept[[int(k) - 1, int(k), test]]] for other in others]).T
+        back = clock[1] <= clock[0]
+        runs = k + 1 < len(kept) and clock[2] < clock[0] and 0 < clock[2] - clock[1] <= OFTEN * usual
+        anew = back and runs and clock[1] - time[kept[segment]] <= 2 * usual
+        goes_on = (step <= np.maximum(SAME * span, 1.5 * beside.max(axis=0, initial=0.0))).all()
+        as_first = np.abs(here - first) <= LIKE * span
+        unloaded = abs(before[0] - first[0]) <= LIKE * span[0]
+        returned = unloaded and as_first.all() and abs(here[1] - first[1]) <= step[1]
         if anew and goes_on and not returned:
             cuts[int(k)] = "segment"
         elif (
             (anew and as_first[0])
-            or (apart[k] and (back or (returned and from_last > SAME * span[1])))
-            or (jumps[k] and returned and others[k:, 0].max() > others[test, 0] + LIKE * span[0])
+            or (apart[k] and (back or (returned and step[1] > SAME * span[1])))
+            or (jumps[k] and returned and others[0][kept[k:]].max() > first[0] + LIKE * span[0])
         ):
             cuts[int(k)] = "test"
         else:
@@ -187,13 +225,22 @@ def _cuts(values: np.ndarray, apart: np.ndarray) -> dict[int, str]:
     return cuts
 
 
-def _until_next(clock: np.ndarray, others: np.ndarray, k: int) -> float:
-    """Return how long after the last point before it a segment begins that starts at point `k` of `clock` (n,).
+def _jumps(time: np.ndarray, depth: np.ndarray, span: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return where the depth, of a range `span`, falls after a pause, where time stands or goes back, and its step."""
+    stands = np.diff(time) <= 0
+    usual = 0.0 if stands.all() else float(np.median(taken(np.diff(time), ~stands), overwrite_input=True))
+    jumps = np.diff(time) > TWICE * usual
+    jumps &= np.diff(depth) < -SAME * span
+    return np.append(False, jumps), np.append(False, stands), usual
+
+
+def _until_next(clock: np.ndarray, others: np.ndarray) -> float:
+    """Return how long after the last point before it a segment begins that starts at the third of four times `clock`.
 
     Not at all where its first point is the last one again; a step where both segments are sampled at one rate, or where
-    the clock gives no step; else as long as the clock gives. `others` (n, 2) are load and depth.
+    the clock gives no step; else as long as the clock gives. `others` (2, 4) are load and depth.
     """
-    step, following = clock[k - 1] - clock[k - 2], clock[k + 1] - clock[k]
-    if clock[k] == 0 and (others[k] == others[k - 1]).all():
+    step, start, following = clock[1] - clock[0], clock[2], clock[3] - clock[2]
+    if start == 0 and (others[:, 2] == others[:, 1]).all():
         return 0.0
-    return float(clock[k] if abs(following - step) > ALIKE * step and 0 < clock[k] <= step else step)
+    return float(start if abs(following - step) > ALIKE * step and 0 < start <= step else step)

@@ -1,22 +1,27 @@
-"""A vendor's file, opened as bytes, as lines of text or as a workbook, whichever its reader asks for."""
+"""A vendor's file, opened as bytes, as lines of text or as a workbook, whichever its reader asks for.
+
+A long text is read in blocks, as often as needed, and never held whole.
+"""
 
 from __future__ import annotations
 
 import codecs
+import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from palpate.base.bounded_workbook import Workbook, read_workbook
 from palpate.errors import InputError
-from palpate.recordings.readers.lines import BLOCK, Lines
+from palpate.recordings.readers.lines import BLOCK, Lines, piece
 
 OLE, ZIP, HDF5 = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04", b"\x89HDF\r\n"
 IN_WORKBOOKS = (b"xl/workbook", b"xl/worksheets", b"opendocument.spreadsheet")
 IN_OTHERS = (b"word/document", b"ppt/presentation", b"header.properties")
+BEGINNING = 100_000  # bytes by which a file is judged
 FIRST_NAME = 200  # bytes of a zip archive that hold the name of its first part
 CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
 TEST = re.compile(r"t(?:est)?[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
@@ -32,12 +37,27 @@ class Source:
     ----------
     path
         Where it lies; its ending means nothing.
-    content
-        Its bytes.
+    stream
+        Its bytes, open for reading.
     """
 
     path: Path
-    content: bytes = field(repr=False)
+    stream: BinaryIO = field(repr=False)
+
+    @property
+    def content(self) -> bytes:
+        """All bytes of the file."""
+        return b"".join(self.blocks())
+
+    def blocks(self) -> Iterator[bytes]:
+        """Yield the bytes of the file in blocks."""
+        self.stream.seek(0)
+        return iter(lambda: self.stream.read(BLOCK), b"")
+
+    @cached_property
+    def begun(self) -> bytes:
+        """The first bytes of the file."""
+        return piece(self.stream, 0, BEGINNING)
 
     @cached_property
     def lines(self) -> Lines:
@@ -46,25 +66,30 @@ class Source:
         UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1 otherwise. What pads the
         end of the file (zero bytes, DOS's end of text) is dropped.
         """
-        content, encoding = self.content, self._encoding
-        if content.startswith((OLE, ZIP, HDF5)):
-            return Lines.of(b"", "utf-8")[:0]
-        if encoding != "utf-8":
-            try:
-                content, encoding = content.decode(encoding).encode(), "utf-8"
-            except UnicodeDecodeError:
-                encoding = "latin-1"
-        elif not _is_utf8(content):
-            encoding = "latin-1"
-        begin = len(codecs.BOM_UTF8) if encoding == "utf-8" and content.startswith(codecs.BOM_UTF8) else 0
-        return Lines.of(content.rstrip(PADDING), encoding, begin)
+        if self.begun.startswith((OLE, ZIP, HDF5)):
+            return Lines.of(io.BytesIO(), "utf-8")[:0]
+        anew = io.BytesIO()
+        try:
+            for text in self._decoded():
+                anew.write(text.encode() if self.wide else b"")
+        except UnicodeDecodeError:
+            return Lines.of(self.stream, "latin-1", 0, _filled(self.stream))
+        stream = anew if self.wide else self.stream
+        marked = piece(stream, 0, len(codecs.BOM_UTF8)) == codecs.BOM_UTF8
+        return Lines.of(stream, "utf-8", len(codecs.BOM_UTF8) if marked else 0, _filled(stream))
+
+    def _decoded(self) -> Iterator[str]:
+        """Yield the text by the encoding that its first bytes speak for; raises `UnicodeDecodeError`."""
+        decoder = codecs.getincrementaldecoder(self._encoding)()
+        yield from map(decoder.decode, self.blocks())
+        yield decoder.decode(b"", final=True)
 
     @property
     def _encoding(self) -> str:
         """The encoding that the first bytes speak for."""
-        if self.content.startswith(WIDE):
+        if self.begun.startswith(WIDE):
             return "utf-16"
-        first, second, third, fourth = self.content[:4].ljust(4, b"x")
+        first, second, third, fourth = self.begun[:4].ljust(4, b"x")
         if first and third and not second and not fourth:
             return "utf-16-le"
         if second and fourth and not first and not third:
@@ -84,9 +109,9 @@ class Source:
     @cached_property
     def workbook(self) -> bool:
         """Whether the file is an Excel or OpenDocument workbook, be it damaged, by its bytes."""
+        if not self.begun.startswith(ZIP):
+            return self.begun.startswith(OLE)
         content = self.content
-        if not content.startswith(ZIP):
-            return content.startswith(OLE)
         of_office = content[:FIRST_NAME].find(b"[Content_Types].xml") >= 0
         return any(part in content for part in IN_WORKBOOKS) or (
             of_office and not any(part in content for part in IN_OTHERS)
@@ -97,7 +122,7 @@ class Source:
         """What kind of container of other files or tables this is, in words; empty for text and workbooks."""
         if self.workbook:
             return ""
-        return next((kind for magic, kind in CONTAINERS.items() if self.content.startswith(magic)), "")
+        return next((kind for magic, kind in CONTAINERS.items() if self.begun.startswith(magic)), "")
 
     @property
     def sheets(self) -> list[str]:
@@ -127,16 +152,16 @@ class Source:
         return found
 
 
-def _is_utf8(content: bytes) -> bool:
-    """Return whether bytes are text in UTF-8."""
-    decoder = codecs.getincrementaldecoder("utf-8")()
-    try:
-        for begin in range(0, len(content), BLOCK):
-            decoder.decode(content[begin : begin + BLOCK])
-        decoder.decode(b"", final=True)
-    except UnicodeDecodeError:
-        return False
-    return True
+def _filled(stream: BinaryIO) -> int:
+    """Return where what pads the end of a file begins."""
+    end = stream.seek(0, io.SEEK_END)
+    while end:
+        begin = max(end - BLOCK, 0)
+        kept = piece(stream, begin, end).rstrip(PADDING)
+        if kept:
+            return begin + len(kept)
+        end = begin
+    return 0
 
 
 def number_of(name: str) -> int | None:

@@ -14,7 +14,7 @@ from palpate.recordings.readers.clock import seconds
 from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import is_row_of_units, is_word
-from palpate.recordings.readers.several_tests import Part, parted, stand_ins
+from palpate.recordings.readers.several_tests import Channels, Part, parted, whole, without_stand_ins
 from palpate.recordings.readers.tables import Table
 
 
@@ -35,7 +35,7 @@ class TableBody:
         given by their numbers, the first row of words above the numbers. None where there is none.
     above
         The cells for time, load and depth in the rows before the first number.
-    values : ndarray, shape (n, 3)
+    channels
         The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
     repeated, broken : ndarray of bool, shape (n,)
         Whether a row is the header again, and whether that or a blank row comes before it.
@@ -51,7 +51,7 @@ class TableBody:
     named: int | None
     header: int | None
     above: list[list[str]]
-    values: np.ndarray
+    channels: Channels
     repeated: np.ndarray
     broken: np.ndarray
     of_clock: bool
@@ -72,43 +72,43 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     heading = " ".join(str(row[found[1][0]]) for row in table.rows[: begin + 1] if len(row) > found[1][0])
     shown, messages = seconds([aside[k][0] for k in numeric], heading)
     clock = dict(zip(numeric, shown, strict=True))
-    values = _values(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
-    values[stand_ins(values)] = np.inf
-    whole = np.isfinite(values).all(axis=1)
-    if not whole.any():
+    channels = _channels(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
+    channels = without_stand_ins(channels)
+    filled = whole(channels)
+    if not filled.any():
         return None
-    first = int(np.argmax(whole))
+    first = int(np.argmax(filled))
     above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
     header = row_of_names(above) if found[0] is None else found[0]
-    rows, numbered = table.rows[-len(cells.rows) :], np.array(cells.numbers)
-    repeated, blank = np.zeros(len(rows), dtype=bool), np.diff(numbered, prepend=numbered[0]) > 1
+    rows = table.rows[-len(cells.rows) :]
+    repeated, blank = np.zeros(len(rows), dtype=bool), np.append(False, np.diff(cells.numbers) > 1)
     for k in aside:
         repeated[k] = header is not None and [*rows[k]] == [*table.rows[header]]
         blank[k] |= not any(map(str, rows[k]))
     of_clock = clock.get(first, cells.rows[first][0]) != cells.rows[first][0]
     return TableBody(
-        table, found[1], cells, found[0], header, above, values, repeated, repeated | blank, of_clock, messages
+        table, found[1], cells, found[0], header, above, channels, repeated, repeated | blank, of_clock, messages
     )
 
 
-def _values(cells: Table, aside: Mapping[int, Sequence[Any]]) -> np.ndarray:
-    """Return the numbers (n, 3) in a table's core, and in the rows beside it, given by their numbers."""
+def _channels(cells: Table, aside: Mapping[int, Sequence[Any]]) -> Channels:
+    """Return the numbers in a table's core with those in the rows beside it, given by their numbers, filled in."""
     places, core = list(aside), cells.core
-    values = np.empty((len(cells.rows), 3))
-    if core:
-        values[core.first : core.end] = core.values
+    channels = list(core.columns if core else np.empty((3, len(cells.rows))))
     if places:
-        values[places] = numbers(list(aside.values()), lambda row: cells.place(places[row]), core.sign if core else "")
-    return values
+        found = numbers(list(aside.values()), lambda row: cells.place(places[row]), core.sign if core else "")
+        for channel, values in zip(channels, found.T, strict=True):
+            channel[places] = values
+    return channels
 
 
 def parts_of(body: TableBody) -> list[Part]:
     """Return the tests below one another in a table; raises `InputError` where one has other names or units."""
-    parts = parted(body.values, body.broken, body.cells.place)
-    whole = np.isfinite(body.values).all(axis=1)
+    parts = parted(body.channels, body.broken, body.cells.place)
+    filled = whole(body.channels)
     for part in parts[1:]:
-        begin = int(part.rows[np.argmax(whole[part.rows])])
-        last = int(np.flatnonzero(whole[:begin])[-1])
+        begin = part.rows[int(np.argmax(filled[part.rows.start :]))]
+        last = int(np.flatnonzero(filled[:begin])[-1])
         between = range(last + 1, begin)
         others = [
             k

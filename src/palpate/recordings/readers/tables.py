@@ -34,30 +34,24 @@ class Core:
 
     Parameters
     ----------
-    first
-        The first of them.
-    values : ndarray, shape (n, k)
-        Their numbers; infinite where a cell is empty or invalid.
+    first, end
+        The first of them, and the row after the last.
+    columns
+        The table's columns (n,), with room for the rows beside; infinite there and where a cell is empty or invalid.
     sign
         The decimal sign; empty where no cell needs one.
     """
 
     first: int
-    values: np.ndarray
+    end: int
+    columns: Sequence[np.ndarray]
     sign: str
-
-    @property
-    def end(self) -> int:
-        """The row after the last."""
-        return self.first + len(self.values)
 
     def picked(self, start: int, indices: Sequence[int]) -> Core:
         """Return what a table holds of it that begins at the row `start` and has some of the columns."""
-        values = np.full((len(self.values), len(indices)), np.inf)
-        for column, k in enumerate(indices):
-            if k < self.values.shape[1]:
-                values[:, column] = self.values[:, k]
-        return Core(max(self.first - start, 0), values[max(start - self.first, 0) :], self.sign)
+        width, rest = len(self.columns), len(self.columns[0]) - start
+        columns = [self.columns[k][start:] if k < width else np.full(rest, np.inf) for k in indices]
+        return Core(max(self.first - start, 0), max(self.end - start, 0), columns, self.sign)
 
 
 @dataclass(frozen=True)
@@ -155,21 +149,16 @@ def _with_core(source: Source) -> Table | None:
         return None
     aside = {k: line for k in (*range(first), *range(last, len(lines))) if (line := lines[k]).strip()}
     delimiter, split = _parting([lines[first]] * (len(aside) + 1) + list(aside.values()))
-    found = plain_numbers(lines[first:last], delimiter)
-    filled = first + np.flatnonzero(np.diff(lines.starts[first : last + 1]) > SHORTEST)
-    if found is None or len(found[0]) != len(filled):
+    before, after = ([k + 1 for k in aside if (k < first) == earlier] for earlier in (True, False))
+    found = plain_numbers(lines[first:last], delimiter, room=(len(before), len(after)))
+    filled = first + 1 + np.flatnonzero(np.diff(lines.starts[first : last + 1]) > SHORTEST).astype(np.int32)
+    numbers = np.concatenate([before, filled, after], dtype=np.int32, casting="unsafe")
+    if found is None or found[0].shape[1] != len(numbers):
         return None
-    before = [k for k in aside if k < first]
-    places = np.concatenate([before, filled, [k for k in aside if k >= last]]).astype(int)
-    rows = OnDemand(len(places), lambda k: split(lines[int(places[k])]))
-    return Table(
-        source,
-        source.path.stem,
-        rows,
-        places + 1,
-        delimiter,
-        Core(len(before), *found),
-    )
+    columns, sign = found
+    rows = OnDemand(len(numbers), lambda k: split(lines[int(numbers[k]) - 1]))
+    core = Core(len(before), len(before) + len(filled), list(columns), sign)
+    return Table(source, source.path.stem, rows, numbers, delimiter, core)
 
 
 def _parting(lines: Sequence[str]) -> tuple[str, Callable[[str], list[str]]]:

@@ -24,32 +24,31 @@ KINDS = {
     b"<?xml": ("an XML file", "save it as a workbook (.xlsx) or as text; " + LIST),
     b"<html": ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST),
 }
-BEGINNING = 100_000  # bytes by which a file is judged
 CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a\x1b"))
 MOST_CONTROLS = 0.02  # of a text's bytes, chosen: those of random numbers have a tenth
 
 
 def no_table(source: Source) -> tuple[str, str] | None:
     """Return what a file is that holds neither text nor a workbook, and what its owner can do; None for others."""
-    content = source.content
+    begun = source.begun
     if source.container:
         return source.container, f"unpack it, or {AS_TEXT}"
     if source.workbook or source.wide:
         return None
-    if NANOSCOPE.match(content) and b"\0" in content:
+    if NANOSCOPE.match(begun) and b"\0" in source.content:
         return "a NanoScope file, which the library afmformats does not read either", FORCE_CURVE
-    if may_be_wave(content):
+    if may_be_wave(begun):
         return "an Igor wave that is cut off, or has no note on a cantilever", f"copy it again, or {FORCE_CURVE}"
-    if TDM.match(content):
+    if TDM.match(begun):
         return "the header of a TDM file, whose numbers lie in the .tdx file beside it", AS_TEXT
-    begun = content.removeprefix(codecs.BOM_UTF8).lstrip()
+    begun = begun.removeprefix(codecs.BOM_UTF8).lstrip()
     kind = next((words for magic, words in KINDS.items() if begun[: len(magic)].lower() == magic.lower()), None)
     return kind or (("a binary file", AS_TEXT) if _binary(source) else None)
 
 
 def _binary(source: Source) -> bool:
     """Return whether a file's first bytes, less what pads its end, hold more control characters than a text does."""
-    begun = source.content[:BEGINNING].rstrip(PADDING)
+    begun = source.begun.rstrip(PADDING)
     return len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
 
 

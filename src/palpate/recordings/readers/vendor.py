@@ -13,7 +13,7 @@ from scipy.ndimage import median_filter
 from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.contact_point import way_in
-from palpate.recordings.readers.several_tests import padding, stand_ins, written_twice
+from palpate.recordings.readers.several_tests import padding, taken, whole, without_stand_ins, written_twice
 from palpate.recordings.readers.source import Source
 from palpate.recordings.recording import Recording, spaced
 
@@ -204,7 +204,8 @@ def unfinished(load: np.ndarray) -> tuple[str, ...]:
 
 def increasing(time: np.ndarray) -> np.ndarray:
     """Return which points of `time` (n,) are later than all before them, by more than its rounding."""
-    return np.diff(np.maximum.accumulate(time), prepend=-np.inf) > 1e-9 * np.ptp(time)
+    latest = time if (time[1:] > time[:-1]).all() else np.maximum.accumulate(time)
+    return np.append(True, np.diff(latest) > 1e-9 * np.ptp(time))
 
 
 def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -227,24 +228,23 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
         When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
         than two are left.
     """
-    values = np.array([time, *others]).T
-    values[stand_ins(values)] = np.nan
-    zeros = padding(values)
-    idle = written_twice(values) | zeros
-    whole = np.isfinite(values).all(axis=1) & ~idle
-    complete = np.flatnonzero(whole)
+    channels = without_stand_ins([time, *others])
+    zeros = padding(channels)
+    idle = written_twice(channels) | zeros
+    filled = whole(channels) & ~idle
+    complete = np.flatnonzero(filled).astype(np.int32)
     if len(complete) < 2:
         raise InputError(
             "holds fewer than two points with a number in every channel", remedy="export the test again",
             file=source.path, place=place,
         )  # fmt: skip
-    counted = np.flatnonzero(~idle)
-    between = counted[(counted >= complete[0]) & (counted <= complete[-1])]
-    clock = time[complete]
+    between = ~idle
+    between[: complete[0]] = between[complete[-1] + 1 :] = False
+    clock = taken(time, filled)
     later = increasing(clock)
-    back = np.maximum.accumulate(clock) - clock > 1e-9 * np.ptp(clock)
-    kept, count = complete[later], len(between)
-    damaged = {"no number": between[~whole[between]], "time goes back": complete[back]}
+    back = ~later if later.all() else np.maximum.accumulate(clock) - clock > 1e-9 * np.ptp(clock)
+    kept, count = complete[later], int(between.sum())
+    damaged = {"no number": np.flatnonzero(between & ~filled), "time goes back": complete[back]}
     repeated = {"time stands still": complete[~later & ~back]}
     if count - len(kept) > MOST_LEFT_OUT * count:
         raise InputError(
