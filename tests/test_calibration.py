@@ -117,8 +117,6 @@ def test_validation_conditions_are_judged_but_never_fitted():
 class Forward:
     """Families as a forward model, which fails at a beyond an edge and under some conditions."""
 
-    finest = None
-
     def __init__(self, families=FAMILIES, names=tuple(FAMILIES), edge=np.inf, fails=()):
         self.families, self.names, self.edge, self.fails = families, names, edge, fails
         free = [Coordinate(n, *BOUNDS[n], 0.0, 50.0, logarithmic=n == "a") for n in "abc"]
@@ -133,6 +131,9 @@ class Forward:
 
     def of_record(self, u):
         return self
+
+    def extrapolated(self, u):
+        return None
 
     def amplitudes(self, u):
         return {}
@@ -170,28 +171,25 @@ def test_the_forward_model_removes_the_error_of_the_surrogate():
     assert found.converged
 
 
-def test_a_fit_ends_on_the_finest_curves_with_slopes_that_are_about_right():
+def test_a_fit_ends_on_curves_of_finer_meshes_with_slopes_that_are_about_right():
     """The model errs by less than the recordings tell, and by more than the estimate may."""
 
-    class Finest:
-        @property
-        def record(self):
-            return self
-
-        def consistent(self, u, curves, slopes):
-            return Forward()
+    class Finer:
+        def __init__(self, record, u):
+            self.record, self.there, (_, self.slopes) = record, self.curves(u), record.tangents([u])[0]
 
         def curves(self, u):
             return Forward().curves([u])[0]
 
-        def tangents(self, u):
-            return self.curves(u), Coarse().tangents([u])[0][1]
-
     class Coarse(Forward):
-        finest = Finest()
-
         def __init__(self):
             super().__init__({"slow": Family(1.01), "fast": Family(0.5)})
+
+        def extrapolated(self, u):
+            return Finer(self, u)
+
+        def consistent(self, u, curves, slopes):
+            return Forward()
 
     data = observed(np.random.default_rng(0), sigma=3.0, rho=0.0, site=0.0)
     usual = calibrated(data, Forward(Coarse().families))

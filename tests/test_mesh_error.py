@@ -112,7 +112,7 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
 
 
 def test_what_creeps_needs_no_finer_mesh(record):
-    assert record.finest is None
+    assert record.extrapolated(record.place) is None
 
 
 @pytest.mark.parametrize(
@@ -132,8 +132,11 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     places = [np.append(body, values) for values in amplitudes]
     true = [on_fine_mesh(model, u, condition, "fine") for u in places]
     usual = model.of_record(places[0])
-    found = usual.consistent(places[0], *usual.finest.tangents(places[0]))
-    assert found.curves(places[:1])[0]["T010"] == pytest.approx(true[0], rel=1e-5)
+    finer = usual.extrapolated(places[0])
+    found = usual.consistent(places[0], finer.there, finer.slopes)
+    assert found.curves(places[:1])[0]["T010"] == pytest.approx(finer.there["T010"], rel=1e-6)
+    medium = on_fine_mesh(model, places[0], condition)
+    assert finer.there["T010"] == pytest.approx(2.0 * true[0] - medium, rel=1e-5)
     off = [np.subtract(*(curves["T010"] for curves in each.curves(places)[::-1])) for each in (usual, found)]
     missed = [float(np.sqrt(np.mean((each - (true[1] - true[0])) ** 2))) for each in off]
     assert missed[1] < 0.5 * missed[0]

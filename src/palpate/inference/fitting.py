@@ -144,13 +144,14 @@ class Fitter:
 
     def settled(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
-        finest = fit.model.finest if self.problem.replicated and fit.misfit_ratio <= self.policy.settled else None
-        if finest is None or isinstance(found := finest.tangents(fit.z), str):
+        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.settled
+        accurate = fit.model.extrapolated(fit.z) if explains else None
+        if accurate is None:
             return fit
-        goal, policy = self._without_discrepancy(fit), self.policy
-        way = settled(goal, finest, Descent(fit.z, *found), policy.settling, policy.tolerance)
+        goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
+        way = settled(goal, accurate, begun, self.policy.settling, self.policy.tolerance)
         try:
-            record = finest.record.consistent(way.u, way.curves, way.slopes)
+            record = accurate.record.consistent(way.u, way.curves, way.slopes)
         except PalpateError:
             return fit
         return self._fit(fit.explanation, record, way, fit.errors)

@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.finest import Finest
+from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.space_mapping import SpaceMapped
@@ -56,9 +56,8 @@ class Forward(typing.Protocol):
     def of_record(self, u: np.ndarray) -> Forward:
         """Return the model of record, the most accurate one, with references near coordinates u (k,)."""
 
-    @property
-    def finest(self) -> Finest | None:
-        """Finer meshes, where the derivatives of the model of record err; None elsewhere."""
+    def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
+        """Return finer meshes at coordinates u (k,) where the model of record's derivatives err; None elsewhere."""
 
     def thinned(self) -> tuple[Forward, Mapping[str, np.ndarray]]:
         """Return a cheaper model with fewer samples, and which of each condition's (n_points,) it keeps."""
@@ -126,8 +125,7 @@ class FiniteElements:
         """See `Forward`."""
         return SpaceMapped.of(self, u)
 
-    @property
-    def finest(self) -> None:
+    def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: only the model of record is compared with finer meshes."""
 
     def of_accuracy(self, degrees: int) -> FiniteElements:

@@ -24,7 +24,7 @@ import numpy as np
 from palpate.configuration.study_file import Condition
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.finest import Finest
+from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch
@@ -166,13 +166,11 @@ class SpaceMapped:
             return self
         return SpaceMapped.of(self.full, u)
 
-    @property
-    def finest(self) -> Finest | None:
-        """See `Forward`; indentations by bodies of revolution have one, where `Finest` says so."""
-        full = self.full
-        middle = full.specification(np.full(len(full.coordinates.free), 0.5), full.conditions[0])
-        needed = full.study.indenter.of_revolution and Finest.needed(applied_to_body(middle))
-        return Finest(self) if needed else None
+    def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
+        """See `Forward`; a pyramid is not."""
+        solid = applied_to_body(self.specification(u, self.full.conditions[0]))
+        needed = self.full.study.indenter.of_revolution and Extrapolated.needed(solid)
+        return Extrapolated.at(self, u) if needed else None
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
         """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).

@@ -98,8 +98,7 @@ class Surrogates:
         """See `Forward`: these."""
         return self
 
-    @property
-    def finest(self) -> None:
+    def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: none is known."""
 
     def thinned(self) -> tuple[Surrogates, Mapping[str, np.ndarray]]:

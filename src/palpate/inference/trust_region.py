@@ -26,7 +26,7 @@ import numpy as np
 from palpate.errors import PalpateError
 from palpate.inference.damped_steps import Steps
 from palpate.inference.descent import LARGEST_STEP, Descent
-from palpate.inference.finest import Finest
+from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
@@ -123,14 +123,14 @@ def resumed(
     raise PalpateError(failed)
 
 
-def settled(misfit: Misfit, finest: Finest, way: Descent, most: int, tolerance: float) -> Descent:
-    """Take Gauss-Newton's steps, with slopes updated by their secants, while curves of the finest mesh come closer.
+def settled(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
+    """Take Gauss-Newton's steps, with slopes updated by their secants, while curves of finer meshes come closer.
 
     Parameters
     ----------
     misfit, tolerance
         See `descend`.
-    finest
+    model
         Gives the curves.
     way
         Where the search begins, with its curves and slopes.
@@ -142,7 +142,7 @@ def settled(misfit: Misfit, finest: Finest, way: Descent, most: int, tolerance: 
         end = steps.end(LARGEST_STEP)
         if steps.predicted_decrease(end) < tolerance:
             break
-        curves, here = finest.curves(end), misfit.chi_square(way.curves, way.u, steps.weights)
+        curves, here = model.curves(end), misfit.chi_square(way.curves, way.u, steps.weights)
         if isinstance(curves, str) or misfit.chi_square(curves, end, steps.weights) > here:
             break
         way.move(end, curves)
