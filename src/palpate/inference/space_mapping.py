@@ -167,10 +167,11 @@ class SpaceMapped:
         return SpaceMapped.of(self.full, u)
 
     def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
-        """See `Forward`; a pyramid is not."""
+        """See `Forward`; None for a pyramid, and where the references are consistent with finer meshes already."""
+        if not self.full.study.indenter.of_revolution or any(r.steeper is not None for r in self.references.values()):
+            return None
         solid = applied_to_body(self.specification(u, self.full.conditions[0]))
-        needed = self.full.study.indenter.of_revolution and Extrapolated.needed(solid)
-        return Extrapolated.at(self, u) if needed else None
+        return Extrapolated.at(self, u) if Extrapolated.needed(solid) else None
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
         """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).

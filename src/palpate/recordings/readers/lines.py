@@ -42,7 +42,7 @@ class Lines(Sequence[str]):
 
     @classmethod
     def of(cls, stream: BinaryIO, encoding: str, begin: int = 0, last: int = 0) -> Lines:
-        """Return the lines of bytes from the position `begin` up to the `last`."""
+        """Return the lines of a `stream` in an `encoding`, from the byte at `begin` up to the `last`."""
         starts, worded, count = [np.array([begin], POSITION)], [], 0
         while begin < last:
             end = min(begin + BLOCK, last)
