@@ -64,11 +64,11 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
     tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, the
     likeliest is tested once more on finer meshes, see `Search.settled`. As long as none is accepted, sets with one
-    mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``.
-    Larger sets than the accepted ones are fitted where their optimistic log evidence is far larger; those that hold a
-    special case of an accepted mechanism in its place, also where it is about as large. One that contradicts an exact
-    law is never accepted. A single accepted explanation is identified where the recordings suffice, see `may_be_named`
-    and `zero_on_average`; else it is suspected.
+    mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the accepted
+    ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an accepted
+    mechanism in its place, also where it is about as large. One that contradicts an exact law is never accepted. A
+    single accepted explanation is identified where the recordings suffice, see `may_be_named` and `zero_on_average`;
+    else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)

@@ -11,13 +11,15 @@ the thickness of a film, whose interface crosses elements, gain nothing by that.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.inference.few_samples import interpolated
+
 if TYPE_CHECKING:
+    from palpate.inference.forward import Curves
     from palpate.inference.space_mapping import SpaceMapped
     from palpate.study.specification import Specification
 
@@ -39,9 +41,9 @@ class Extrapolated:
     """
 
     record: SpaceMapped
-    there: Mapping[str, np.ndarray]
-    slopes: Mapping[str, np.ndarray]
-    rest: Mapping[str, np.ndarray]
+    there: Curves
+    slopes: Curves
+    rest: Curves
 
     @staticmethod
     def needed(solid: Specification) -> bool:
@@ -58,13 +60,12 @@ class Extrapolated:
             return None
         slopes = {}
         for condition in finer.conditions:
-            time, columns = condition.protocol.sample_time, tangents[1][condition.name].T
-            knots = time[keep[condition.name]]
-            slopes[condition.name] = np.stack([np.interp(time, knots, column) for column in columns], axis=1)
+            name, time = condition.name, condition.protocol.sample_time
+            slopes[name] = interpolated(time, time[keep[name]], tangents[1][name].T)
         rest = {name: after[name] - before[name] for name in after}
         return cls(record, {name: after[name] + rest[name] for name in after}, slopes, rest)
 
-    def curves(self, u: np.ndarray) -> Mapping[str, np.ndarray] | str:
+    def curves(self, u: np.ndarray) -> Curves | str:
         """Return the response (n_points,) at coordinates u (k,) near by, or why a simulation failed."""
         (found,) = self.record.full.of_accuracy(2).curves([u])
         return found if isinstance(found, str) else {name: found[name] + self.rest[name] for name in found}

@@ -25,6 +25,7 @@ from palpate.configuration.study_file import Condition
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
+from palpate.inference.few_samples import interpolated
 from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch
@@ -69,7 +70,7 @@ class Reference:
         deep = np.abs(self.fast) > NO_DEPTH * np.abs(self.fast).max()
         knots = time[self.kept][deep]
         columns = (fast[deep].T / self.fast[deep]).reshape(-1, len(knots))
-        ratios = np.stack([np.interp(time, knots, column) for column in columns], axis=1)
+        ratios = interpolated(time, knots, columns)
         return (self.accurate[:, None] * ratios).reshape(len(time), *fast.shape[1:])
 
 

@@ -71,7 +71,8 @@ class Source:
         anew = io.BytesIO()
         try:
             for text in self._decoded():
-                anew.write(text.encode() if self.wide else b"")
+                if self.wide:
+                    anew.write(text.encode())
         except UnicodeDecodeError:
             return Lines.of(self.stream, "latin-1", 0, _filled(self.stream))
         stream = anew if self.wide else self.stream
