@@ -11,13 +11,13 @@ from palpate.study.protocol import LOAD, Protocol
 from palpate.study.specimen import Specimen
 
 RESOLUTIONS = {
-    "standard": Resolution(growth=1.10, sectors=8),
+    "standard": Resolution(growth=1.08, sectors=6),
     "medium": Resolution(
-        growth=1.07, sectors=12, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
+        growth=1.05, sectors=8, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
     ),
-    "fine": Resolution(growth=1.05, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
+    "fine": Resolution(growth=1.033, sectors=12, inner=0.1, far=4000.0, outer_growth=1.2, refine=2, load_growth=0.0625),
     "finest": Resolution(
-        growth=1.033, sectors=24, inner=0.1, far=4000.0, outer_growth=1.2, refine=3, load_growth=0.03125
+        growth=1.025, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=3, load_growth=0.03125
     ),
 }
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])  # of the first step, where it is divided

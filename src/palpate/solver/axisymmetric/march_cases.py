@@ -247,7 +247,7 @@ def begun(
     contact = contact_of(
         profiles, np.array([elastic_excess(c.specimen, c.indenter, c.protocol) for c in lanes]),
         [case.indenter.friction for case in lanes], attraction_in_lanes(sticking, units, len(area)),
-        np.stack([body.distance, area]), ranges, resolution.growth,
+        np.stack([body.distance, area]), ranges, resolution.growth, resolution.sectors,
     )  # fmt: skip
     first = np.array([case.times[0] for case in hosts])
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])

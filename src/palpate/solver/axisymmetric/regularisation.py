@@ -3,8 +3,8 @@
 All are chosen. `WIDTH` and `STIFFNESS` make the scatter of the depth over offsets of the mesh smaller than 5e-5 in
 elastic and creeping bodies and 2e-4 in yielding ones; in a body that flows under a small share of the elastic pressure
 the pressure ends abruptly at the edge of contact, which asks for a wider and softer one. `BLEND` then makes the depth
-at fixed load that of a mesh of infinitely many elements, to first order in their size. `tests/test_ripple.py` measures
-both.
+at fixed load that of a mesh of infinitely many elements, to first order in their size; the part of the sectors makes up
+for a body that few of them leave too stiff. `tests/test_ripple.py` and `tests/mesh_levels.py` measure both.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ from palpate.study.specimen import Specimen, plane_strain_modulus
 
 WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
-BLEND, BLEND_OF_GROWTH = 0.559, 0.65  # b under a cone, and what it grows by with the growth of the rings
-BLEND_OF_SPHERE, CUBE_OF_GROWTH = 0.551, 8.0  # b under a sphere, and what it grows by with the cube of that growth
-BLEND_OF_EXCESS = 0.045  # what that one grows by with the growth times the squared logarithm of the pressure's excess
+BLEND = 0.555  # b of infinitely small elements
+BLEND_OF_GROWTH = np.array([0.60, 0.0])  # what it grows by with the growth of the rings, under a cone and a sphere
+BLEND_OF_EXCESS = np.array([0.025, 0.093])  # likewise with that growth times the squared logarithm of the excess
+BLEND_OF_SECTORS = np.array([0.027, 0.045])  # what it falls by with 1 / (squared number of sectors times that growth)
 ROUNDS = 12  # towards the radius of the first contact, from which the iteration only begins
 
 
@@ -50,6 +51,7 @@ def contact_of(
     surface: np.ndarray,
     contacts: np.ndarray,
     growth: float,
+    sectors: int,
 ) -> Contact:
     """Return the contact of k surface nodes; lengths are in the unit of each lane.
 
@@ -69,21 +71,22 @@ def contact_of(
         Smallest contact radius that counts, and the largest one.
     growth
         Ratio of neighbouring rings.
+    sectors
+        Number of elements between surface and axis.
     """
     (distance, area), (smallest, largest) = surface, contacts
     spacing = np.gradient(distance)
     spacing = np.minimum(spacing, (growth - 1.0) * np.maximum(distance, distance[2]))
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
-    widened = growth - 1.0
-    under_cone = BLEND + BLEND_OF_GROWTH * widened
-    under_sphere = BLEND_OF_SPHERE + CUBE_OF_GROWTH * widened**3 + BLEND_OF_EXCESS * widened * np.log(excess) ** 2
+    widened, by_excess = growth - 1.0, BLEND_OF_EXCESS[:, None] * np.log(excess) ** 2
+    blend = BLEND + widened * (BLEND_OF_GROWTH[:, None] + by_excess)
     return Contact(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
         area,
         STIFFNESS * excess ** STIFFNESS_POWER[:, None],
-        np.stack([np.full(LANES, under_cone), under_sphere]),
+        blend - BLEND_OF_SECTORS[:, None] / (sectors**2 * widened),
         *attraction,
         np.array(friction),
         SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
