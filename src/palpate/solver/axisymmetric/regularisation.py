@@ -24,12 +24,13 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen, plane_strain_modulus
 
-WIDTH, WIDTH_POWER = 1.2, 0.07  # s, and how it grows with the elastic pressure over that of the body
+WIDTH, WIDTH_POWER = 1.4, 0.07  # s, and how it grows with the elastic pressure over that of the body
 STIFFNESS, STIFFNESS_POWER = 8.5, np.array([-0.096, -0.13])  # C, likewise, under a cone and under a sphere
-BLEND = 0.555  # b of infinitely small elements
-BLEND_OF_GROWTH = np.array([0.60, 0.0])  # what it grows by with the growth of the rings, under a cone and a sphere
-BLEND_OF_EXCESS = np.array([0.025, 0.093])  # likewise with that growth times the squared logarithm of the excess
-BLEND_OF_SECTORS = np.array([0.027, 0.045])  # what it falls by with 1 / (squared number of sectors times that growth)
+BLEND = 0.552  # b of infinitely small elements
+BLEND_OF_GROWTH = np.array([[0.83], [0.0]])  # what it grows by with the growth of the rings, under a cone and a sphere
+BLEND_OF_CUBE = np.array([[0.0], [16.0]])  # likewise with the cube of that growth
+BLEND_OF_EXCESS = np.array([[0.019], [0.079]])  # with that growth times the squared logarithm of the excess
+BLEND_OF_SECTORS = 0.025  # what it falls by with 1 / (squared number of sectors times that growth)
 ROUNDS = 12  # towards the radius of the first contact, from which the iteration only begins
 
 
@@ -79,14 +80,14 @@ def contact_of(
     spacing = np.minimum(spacing, (growth - 1.0) * np.maximum(distance, distance[2]))
     spacing = np.minimum(spacing[:, None], np.interp(FARTHEST * largest, distance, spacing))
     slopes = [p(np.maximum(distance, s))[1] for p, s in zip(profiles, smallest, strict=True)]
-    widened, by_excess = growth - 1.0, BLEND_OF_EXCESS[:, None] * np.log(excess) ** 2
-    blend = BLEND + widened * (BLEND_OF_GROWTH[:, None] + by_excess)
+    widened = growth - 1.0
+    by_tip = BLEND_OF_GROWTH + BLEND_OF_CUBE * widened**2 + BLEND_OF_EXCESS * np.log(excess) ** 2
     return Contact(
         Tip.of(profiles),
         spacing * WIDTH * excess**WIDTH_POWER,
         area,
         STIFFNESS * excess ** STIFFNESS_POWER[:, None],
-        blend - BLEND_OF_SECTORS[:, None] / (sectors**2 * widened),
+        BLEND + widened * by_tip - BLEND_OF_SECTORS / (sectors**2 * widened),
         *attraction,
         np.array(friction),
         SLIP * np.maximum(distance[:, None], smallest) * np.stack(slopes, axis=1),
