@@ -17,7 +17,7 @@ from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.intervals import intervals
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.problem import Problem
-from palpate.inference.surrogate_forward import Predictor, Surrogates
+from palpate.inference.surrogates import Predictor, Surrogates
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
