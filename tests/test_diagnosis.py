@@ -12,9 +12,9 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis.accepted import may_be_named, without_redundant
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _special_cases
-from palpate.diagnosis.locate import location
+from palpate.diagnosis.limits import outside
+from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
-from palpate.diagnosis.outside import outside
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
 from palpate.inference.contrasts import Replicates, contrasts
@@ -209,7 +209,7 @@ def test_location_points_at_the_part_that_differs():
         where = segments(condition.protocol).get("hold", np.zeros(60, dtype=bool))
         return 10.0 * where * (condition.name == "b")
 
-    first = location(fitted(problem(recordings(np.random.default_rng(2), late_hold))))[0]
+    first = Residuals.of(fitted(problem(recordings(np.random.default_rng(2), late_hold)))).located()[0]
     assert (first["condition"], first["segment"]) == ("b", "hold")
     assert first["q_value"] < 0.05
     assert first["residual_nm"] > 0
