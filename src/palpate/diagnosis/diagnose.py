@@ -180,13 +180,13 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
-        off = dict(zip(fit.laws, fit.from_laws(fit.z), strict=True))
+        misfits = list(zip(fit.laws, fit.law_misfits, strict=True))
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
             if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
                 continue
             own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
-            asked = sum(departure**2 for law, departure in off.items() if law.key in own or not law.holds_under(joined))
-            way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
+            of_laws = sum(misfit for law, misfit in misfits if law.key in own or not law.holds_under(joined))
+            way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + of_laws))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way
     return ways

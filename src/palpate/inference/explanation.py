@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag, cholesky, solve_triangular
 
 from palpate.inference.amplitude import Amplitude, own_amplitudes
-from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
 from palpate.inference.forward import Forward, under_each
@@ -130,6 +130,11 @@ class Fit:
         """Return the departures [standard deviations] of the amplitudes at z (k,) from the laws."""
         return departures(self.laws, self.model.amplitudes(z))
 
+    @property
+    def law_misfits(self) -> np.ndarray:
+        """What each law (n_laws,) adds to -2 log likelihood, see `palpate.inference.amplitude_constraint`."""
+        return self.from_laws(self.z) ** 2 + widenings(self.laws, self.explanation)
+
     @cached_property
     def law_tangent(self) -> np.ndarray:
         """Slope (n_laws, k) of the departures from the laws."""
@@ -137,9 +142,9 @@ class Fit:
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, of the laws, and of the prior outside the ranges."""
-        off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
-        return float(self.white @ self.white + off @ off + beyond @ beyond)
+        """Chi-square of the mean curves, what the laws add to it, and that of the prior outside the ranges."""
+        beyond = self.coordinates.beyond(self.z)
+        return float(self.white @ self.white + self.law_misfits.sum() + beyond @ beyond)
 
     @property
     def misfit_ratio(self) -> float:
