@@ -9,9 +9,9 @@ from palpate.configuration.study_file import Condition
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
-from palpate.inference.intervals import intervals
 from palpate.inference.least_squares import Misfit
 from palpate.inference.measures import error_measures, mean_square, relative
 from palpate.inference.observation import Observation

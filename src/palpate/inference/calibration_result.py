@@ -22,7 +22,7 @@ class Estimate:
     lower, upper
         95 % interval.
     identified
-        Whether the data determine it (see `palpate.inference.intervals`).
+        Whether the data determine it (see `palpate.inference.estimates`).
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound

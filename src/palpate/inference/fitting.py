@@ -28,7 +28,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import LEAST_STEPS, descend, resumed, settled
+from palpate.inference.trust_region import LEAST_STEPS, descend, gauss_newton, resumed
 
 
 @dataclass(eq=False)
@@ -142,14 +142,14 @@ class Fitter:
         fit = replace(fit, errors=replace(fit.errors, refinements=self.problem.refinements(record)))
         return fit, self._without_discrepancy(fit) if self.near(fit) else usual
 
-    def settled(self, fit: Fit) -> Fit:
+    def on_finer_meshes(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
-        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.settled
+        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.finer_meshes
         accurate = fit.model.extrapolated(fit.z) if explains else None
         if accurate is None:
             return fit
         goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
-        way = settled(goal, accurate, begun, self.policy.settling, self.policy.tolerance)
+        way = gauss_newton(goal, accurate, begun, self.policy.finer_steps, self.policy.tolerance)
         try:
             record = accurate.record.consistent(way.u, way.curves, way.slopes)
         except PalpateError:

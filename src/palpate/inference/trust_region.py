@@ -123,7 +123,7 @@ def resumed(
     raise PalpateError(failed)
 
 
-def settled(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
+def gauss_newton(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
     """Take Gauss-Newton's steps, with slopes updated by their secants, while curves of finer meshes come closer.
 
     Parameters
