@@ -122,7 +122,7 @@ def test_an_effect_errs_by_the_same_part_everywhere():
 def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
     """A depth that is off by a common factor costs what that factor costs, however long the curves are."""
     task = problem(recordings(np.random.default_rng(1)))
-    covariance = model_covariance(task.split(task.mean), 0.003)
+    covariance = model_covariance(task.split(task.mean), 0.003, {})
     assert covariance == pytest.approx(np.outer(0.003 * task.mean, 0.003 * task.mean))
     off = 0.006 * task.mean
     assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
@@ -131,7 +131,7 @@ def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
 def test_a_law_that_is_stated_to_lack_something_may_differ_in_shape_as_well():
     """What is stated beyond grid convergence varies by a third of itself along a test, and fades over a tenth of it."""
     curve = np.full(100, 1000.0)
-    covariance = model_covariance({"a": curve}, 0.03)
+    covariance = model_covariance({"a": curve}, 0.03, {})
     change = covariance[0, 0] + covariance[60, 60] - 2.0 * covariance[0, 60]
     assert np.sqrt(covariance[0, 0]) == pytest.approx(30.0, rel=0.06)
     assert np.sqrt(change / 2.0) == pytest.approx(10.0, rel=0.03)

@@ -89,10 +89,10 @@ class Fit:
 
     @cached_property
     def by_sites(self) -> np.ndarray:
-        """What takes the most likely effect of the sites out of a residual (n_all, n_all).
+        """Matrix (n_all, n_all) that maps a residual to the most likely effect of the sites.
 
-        A site is a factor of the depth. Where no replicates give its scatter, a fit of one test leaves the level of the
-        curve to it; elsewhere this is zero.
+        A site is a factor of the depth. Where no replicates give its scatter, the fit of a test cannot distinguish its
+        site from its level; elsewhere the matrix is zero.
         """
         if self.problem.replicated:
             return np.zeros((len(self.residual), len(self.residual)))
@@ -109,7 +109,7 @@ class Fit:
 
     @property
     def left(self) -> np.ndarray:
-        """What is left of the residual beside it (n_all,) [nm]."""
+        """Residual less the most likely effect of the sites (n_all,) [nm]."""
         return self.residual - self.of_sites
 
     @cached_property
@@ -181,16 +181,16 @@ class Fit:
 
     @property
     def optimistic_log_evidence(self) -> float:
-        """Of the same explanation where its parameters have to first order their best values, away from its own."""
+        """Log evidence at the optimum to first order, where the fit was taken at other values of the parameters."""
         off = self.off_tangent(self.white)
         return self.log_evidence + 0.5 * float(self.white @ self.white - off @ off)
 
     @cached_property
     def with_discrepancy(self) -> Fit:
-        """The same fit, weighted by the known errors and by the discrepancy that makes its misfit equal to them.
+        """The same fit, weighted by the known errors and a discrepancy that makes chi-square its degrees of freedom.
 
-        So were its parameters found. Explanations that all fail are compared in this way: by the known errors alone
-        the one that follows the smallest details best would count as the closest.
+        Its parameters were found with these weights. Explanations that all fail are compared with them, too: by the
+        known errors alone, the one that follows the smallest details best would count as the closest.
         """
         more = discrepancy(self.residual, *np.linalg.eigh(self.errors.covariance), len(self.z))
         return replace(self, errors=replace(self.errors, discrepancy=more))
