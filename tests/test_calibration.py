@@ -9,18 +9,18 @@ from palpate.configuration.study_file import Condition
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
-from palpate.inference.intervals import intervals
 from palpate.inference.least_squares import Misfit
 from palpate.inference.measures import error_measures, mean_square, relative
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
-from palpate.inference.surrogate_forward import Surrogates
 from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
+from studies.thesis.surrogate_forward import SurrogateForward
 
 PROTOCOL = trapezoid(1.0, 0.5, 0, 0.5, points=50)
 T = PROTOCOL.sample_time
@@ -52,7 +52,7 @@ def calibrated(data, forward=None, surrogates=None, bounds=BOUNDS, settings=QUIC
     """Calibrate on a forward model, by default on surrogates within their bounds."""
     surrogates = surrogates or FAMILIES
     conditions = tuple(Condition(name, "calibrate", PROTOCOL) for name in data if data[name].role == "calibrate")
-    problem = Problem(conditions, data, forward or Surrogates(surrogates, bounds), SCALE)
+    problem = Problem(conditions, data, forward or SurrogateForward(surrogates, bounds), SCALE)
     return calibrate(problem, surrogates, bounds, rng=np.random.default_rng(seed), settings=settings, report=report)
 
 
@@ -284,7 +284,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     few = trapezoid(1.0, 0.5, 0, 0.5, points=20)
     time = few.sample_time
     families = {"p": Linear(time, 1.0), "q": Linear(time, 0.6)}
-    forward = Surrogates(families, {"x": (0.0, 1.0), "y": (0.0, 1.0)})
+    forward = SurrogateForward(families, {"x": (0.0, 1.0), "y": (0.0, 1.0)})
     conditions = tuple(Condition(name, "calibrate", few) for name in families)
     for _ in range(trials):
         data = {n: Observation(time, recordings(rng, f.predict(truth[None])[0])) for n, f in families.items()}

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from palpate.design.anova import Anova, anova, effect
-from palpate.design.orthogonal import OrthogonalArray
-from palpate.design.reduction import reduce_levels
 from palpate.design.sampling import factorial, latin_hypercube, midpoints, sobol
 from palpate.errors import InputError
+from studies.thesis.analysis_of_variance import Anova, anova, effect
+from studies.thesis.level_reduction import reduce_levels
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 
 L16_OF_THE_THESIS = """1 1 1, 1 2 2, 1 3 3, 1 4 4, 2 1 2, 2 2 1, 2 3 4, 2 4 3,
                        3 1 3, 3 2 4, 3 3 1, 3 4 2, 4 1 4, 4 2 3, 4 3 2, 4 4 1"""

@@ -12,9 +12,9 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis.accepted import may_be_named, without_redundant
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _special_cases
-from palpate.diagnosis.locate import location
+from palpate.diagnosis.limits import outside
+from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
-from palpate.diagnosis.outside import outside
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
 from palpate.inference.contrasts import Replicates, contrasts
@@ -122,7 +122,7 @@ def test_an_effect_errs_by_the_same_part_everywhere():
 def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
     """A depth that is off by a common factor costs what that factor costs, however long the curves are."""
     task = problem(recordings(np.random.default_rng(1)))
-    covariance = model_covariance(task.split(task.mean), 0.003)
+    covariance = model_covariance(task.split(task.mean), 0.003, {})
     assert covariance == pytest.approx(np.outer(0.003 * task.mean, 0.003 * task.mean))
     off = 0.006 * task.mean
     assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
@@ -131,7 +131,7 @@ def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
 def test_a_law_that_is_stated_to_lack_something_may_differ_in_shape_as_well():
     """What is stated beyond grid convergence varies by a third of itself along a test, and fades over a tenth of it."""
     curve = np.full(100, 1000.0)
-    covariance = model_covariance({"a": curve}, 0.03)
+    covariance = model_covariance({"a": curve}, 0.03, {})
     change = covariance[0, 0] + covariance[60, 60] - 2.0 * covariance[0, 60]
     assert np.sqrt(covariance[0, 0]) == pytest.approx(30.0, rel=0.06)
     assert np.sqrt(change / 2.0) == pytest.approx(10.0, rel=0.03)
@@ -209,7 +209,7 @@ def test_location_points_at_the_part_that_differs():
         where = segments(condition.protocol).get("hold", np.zeros(60, dtype=bool))
         return 10.0 * where * (condition.name == "b")
 
-    first = location(fitted(problem(recordings(np.random.default_rng(2), late_hold))))[0]
+    first = Residuals.of(fitted(problem(recordings(np.random.default_rng(2), late_hold)))).located()[0]
     assert (first["condition"], first["segment"]) == ("b", "hold")
     assert first["q_value"] < 0.05
     assert first["residual_nm"] > 0

@@ -16,7 +16,6 @@ from palpate.inference.problem import Problem
 from palpate.inference.recording_checks import check_drive
 from palpate.inference.solver_error import model_covariance
 from palpate.inference.study_recordings import check_given, observations
-from palpate.inference.surrogate_forward import Surrogates
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale
 from palpate.recordings.alignment import aligned
@@ -28,6 +27,7 @@ from palpate.study.load_history import protocol_from
 from palpate.study.protocol import DISPLACEMENT, trapezoid
 from palpate.study.quantity import Quantity
 from palpate.surrogate import PODRBF
+from studies.thesis.surrogate_forward import SurrogateForward
 
 CONE = Indenter("cone", 70.3)
 SPRING = 0.004
@@ -229,7 +229,7 @@ def test_loads_and_depths_calibrate_one_material_together():
         }
         bounds = {"modulus": (2, 4), "relaxing": (0, 4)}
         conditions = (Condition("z", "calibrate", pushed), Condition("p", "calibrate", pressed))
-        problem = Problem(conditions, observed, Surrogates(surrogates, bounds), scale)
+        problem = Problem(conditions, observed, SurrogateForward(surrogates, bounds), scale)
         found = calibrate(problem, surrogates, bounds, rng=rng, settings=settings, report=lambda *_: None)
         assert all(found.parameters[name].lower < value < found.parameters[name].upper for name, value in truth.items())
         assert set(found.noise["z"]) == {"sigma_mN", "correlation", "site_scatter", "replicates"}

@@ -10,7 +10,7 @@ from scipy.special import expit, logit
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.locate import location
+from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.undetected import undetected_effects
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.covariance import Errors
@@ -69,7 +69,7 @@ def test_where_a_fit_differs_is_less_certain_when_the_noise_is_estimated():
     fit = fitted(problem(recordings(np.random.default_rng(3), lambda c, r: 10.0, replicates=2)))
     noise = fit.errors.noise
     known = replace(fit, errors=replace(fit.errors, noise=replace(noise, covariance=1e-6 * noise.covariance)))
-    (certain, *_), (found, *_) = location(known), location(fit)
+    (certain, *_), (found, *_) = Residuals.of(known).located(), Residuals.of(fit).located()
     assert certain["q_value"] < 0.1 * found["q_value"]
     assert found["q_value"] < 0.05
 

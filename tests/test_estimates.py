@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.inference.coordinates import Coordinates
-from palpate.inference.estimates import estimates
-from palpate.inference.intervals import Intervals
+from palpate.inference.estimates import Intervals, estimates
 from palpate.materials import LAWS
 
 HARDENING = {p.name: p for p in LAWS["bilinear_plasticity"].declared({})}
@@ -18,7 +17,7 @@ def test_an_interval_that_ends_at_a_limit_of_the_law_identifies_nothing(lower, i
     """Hardening is never below zero: an interval that ends there does not tell how small it is."""
     coordinates = Coordinates.of({"hardening": (0.0, 1.0), "yield_stress": (0.1,)}, HARDENING)
     low, middle, high = (coordinates.scaled({"hardening": value}) for value in (lower, 0.5, 0.6))
-    found = Intervals(low, high, np.array([False]), np.array([True]), np.eye(1), 1.0)
+    found = Intervals(low, high, np.eye(1))
     told = estimates(SimpleNamespace(coordinates=coordinates, z=middle), found, True)["hardening"]
     assert told.identified is identified
     assert told.lower == pytest.approx(lower, abs=1e-12)

@@ -30,7 +30,7 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen, elastic_substrate
 from palpate.verification.calculix_pyramid import depth_at_one
-from palpate.verification.contact_area import contact_area
+from palpate.verification.pyramid_checks import contact_area
 from palpate.verification.reference_materials import BURGERS, HOOKE
 
 COARSE = Resolution(growth=1.2, sectors=6)

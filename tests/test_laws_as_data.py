@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import TRUTH
+from scipy.integrate import quad
+from scipy.stats import norm
 from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
+from palpate.classical.reference_sample import NORMAL_95
 from palpate.diagnosis import undetected
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.screen import Screen
@@ -14,6 +17,7 @@ from palpate.diagnosis.search import Search
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.posterior import posterior_draws
+from palpate.mechanisms import MECHANISMS
 
 FRAME = ("frame_compliance",)
 COMPLIANCE = 6.0
@@ -74,6 +78,20 @@ def test_who_leaves_the_frame_out_pays_in_the_evidence(yielding):
     gain = [fitted(yielding, e, said).log_evidence - fitted(yielding, e).log_evidence for e in ((), FRAME)]
     assert gain[0] == pytest.approx(-0.5 * (1.96 * COMPLIANCE) ** 2, rel=1e-3)
     assert gain[1] > -3.0
+
+
+@pytest.mark.parametrize("sigma", [0.001, 0.01, 0.1])
+def test_an_amplitude_that_is_left_out_counts_as_one_of_its_background(yielding, sigma):
+    """The likelihood of the law is its mean over a Gaussian amplitude of the background's standard deviation."""
+    rate, background = 0.02, MECHANISMS["thermal_drift"].background
+    drift = AmplitudeConstraint("thermal_drift", "rate", rate, rate - NORMAL_95 * sigma, rate + NORMAL_95 * sigma, "-")
+
+    def joint(z):
+        return norm.pdf(z) * np.exp(-0.5 * ((background * z - rate) / sigma) ** 2)
+
+    mean = quad(joint, -10.0, 10.0, points=[rate / background], epsabs=1e-300)[0]
+    gain = fitted(yielding, (), [drift]).log_likelihood - fitted(yielding, ()).log_likelihood
+    assert gain == pytest.approx(np.log(mean), rel=1e-6)
 
 
 def test_a_law_that_disagrees_with_the_curves_is_contradicted_though_it_took_part(yielding):

@@ -32,7 +32,7 @@ def candidate(keys, evidence, p_value=0.5, occam=0.0, contradicts=()):
         laws=(),
         z=None,
     )
-    fit.from_laws = lambda z: np.empty(0)
+    fit.law_misfits = np.empty(0)
     return Candidate(fit, p_value, contradicts)
 
 
@@ -121,7 +121,7 @@ def test_a_mechanism_and_one_that_it_includes_do_not_act_together():
 @pytest.mark.usefixtures("wide")
 def test_what_a_law_asks_of_a_mechanism_is_promised_of_one_that_includes_it():
     base = candidate("friction", 10.0)
-    base.fit.laws, base.fit.from_laws = (LAW,), lambda z: np.array([-6.0])
+    base.fit.laws, base.fit.law_misfits = (LAW,), np.array([36.0])
     assert [(way.key, way.optimistic) for way in prospects([base], {}, ["wide"])] == [("wide", 28.0)]
 
 
@@ -308,6 +308,6 @@ def test_a_set_is_a_prospect_once_by_its_likeliest_way():
 def test_what_a_law_asks_for_is_promised_too():
     """A fit without the drift departs from a law of the drift by six standard deviations."""
     base = candidate("friction", 10.0)
-    base.fit.laws, base.fit.from_laws = (LAW,), lambda z: np.array([-6.0])
+    base.fit.laws, base.fit.law_misfits = (LAW,), np.array([36.0])
     ways = prospects([base], {}, ["adhesion", "thermal_drift"])
     assert [(way.key, way.optimistic) for way in ways] == [("thermal_drift", 28.0), ("adhesion", 10.0)]

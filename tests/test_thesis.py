@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.inference.surrogate_forward import Surrogates
+from palpate.inference.surrogates import Surrogates
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.protocol import trapezoid
 from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers

@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,8 @@ from palpate.errors import PalpateError
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.verification import calculix, runner
-from palpate.verification.calculix_elastic import ELASTIC
 from palpate.verification.calculix_large import Curve
+from palpate.verification.calculix_small import elastic
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, rms, worst
 from palpate.verification.mesh_convergence import richardson
 
@@ -108,7 +109,7 @@ def curve_of(specification):
 @pytest.mark.parametrize(("own_error", "allowed"), [(0.003, 0.01), (0.02, 0.02)])
 def test_allowed_is_one_per_cent_or_the_curves_own_refinement_error(monkeypatch, own_error, allowed):
     """Whatever happens below 15 % of the load; all else is only told."""
-    test = ELASTIC.specification(20)
+    test = elastic(20)
     monkeypatch.setattr(calculix, "depth", curve_of)
     low = test.protocol.sample_load < 0.15
     theirs = curve_of(test) / np.where(low, 1.5, 1.008)
@@ -120,7 +121,7 @@ def test_allowed_is_one_per_cent_or_the_curves_own_refinement_error(monkeypatch,
 
 
 def test_refinement_errors_add_up_where_the_curve_counts():
-    test = ELASTIC.specification(20)
+    test = elastic(20)
     fine = curve_of(test)
     others = (np.where(test.protocol.sample_load < 0.15, 2.0, factor) * fine for factor in (1.01, 0.98))
     assert calculix.refinement_error(test, fine, *others) == pytest.approx(0.03)
@@ -129,7 +130,7 @@ def test_refinement_errors_add_up_where_the_curve_counts():
 @pytest.mark.parametrize("ripples", [False, True])
 def test_mesh_and_step_are_refined_apart(ripples):
     """A depth with errors of first order in the step and in the mesh: that of the mesh is left, and told."""
-    test = ELASTIC.specification(20)
+    test = elastic(20)
     exact = curve_of(test)
     errors = ((0.02, 0.04), (0.02, 0.02), (0.01, 0.04))
     long, short, fine = ((1 + mesh) * (1 + step) * exact for mesh, step in errors)
@@ -156,7 +157,7 @@ def test_a_program_that_writes_nothing_is_an_error(tmp_path):
     program.write_text("#!/bin/sh\nexit 1\n")
     program.chmod(0o755)
     with pytest.raises(PalpateError, match="no depths"):
-        calculix.run_deck(program, ELASTIC.specification(2), RESOLUTIONS["standard"])
+        calculix.run_deck(program, elastic(2), RESOLUTIONS["standard"])
 
 
 def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
@@ -165,7 +166,7 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
     text = "".join(block.format(f"{t:.7E}", f"{t / 10:.6E}") for t in (0.5, 1.0))
     program.write_text(f"#!/bin/sh\ncat > deck.dat <<'END'\n{text}END\n")
     program.chmod(0o755)
-    specification = ELASTIC.specification(2)
+    specification = elastic(2)
     found = calculix.run_deck(program, specification, RESOLUTIONS["standard"])
     assert found[1] - found[0] == pytest.approx(50.0)
     assert np.isnan(found[2:]).all()
@@ -174,7 +175,7 @@ def test_depths_are_read_and_end_where_the_program_stopped(tmp_path):
 @pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
 def test_calculix_agrees_with_the_solver():
     """On a coarse mesh; with fewer samples its increments would be too long for it to settle the contact."""
-    specification = ELASTIC.specification(20, "standard")
+    specification = replace(elastic(20), accuracy="standard")
     mesh = Resolution(growth=1.7, sectors=3, inner=0.1, far=500.0)
     found = calculix.run_deck(Path(shutil.which("ccx")), specification, mesh)
     counts = specification.protocol.sample_load >= 0.15 * specification.protocol.max_load

@@ -41,6 +41,15 @@ class InputError(PalpateError):
 
 
 @contextmanager
+def located_in(file: str | Path | None = None, place: str | None = None) -> Iterator[None]:
+    """Fill in the file or the place of an `InputError` raised inside, where it has none."""
+    try:
+        yield
+    except InputError as error:
+        raise error.located(file=file, place=place) from None
+
+
+@contextmanager
 def part_of(place: str) -> Iterator[None]:
     """Put `place` before the place of an `InputError` raised inside; an error of another file keeps its own place."""
     try:

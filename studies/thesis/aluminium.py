@@ -14,7 +14,6 @@ from palpate.inference.calibrate import calibrate
 from palpate.inference.measures import relative
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import observations
-from palpate.inference.surrogate_forward import Surrogates
 from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
@@ -23,6 +22,7 @@ from studies.thesis.grids import ALUMINIUM, ranges
 from studies.thesis.grids import ALUMINIUM_GRIDS as GRIDS
 from studies.thesis.rules import at_most
 from studies.thesis.study import Context, Finding, Outcome, Rows, ThesisStudy, compare
+from studies.thesis.surrogate_forward import SurrogateForward
 
 
 def run(context: Context) -> Outcome:
@@ -46,7 +46,7 @@ def run(context: Context) -> Outcome:
         training = context.curves[design].where(role="training").succeeded()
         snapshots = training.matrix(study.levels), training.depth
         surrogate = PODRBF(**study.surrogate).fit(*snapshots)
-        on_surrogate = Surrogates({name: surrogate}, bounds)
+        on_surrogate = SurrogateForward({name: surrogate}, bounds)
         found = calibrate(
             replace(Problem.of(study, measured), forward=on_surrogate),
             on_surrogate.predictors,

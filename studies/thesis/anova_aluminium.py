@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from palpate.design.anova import anova
-from palpate.design.orthogonal import OrthogonalArray
-from palpate.design.reduction import reduce_levels
 from palpate.inference.study_recordings import observations
 from palpate.surrogate import PODRBF
+from studies.thesis.analysis_of_variance import anova
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import ALUMINIUM
+from studies.thesis.level_reduction import reduce_levels
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 from studies.thesis.rules import Rule, about, near
 from studies.thesis.runs import Curves
 from studies.thesis.screening import alias_table, analyses, contribution_table, means_series, responses
@@ -92,7 +92,7 @@ def run(context: Context) -> Outcome:
                 "3 x 4 x 3 = 36 points (E, yield stress, hardening)",
                 " x ".join(str(counts[name]) for name in THESIS) + f" = {np.prod(list(counts.values()))} points",
                 Rule("as many levels of each parameter", counts == COUNTS),
-                "by the rule of palpate.design.reduction; from the ANOVA of the largest depth, E would be held",
+                "by the rule of studies.thesis.level_reduction; from the ANOVA of the largest depth, E would be held",
             ),
         ],
         series={

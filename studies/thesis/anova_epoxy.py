@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.design.anova import Anova
-from palpate.design.orthogonal import OrthogonalArray
-from palpate.design.reduction import level_counts
 from palpate.inference.study_recordings import observations
+from studies.thesis.analysis_of_variance import Anova
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, EPOXY_SCREENING
+from studies.thesis.level_reduction import level_counts
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 from studies.thesis.rules import Rule, about, at_most, both, near
 from studies.thesis.screening import alias_table, analyses, contribution_table, means_series
 from studies.thesis.sobol_indices import total_indices

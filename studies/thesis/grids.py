@@ -8,8 +8,8 @@ from functools import partial
 from typing import Any
 
 from palpate.configuration.study_file import Study
-from palpate.design.orthogonal import OrthogonalArray
 from palpate.design.sampling import factorial, midpoints
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 from studies.thesis.runs import Design, Run, study_runs
 
 Studies = Mapping[str, Study]

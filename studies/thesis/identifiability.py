@@ -98,7 +98,7 @@ def information(curves: Curves) -> np.ndarray:
 def deviations(total: np.ndarray) -> np.ndarray:
     """Return half-widths (7,) of 95 % intervals in units of the range, the other parameters within their ranges.
 
-    As in `palpate.inference.intervals`, a parameter's own range is taken out of its variance again.
+    The prior variance of each range is taken out again, so that an interval tells what the tests alone determine.
     """
     spread = np.diag(np.linalg.inv(total + 12 * np.eye(len(total))))
     with np.errstate(divide="ignore"):

@@ -17,7 +17,7 @@ from scipy.optimize import differential_evolution, least_squares
 
 from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.inference.study_recordings import observations
-from palpate.inference.surrogate_forward import Surrogates
+from palpate.inference.surrogates import Surrogates
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
 from studies.thesis.study import Context, Finding, Outcome, ThesisStudy

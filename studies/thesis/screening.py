@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.design.anova import Anova, anova
-from palpate.design.orthogonal import OrthogonalArray
 from palpate.inference.measures import OBJECTIVES
+from studies.thesis.analysis_of_variance import Anova, anova
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 from studies.thesis.runs import Curves
 from studies.thesis.study import Rows
 

@@ -1,8 +1,15 @@
-"""Depth and load between the points of a curve."""
+"""Curves between their points."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+
+
+def interpolated(time: np.ndarray, knots: np.ndarray, columns: Iterable[np.ndarray]) -> np.ndarray:
+    """Return k columns (m,), known at times `knots` (m,) [s], along straight lines at times (n,) [s], shape (n, k)."""
+    return np.stack([np.interp(time, knots, column) for column in columns], axis=1)
 
 
 def depth_at(moments: np.ndarray, time: np.ndarray, depth: np.ndarray) -> np.ndarray:

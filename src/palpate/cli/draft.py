@@ -55,12 +55,10 @@ def _length(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; print what it will do."""
     from palpate.draft import lines, readable, study_name, write_study
-    from palpate.errors import InputError
+    from palpate.errors import located_in
 
-    try:
+    with located_in(arguments.files[0]):
         columns = read.column_map(arguments)
-    except InputError as error:
-        raise error.located(file=arguments.files[0]) from None
     tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
     found = write_study(tests, arguments.output, study_name(arguments.output), warn, arguments.law, arguments.sphere)
     for remark in found.remarks:

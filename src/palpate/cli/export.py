@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from palpate.errors import InputError
+from palpate.errors import InputError, located_in
 
 NAME = "export"
 HELP = "write a test as the input of another finite element program"
@@ -31,8 +31,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("the folder is missing", remedy="create it first", file=arguments.output.parent)
     values = read_yaml(arguments.specification)
     output = checked_output(arguments.specification, arguments.output)
-    try:
+    with located_in(arguments.specification):
         FORMATS[arguments.format].write(specification_from(values), output)
-    except InputError as error:
-        raise error.located(file=arguments.specification) from None
     return 0

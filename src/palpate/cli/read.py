@@ -119,13 +119,13 @@ def _pairs(text: str) -> dict[str, str]:
 def run(arguments: argparse.Namespace) -> int:
     """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a figure and a table too."""
     from palpate.base.overwrite import checked_output
-    from palpate.errors import InputError
+    from palpate.errors import located_in
     from palpate.recordings.provenance import provenance
     from palpate.recordings.readers import VendorTest, messages, read_each, select, sound, zeroed_each
     from palpate.recordings.readers.zero import decision
     from palpate.recordings.survey import Survey, survey_each
 
-    try:
+    with located_in(arguments.file):
         columns = column_map(arguments)
         tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
@@ -136,8 +136,6 @@ def run(arguments: argparse.Namespace) -> int:
         ]
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
-    except InputError as error:
-        raise error.located(file=arguments.file) from None
     paths = [
         checked_output(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])
     ]

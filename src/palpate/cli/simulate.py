@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError, PalpateError, located_in
 
 NAME = "simulate"
 HELP = "simulate one indentation and write it as a recording CSV"
@@ -33,10 +33,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output.is_dir():
         raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
     output = checked_output(path, arguments.output)
-    try:
+    with located_in(path):
         simulation = simulate(specification_from(values))
-    except InputError as error:
-        raise error.located(file=path) from None
     if simulation.status != "ok":
         raise PalpateError(f"{path}: the simulation failed: {simulation.reason}")
     notes = ("SYNTHETIC: simulated by palpate",)

@@ -17,7 +17,7 @@ from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.schema import check_contradictions, check_schema, suggestion, with_defaults
 from palpate.configuration.source_section import source_from
 from palpate.design.sampling import factorial, sobol
-from palpate.errors import InputError, part_of
+from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
 from palpate.recordings.readers import read_source
@@ -192,10 +192,8 @@ def study_from(values: Any, file: str | Path, data: str | None = None) -> Study:
     InputError
         As `load_study`.
     """
-    try:
+    with located_in(file):
         return _study(values, Path(file), data)
-    except InputError as error:
-        raise error.located(file=file) from None
 
 
 def _study(values: Any, path: Path, data: str | None) -> Study:

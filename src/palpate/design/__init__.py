@@ -1,1 +1,1 @@
-"""Design of experiments: which parameters to simulate, and what an effect is worth."""
+"""Design of experiments: which parameters to simulate."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from palpate.configuration.study_file import Study
 from palpate.design.sampling import factorial
-from palpate.errors import InputError
+from palpate.errors import InputError, located_in
 from palpate.inference.coordinates import Coordinate
 from palpate.inference.study_scale import SLOPE, scale_of
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
@@ -30,10 +30,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
         When the study names a mechanism that does not exist or cannot act, a range of a quantity that is not searched,
         or too few draws.
     """
-    try:
+    with located_in(study.file):
         return _candidates(study)
-    except InputError as error:
-        raise error.located(file=study.file) from None
 
 
 def _candidates(study: Study) -> dict[str, Mechanism]:

@@ -59,7 +59,7 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     seen = [found for found in map(surveyed, recordings) if found is not None]
     alone = None if solid is None else [found for found in map(surveyed, solid) if found is not None]
     laws = []
-    if drift := _beyond(_drift_in_holds, seen, alone):
+    if drift := _less_creep(_drift_in_holds, seen, alone):
         laws.append(drift)
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
@@ -69,15 +69,15 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
                 "thermal_drift", "rate", rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)
             )
         )
-    return laws + [law for law in (_beyond(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
+    return laws + [law for law in (_less_creep(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
-def _beyond(
+def _less_creep(
     measure: Callable[[Sequence[Survey]], AmplitudeConstraint | None],
     seen: Sequence[Survey],
     alone: Sequence[Survey] | None,
 ) -> AmplitudeConstraint | None:
-    """Return what a law gives, less what it gives for the creeping solid alone."""
+    """Return what a law gives, less what it gives for the curves of the creeping solid without any effect."""
     found = measure(seen)
     if found is None or alone is None:
         return found

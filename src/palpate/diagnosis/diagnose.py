@@ -63,12 +63,12 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
     tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, the
-    likeliest is tested once more on finer meshes, see `Search.settled`. As long as none is accepted, sets with one
-    mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the accepted
-    ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an accepted
-    mechanism in its place, also where it is about as large. One that contradicts an exact law is never accepted. A
-    single accepted explanation is identified where the recordings suffice, see `may_be_named` and `zero_on_average`;
-    else it is suspected.
+    likeliest is tested once more on finer meshes, see `Search.on_finer_meshes`. As long as none is accepted, sets with
+    one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the
+    accepted ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an
+    accepted mechanism in its place, also where it is about as large. One that contradicts an exact law is never
+    accepted. A single accepted explanation is identified where the recordings suffice, see `may_be_named` and
+    `zero_on_average`; else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -108,7 +108,7 @@ def _accepted(
     for number in range(largest):
         found = _fitted(side_by_side, found, policy.most_sets if number else policy.most, failed, report)
         if not any(each.adequate(level) for each in found):  # the error of the mesh may be all that the best one leaves
-            found = best_first([*_settled(search, found[:1], report), *found[1:]])
+            found = best_first([*_on_finer_meshes(search, found[:1], report), *found[1:]])
         tried = best_first(found + tried)
         if accepted := accepted_of(found, tried, level):
             special = _special_cases(search, accepted[0], tried, report)
@@ -121,15 +121,17 @@ def _accepted(
                 larger += _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
             tried = likeliest_of_each(larger + special + tried)
             chosen = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
-            settled = _settled(search, chosen, report)
-            tried = likeliest_of_each([*settled, *(each for each in tried if each not in chosen)])
-            return [each for each in settled if each.adequate(level)], tried
+            ended = _on_finer_meshes(search, chosen, report)
+            tried = likeliest_of_each([*ended, *(each for each in tried if each not in chosen)])
+            return [each for each in ended if each.adequate(level)], tried
     return [], closest_first(tried)
 
 
-def _settled(search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]) -> list[Candidate]:
-    """Return explanations after the last steps of their fits, best first, see `Search.settled`."""
-    found = [search.settled(each) for each in explanations]
+def _on_finer_meshes(
+    search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]
+) -> list[Candidate]:
+    """Return explanations after the last steps of their fits, best first, see `Search.on_finer_meshes`."""
+    found = [search.on_finer_meshes(each) for each in explanations]
     for each in [each for each in found if each not in explanations]:
         name = "+".join(each.fit.explanation)
         report(f"{name} on finer meshes: log evidence {each.fit.log_evidence:.1f}, p = {each.p_value:.3g}")
@@ -180,13 +182,13 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
-        off = dict(zip(fit.laws, fit.from_laws(fit.z), strict=True))
+        misfits = list(zip(fit.laws, fit.law_misfits, strict=True))
         for key in [key for key in search.screen.keys if key not in fit.explanation]:
             if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
                 continue
             own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
-            asked = sum(departure**2 for law, departure in off.items() if law.key in own or not law.holds_under(joined))
-            way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + asked))
+            of_laws = sum(misfit for law, misfit in misfits if law.key in own or not law.holds_under(joined))
+            way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + of_laws))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way
     return ways

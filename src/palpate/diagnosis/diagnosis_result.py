@@ -9,13 +9,11 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.accepted import zero_on_average
-from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.diagnose import Diagnosis
-from palpate.diagnosis.locate import location
+from palpate.diagnosis.limits import limits
+from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import discriminating_test
-from palpate.diagnosis.outside import outside
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Candidate
@@ -24,13 +22,9 @@ from palpate.inference.covariance import components_under
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.posterior import draws_to_first_order, posterior_draws
-from palpate.inference.problem import Problem
-from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
-COARSE = 0.01  # relative error of the simulation above which it is said that a misfit may lie within it
-SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 
 
 def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
@@ -131,81 +125,6 @@ def _rms(values: pd.Series) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def limits(study: Study, problem: Problem) -> list[str]:
-    """Return what cannot be known from these recordings, in sentences."""
-    count, messages = len(problem.conditions), []
-    if not problem.replicated:
-        messages.append(
-            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not measured, so no "
-            "effect is identified."
-        )
-    elif len(problem.repeated) < count:
-        messages.append("Some conditions have no replicates: their noise is taken from the others.")
-    if count == 1:
-        messages.append(
-            "There is a single condition: effects of load, rate and time cannot be separated by comparison, so only "
-            "effects of the instrument can be identified."
-        )
-    displaced = any(condition.protocol.control != LOAD for condition in problem.conditions)
-    if displaced:
-        messages.append(
-            "A displacement is prescribed: misfits are loads, converted to equivalent depths. Exact laws about single "
-            "recordings do not apply to such tests, effects on the depth that are not linear in the load are not "
-            "considered, and no further test is proposed."
-        )
-    drives = [condition.protocol.largest_drive for condition in problem.conditions]
-    kinds = {condition.protocol.control for condition in problem.conditions}
-    if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
-        effects = ", ".join(
-            mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load
-        )
-        messages.append(
-            f"All tests reach the same largest {kinds.pop()}: a change of the material's parameters can have the same "
-            f"effect as {effects}."
-        )
-    if study.calibration["solver_error"] >= COARSE:
-        messages.append(
-            f"The study allows the simulation an error of {study.calibration['solver_error']:.0%} of the depth: a "
-            "misfit within it counts as explained, even far above the noise."
-        )
-    if not any(item.role == "validate" for item in problem.observed.values()):
-        messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")
-    return messages
-
-
-def without_mean(diagnosis: Diagnosis) -> list[str]:
-    """Return which effects of the most likely accepted explanation may be zero in the mean of the recordings."""
-    return [
-        f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
-        "differ, and is only suspected."
-        for candidate in diagnosis.accepted[:1]
-        for key in zero_on_average(candidate.fit)
-    ]
-
-
-def far_out(diagnosis: Diagnosis) -> list[str]:
-    """Return which quantities of the most likely explanation lie outside their ranges."""
-    found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
-    if not found:
-        return []
-    return [f"Estimates outside the study's plausible ranges (`parameters`, `diagnosis: ranges`): {', '.join(found)}."]
-
-
-def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
-    """Return which effect on single recordings depends on the test, where no explanation was accepted."""
-    if diagnosis.verdict != "unexplained":
-        return []
-    found = p_between_tests(diagnosis.tried[0].fit, rng)
-    titles = sorted({MECHANISMS[name.split(".")[0]].title for name, p in found.items() if p < level})
-    if not titles:
-        return []
-    return [
-        f"The most likely explanation that was tried needs another value of {' and '.join(titles)} for each test, "
-        "while replicates agree. So this is no effect of single recordings: either the instrument changed between the "
-        "tests, or the missing effect depends on the test and is not in the library."
-    ]
-
-
 def _accepted(
     study: Study,
     observed: Mapping[str, Observation],
@@ -270,7 +189,7 @@ def to_mapping(
     content = {
         "verdict": verdict,
         "p_value": base.p_value,
-        "location": location(base.fit),
+        "location": Residuals.of(base.fit).located(),
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
@@ -286,11 +205,6 @@ def to_mapping(
         "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],
         "noise": {name: float(np.sqrt(v)) for name, v in noise.variances.items()}
         | {"sigma_nm": noise.sigma.tolist(), "autocorrelation": noise.autocorrelation.tolist()},
-        "limits": limits(study, base.fit.problem)
-        + [f"{name} could not be fitted: {reason}." for name, reason in diagnosis.failed.items()]
-        + [f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()]
-        + without_mean(diagnosis)
-        + far_out(diagnosis)
-        + follows_tests(diagnosis, study.diagnosis["significance"], rng),
+        "limits": limits(study, diagnosis, failed, rng),
     }
     return content, table

@@ -59,31 +59,25 @@ class Residuals:
         free = freedom(self.fit, self.left @ weights, variance)
         return value, float(2 * student.sf(abs(value) / np.sqrt(variance), free))
 
+    def located(self) -> list[dict[str, Any]]:
+        """Return the mean residual (recorded less simulated) of each part of the tests, the most certain first.
 
-def location(fit: Fit) -> list[dict[str, Any]]:
-    """Return where a fit differs from the recordings, see `located`."""
-    return located(Residuals.of(fit))
-
-
-def located(residuals: Residuals) -> list[dict[str, Any]]:
-    """Return the mean residual (recorded less simulated) of each part, the most certain first.
-
-    The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
-    """
-    fit, first = residuals.fit, 0
-    rows: list[dict[str, Any]] = []
-    p_values = []
-    for condition in fit.problem.conditions:
-        for name, where in segments(condition.protocol).items():
-            places = first + np.flatnonzero(where)
-            half = (len(places) + 1) // 2
-            for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
-                weights = np.zeros(len(fit.residual))
-                weights[chosen] = 1.0 / len(chosen)
-                mean, p_value = residuals.weighted(weights)
-                rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
-                p_values.append(p_value)
-        first += len(condition.protocol.sample_time)
-    for row, q in zip(rows, false_discovery_control(p_values), strict=True):
-        row["q_value"] = float(q)
-    return sorted(rows, key=lambda row: (row["q_value"], -abs(row["residual_nm"])))
+        The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
+        """
+        fit, first = self.fit, 0
+        rows: list[dict[str, Any]] = []
+        p_values = []
+        for condition in fit.problem.conditions:
+            for name, where in segments(condition.protocol).items():
+                places = first + np.flatnonzero(where)
+                half = (len(places) + 1) // 2
+                for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
+                    weights = np.zeros(len(fit.residual))
+                    weights[chosen] = 1.0 / len(chosen)
+                    mean, p_value = self.weighted(weights)
+                    rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
+                    p_values.append(p_value)
+            first += len(condition.protocol.sample_time)
+        for row, q in zip(rows, false_discovery_control(p_values), strict=True):
+            row["q_value"] = float(q)
+        return sorted(rows, key=lambda row: (row["q_value"], -abs(row["residual_nm"])))

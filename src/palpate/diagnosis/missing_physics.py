@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition
-from palpate.diagnosis.locate import CERTAIN, Residuals, located
+from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.explanation import Fit
 from palpate.inference.study_scale import longest_rise
 from palpate.study.protocol import LOAD
@@ -36,7 +36,7 @@ def missing_physics(fit: Fit) -> dict[str, Any]:
         difference being noise.
     """
     residuals = Residuals.of(fit)
-    return {"mechanisms": sorted(fit.explanation), "location": located(residuals), "trends": _trends(residuals)}
+    return {"mechanisms": sorted(fit.explanation), "location": residuals.located(), "trends": _trends(residuals)}
 
 
 def _trends(residuals: Residuals) -> list[dict[str, Any]]:

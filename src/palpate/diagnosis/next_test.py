@@ -57,16 +57,12 @@ class FeasibleTest:
 
 def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[FeasibleTest]:
     """Yield tests around the largest load [mN] and shortest loading time [s] of a study, with its tip and another."""
-    for factor in (0.03, 0.1, 0.3, 3.0):
-        settings = {"max_load": factor * load, "loading_time": loading_time, "hold_time": 0.0}
-        yield _trapezoid(f"the same times at {factor * load:.3g} mN", settings, loading_time)
-    for factor in (0.3, 10.0):
-        time = factor * loading_time
-        settings = {"max_load": load, "loading_time": time, "hold_time": 0.0}
-        yield _trapezoid(f"loading and unloading in {time:.3g} s at {load:.3g} mN", settings, time)
-    settings = {"max_load": load, "loading_time": loading_time, "hold_time": 10 * loading_time}
-    yield _trapezoid(f"a hold of {10 * loading_time:.3g} s at {load:.3g} mN", settings, loading_time)
+    for size in [factor * load for factor in (0.03, 0.1, 0.3, 3.0)]:
+        yield _trapezoid(f"the same times at {size:.3g} mN", size, loading_time)
+    for time in [factor * loading_time for factor in (0.3, 10.0)]:
+        yield _trapezoid(f"loading and unloading in {time:.3g} s at {load:.3g} mN", load, time)
     low, hold = 0.1 * load, 10 * loading_time
+    yield _trapezoid(f"a hold of {hold:.3g} s at {load:.3g} mN", load, loading_time, hold)
     knots = np.array([0.0, loading_time, 1.9 * loading_time, 1.9 * loading_time + hold, 2 * loading_time + hold])
     loads = np.array([0.0, load, low, low, 0.0])
     sample = np.union1d(np.linspace(0.0, knots[-1], POINTS + 1)[1:], knots[1:])
@@ -75,8 +71,7 @@ def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[F
         {"max_load": load, "loading_time": loading_time, "low_load": low, "low_hold_time": hold},
         Protocol(knots, loads, sample),
     )
-    settings = {"max_load": load, "loading_time": loading_time, "hold_time": 0.0}
-    yield _with_another_tip(_trapezoid(f"the same times at {load:.3g} mN", settings, loading_time), indenter)
+    yield _with_another_tip(_trapezoid(f"the same times at {load:.3g} mN", load, loading_time), indenter)
 
 
 def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
@@ -90,10 +85,10 @@ def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
     return replace(test, phrase=phrase, settings=test.settings | size, indenter=other)
 
 
-def _trapezoid(phrase: str, settings: dict[str, float], unloading: float) -> FeasibleTest:
-    load, loading, hold = (settings[key] for key in ("max_load", "loading_time", "hold_time"))
-    protocol = trapezoid(load, loading, hold, unloading, POINTS)
-    return FeasibleTest(phrase, settings | {"unloading_time": unloading}, protocol)
+def _trapezoid(phrase: str, load: float, time: float, hold: float = 0.0) -> FeasibleTest:
+    """Return a test that is loaded and unloaded in the same time [s]."""
+    settings = {"max_load": load, "loading_time": time, "hold_time": hold, "unloading_time": time}
+    return FeasibleTest(phrase, settings, trapezoid(load, time, hold, time, POINTS))
 
 
 def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:

@@ -97,10 +97,10 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
     precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(spreads)
     freedom = sum(len(fit.problem.observed[each.name].response) - 1 for each in fit.problem.conditions)
-    belief = np.ones(len(scales))
+    weights = np.ones(len(scales))  # of the prior, 1 in its middle
     for _ in range(ROUNDS if noise.replicated else 1):
-        departures = np.linalg.solve(precision + np.diag(belief / scales), pull)
-        belief = (freedom + 1.0) / (freedom + departures**2 / scales)
+        departures = np.linalg.solve(precision + np.diag(weights / scales), pull)
+        weights = (freedom + 1.0) / (freedom + departures**2 / scales)
     return design @ departures
 
 

@@ -93,7 +93,7 @@ class Search:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
         self._fitter.laws = tuple(laws(base)) if laws else ()
-        self.base = self.examined(replace(self._fitter.settled(base), laws=self._fitter.laws))
+        self.base = self.examined(replace(self._fitter.on_finer_meshes(base), laws=self._fitter.laws))
 
     def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
@@ -120,9 +120,9 @@ class Search:
             return found
         return max(found, again, key=lambda each: each.log_evidence)
 
-    def settled(self, candidate: Candidate) -> Candidate:
-        """Return an explanation with the derivatives of the model of record, see `Fitter.settled`."""
-        fit = self._fitter.settled(candidate.fit)
+    def on_finer_meshes(self, candidate: Candidate) -> Candidate:
+        """Return an explanation after its last steps on finer meshes, see `Fitter.on_finer_meshes`."""
+        fit = self._fitter.on_finer_meshes(candidate.fit)
         return candidate if fit is candidate.fit else self.examined(fit)
 
     def neighbours(self, fit: Fit) -> list[Fit]:

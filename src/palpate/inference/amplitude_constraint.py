@@ -4,10 +4,15 @@ A law gives the amplitude :math:`a` independently of the curves' shape, with a l
 
     -2 log p = ((a - estimate) / sigma)^2,
 
-which joins that of the curves in the fit, in the posterior and in the evidence: an explanation without the mechanism
-has a = 0 and pays for it. The interval may be wider on one side than on the other; sigma is that of the side on which a
-lies. An upper bound constrains one side only: below it the likelihood is constant. A law does not apply to an
-explanation in which a mechanism breaks its assumptions: a film changes unloadings as a frame does.
+which joins that of the curves in the fit, in the posterior and in the evidence. An explanation without the mechanism
+has a = 0 to within the background b that its mechanism declares. With a Gaussian a of the standard deviation b the
+likelihood is
+
+    -2 log p = estimate^2 / (sigma^2 + b^2) + log(1 + b^2 / sigma^2).
+
+The interval may be wider on one side than on the other; sigma is that of the side on which a lies. An upper bound
+constrains one side only: below it the likelihood is constant. A law does not apply to an explanation in which a
+mechanism breaks its assumptions: a film changes unloadings as a frame does.
 """
 
 from __future__ import annotations
@@ -82,6 +87,17 @@ class AmplitudeConstraint:
         """Return its content for tables; an end that a bound does not have is None."""
         content = asdict(self) | {"void_with": ", ".join(self.void_with)}
         return {name: None if value == -np.inf else value for name, value in content.items()}
+
+
+def widenings(laws: Sequence[AmplitudeConstraint], explanation: Iterable[str]) -> np.ndarray:
+    """Return log(1 + b^2 / sigma^2) of each law (n_laws,).
+
+    It is zero for bounds, for laws that do not apply, and where the mechanism acts.
+    """
+    keys = set(explanation)
+    counts = [law.key not in keys and law.holds_under(keys) and np.isfinite(law.lower) for law in laws]
+    ratios = [MECHANISMS[law.key].background * law.weight(0.0) for law in laws]
+    return np.log1p(np.multiply(counts, ratios) ** 2)
 
 
 def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Amplitudes of which each condition has its own value, beyond what distinguishes its recordings."""
+"""Variance of amplitudes between conditions, beyond that between the recordings of one condition."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from palpate.inference.explanation import Fit
 
-SHARES = (0.0, 0.01, 0.03, 0.1, 0.3)  # of the largest value: by how much it may differ between conditions
-LEAST_GAIN = 2.0  # of the logarithm of the likelihood, by which a difference between conditions is taken to be there
+SHARES = (0.0, 0.01, 0.03, 0.1, 0.3)  # standard deviations that are tried, of the largest plausible value
+LEAST_GAIN = 2.0  # of the log likelihood, above which a variance between conditions is accepted
 
 
 def with_own_values(fit: Fit) -> Fit:
-    """Let amplitudes that vary differ between conditions, too, by as much as is likeliest."""
+    """Give each amplitude that varies the most likely variance between conditions."""
     for amplitude in fit.own:
         trials = list[tuple[float, Fit]]()
         for share in SHARES:

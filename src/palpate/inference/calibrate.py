@@ -9,15 +9,14 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, Calibration
-from palpate.inference.estimates import condition_errors, estimates, named_matrix, noise_table
+from palpate.inference.estimates import condition_errors, estimates, intervals, named_matrix, noise_table
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.genetic_stage import genetic_search
-from palpate.inference.intervals import intervals
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.problem import Problem
-from palpate.inference.surrogate_forward import Predictor, Surrogates
+from palpate.inference.surrogates import Predictor, Surrogates
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
@@ -108,7 +107,7 @@ def calibrate(
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
     found, solved = intervals(fit, rng), _simulated(problem, fit, report)
     table = condition_errors(problem.recorded, solved)
-    weighable = not problem.replicated or found.misfit_ratio < MOST_MISFIT
+    weighable = not problem.replicated or fit.misfit_ratio < MOST_MISFIT
     explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
     return Calibration(
         parameters=estimates(fit, found, explained),
@@ -117,7 +116,7 @@ def calibrate(
         simulated_curves=solved,
         on_surrogates=first.values,
         converged=fit.converged,
-        misfit_ratio=found.misfit_ratio,
+        misfit_ratio=fit.misfit_ratio,
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),
@@ -134,7 +133,7 @@ def _from_optimum(fitter: Fitter, start: np.ndarray) -> Fit | None:
         fit = fitter.base([start])
     except PalpateError:
         return None
-    return fit if fit.misfit_ratio <= fitter.policy.alone else None
+    return fit if fit.misfit_ratio <= fitter.policy.single_start else None
 
 
 def _simulated(problem: Problem, fit: Fit, report: Callable[[str], None]) -> dict[str, np.ndarray]:
@@ -187,7 +186,7 @@ def base_fit(
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)
         fit = fitter.base([fit.z])
-    fit = fitter.settled(fit)
+    fit = fitter.on_finer_meshes(fit)
     if not problem.replicated:
         fitter = replace(fitter, site_scatter=settings.site_scatter)
         fitter.use_residual_as_noise(fit.residual)

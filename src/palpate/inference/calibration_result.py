@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ class Estimate:
     lower, upper
         95 % interval.
     identified
-        Whether the data determine it (see `palpate.inference.intervals`).
+        Whether the data determine it (see `palpate.inference.estimates`).
     held
         Whether it was held constant; then all values are equal and it is not identified.
     at_bound
@@ -65,16 +65,16 @@ class Calibration:
     noise
         For each calibrated condition: sigma_nm (or sigma_mN under displacement control), correlation, site_scatter,
         replicates.
+    evaluations
+        Surrogate evaluations of the genetic search.
+    seed
+        Entropy of the random generator's seed, where it has one.
+    settings
+        Everything that was set.
     pareto
         `parameters` (name: values) and `objectives` (condition: values) of the front of the genetic search.
     history
         One entry for each generation: `generation`, `evaluations`, `best`, `best_sum`.
-    evaluations
-        Surrogate evaluations of the genetic search.
-    settings
-        Everything that was set.
-    seed
-        Entropy of the random generator's seed, where it has one.
     """
 
     parameters: Mapping[str, Estimate]
@@ -86,11 +86,11 @@ class Calibration:
     misfit_ratio: float
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
+    evaluations: int
+    seed: int | list[int] | None
+    settings: Mapping[str, Any]
     pareto: Mapping[str, Mapping[str, list[float]]]
     history: list[dict[str, Any]]
-    evaluations: int
-    settings: Mapping[str, Any]
-    seed: int | list[int] | None
 
     @property
     def values(self) -> dict[str, float]:
@@ -105,17 +105,5 @@ class Calibration:
         extra
             Further entries, such as the name of the condition set.
         """
-        return {
-            "parameters": {name: vars(found).copy() for name, found in self.parameters.items()},
-            "conditions": {name: dict(row) for name, row in self.conditions.items()},
-            "on_surrogates": dict(self.on_surrogates),
-            "converged": self.converged,
-            "misfit_ratio": self.misfit_ratio,
-            "correlation": {name: dict(row) for name, row in self.correlation.items()},
-            "noise": {name: dict(row) for name, row in self.noise.items()},
-            "evaluations": self.evaluations,
-            "seed": self.seed,
-            "settings": dict(self.settings),
-            "pareto": {key: dict(table) for key, table in self.pareto.items()},
-            "history": self.history,
-        } | extra
+        content = asdict(self)
+        return {name: content[name] for name in content if not name.endswith("_curves")} | extra

@@ -1,4 +1,4 @@
-"""Damped steps of least squares from one place, of several lengths, straight ones and bent ones."""
+"""Damped steps of least squares from one place: of several lengths, linear or with a second-order correction."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from palpate.inference.descent import Descent
 from palpate.inference.least_squares import Misfit
 
-BENDINGS = 3  # times that a bent step is found from the last one
+CORRECTIONS = 3  # fixed-point iterations of the second-order correction
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,19 +51,20 @@ class Steps:
             return places
         step, departure = search.last
         weighed = self.weights @ self.misfit.stacked(departure)
-        bent = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
-        return [p for end, length in places for p in ((end, length), (self._followed(bent, step, end, length), length))]
+        second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
+        corrected = [(self._corrected(second, step, end, length), length) for end, length in places]
+        return [trial for pair in zip(places, corrected, strict=True) for trial in pair]
 
-    def _followed(self, bent: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
+    def _corrected(self, second: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
         """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""
-        for _ in range(BENDINGS):
-            end = self.end(length, (step @ (end - self.u)) ** 2 * bent)
+        for _ in range(CORRECTIONS):
+            end = self.end(length, (step @ (end - self.u)) ** 2 * second)
         return end
 
     def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the coordinates (k,) at the end of the step of this length.
 
-        One that would leave its limits ends there, that which would first, and the others make the best of it.
+        A coordinate that would cross its limit is held there, the first one first, and the others are solved for again.
 
         Parameters
         ----------

@@ -14,9 +14,9 @@ from palpate.mechanisms import MECHANISMS
 def effects_at(problem: Problem, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
     """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
 
-    The error of an effect with one amplitude is one of this: where the effect saturates, as friction's does once the
-    surface sticks, that is another curve than the effect itself. Where the study's own tip has some of it already, as
-    friction of its own, the effect is what the mechanism changes.
+    With a single amplitude that is the derivative by it, times the amplitude: the simulation errs in the amplitude, and
+    where an effect saturates, as friction does once the surface sticks, its derivative differs from the effect itself.
+    The amplitude counts from the value that the base model assumes, such as a friction of its own.
     """
     found = {}
     for key in [key for key in explanation if MECHANISMS[key].solver_scatter]:

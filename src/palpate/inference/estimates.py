@@ -1,8 +1,18 @@
-"""Parts of a `Calibration`, in physical units and by name."""
+r"""Parts of a `Calibration`: estimates with 95 % intervals, errors and noise, in physical units and by name.
+
+Intervals are quantiles of the posterior, see `palpate.inference.posterior`: of curves to second order about the
+estimate, with the noise of the recordings, the error of the solver, and the prior of `palpate.inference.coordinates`.
+Where the model does not explain the recordings to these errors, chi-square is divided by its ratio to the degrees of
+freedom (R. T. Birge, Phys. Rev. 40 (1932) 207-227), so that the intervals are wider by the root of that.
+
+A parameter is identified when its interval is narrower than half its range and does not end at a limit of the law: an
+interval that fills most of the range says little more than the range did.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,11 +20,38 @@ import numpy as np
 from palpate.inference.calibration_result import Estimate
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.explanation import Fit
-from palpate.inference.intervals import Intervals
 from palpate.inference.measures import error_measures
 from palpate.inference.noise import NoiseModel
 from palpate.inference.observation import Observation
+from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Problem
+
+WIDEST_IDENTIFIED = 0.5  # of the range
+CONFIDENCE = 0.95  # of the intervals
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """Uncertainty of the coordinates of a fit.
+
+    Attributes
+    ----------
+    lower, upper : ndarray, shape (k,)
+        Ends of the intervals.
+    correlation : ndarray, shape (k, k)
+        Of the posterior.
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    correlation: np.ndarray
+
+
+def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
+    """Return the intervals about a fit; `rng` draws from its posterior."""
+    draws = posterior_draws(fit, rng)
+    lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
+    return Intervals(np.minimum(lower, fit.z), np.maximum(upper, fit.z), np.atleast_2d(np.corrcoef(draws.T)))
 
 
 def condition_errors(
@@ -29,29 +66,28 @@ def condition_errors(
 
 
 def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate]:
-    """Return estimates and intervals in their units, by name.
-
-    None is identified in a failing fit, nor one whose interval ends at a limit of the law.
+    """Return estimates and intervals in their units, by name; none is identified in a fit that does not explain.
 
     Parameters
     ----------
     fit
         The fit of the base model.
     found
-        Intervals and flags of its coordinates.
+        Intervals of its coordinates.
     explained
         Whether the fit explains the recordings.
     """
-    coordinates, outside = fit.coordinates, np.abs(fit.z - 0.5) > 0.5 + 1e-9
+    coordinates = fit.coordinates
     low, high = coordinates.named(found.lower), coordinates.named(found.upper)
     ended = coordinates.at_limit(found.lower) | coordinates.at_limit(found.upper)
-    places = {name: k for k, name in enumerate(coordinates.names)}
-    found_estimates = {}
+    identified = (found.upper - found.lower < WIDEST_IDENTIFIED) & explained & ~ended
+    at_bound, outside = coordinates.at_limit(fit.z), np.abs(fit.z - 0.5) > 0.5 + 1e-9
+    flags = dict(zip(coordinates.names, zip(identified, at_bound, outside, strict=True), strict=True))
+    estimated = {}
     for name, value in coordinates.named(fit.z).items():
-        free, k = name in places, places.get(name, 0)
-        flags = [bool(free and flag[k]) for flag in (found.identified & explained & ~ended, found.at_bound, outside)]
-        found_estimates[name] = Estimate(value, low[name], high[name], flags[0], not free, *flags[1:])
-    return found_estimates
+        identifies, bound, beyond = map(bool, flags.get(name, (False, False, False)))
+        estimated[name] = Estimate(value, low[name], high[name], identifies, name not in flags, bound, beyond)
+    return estimated
 
 
 def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag, cholesky, solve_triangular
 
 from palpate.inference.amplitude import Amplitude, own_amplitudes
-from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
+from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
 from palpate.inference.forward import Forward, under_each
@@ -89,10 +89,10 @@ class Fit:
 
     @cached_property
     def by_sites(self) -> np.ndarray:
-        """What takes the most likely effect of the sites out of a residual (n_all, n_all).
+        """Matrix (n_all, n_all) that maps a residual to the most likely effect of the sites.
 
-        A site is a factor of the depth. Where no replicates give its scatter, a fit of one test leaves the level of the
-        curve to it; elsewhere this is zero.
+        A site is a factor of the depth. Where no replicates give its scatter, the fit of a test cannot distinguish its
+        site from its level; elsewhere the matrix is zero.
         """
         if self.problem.replicated:
             return np.zeros((len(self.residual), len(self.residual)))
@@ -109,7 +109,7 @@ class Fit:
 
     @property
     def left(self) -> np.ndarray:
-        """What is left of the residual beside it (n_all,) [nm]."""
+        """Residual less the most likely effect of the sites (n_all,) [nm]."""
         return self.residual - self.of_sites
 
     @cached_property
@@ -130,6 +130,11 @@ class Fit:
         """Return the departures [standard deviations] of the amplitudes at z (k,) from the laws."""
         return departures(self.laws, self.model.amplitudes(z))
 
+    @property
+    def law_misfits(self) -> np.ndarray:
+        """What each law (n_laws,) adds to -2 log likelihood, see `palpate.inference.amplitude_constraint`."""
+        return self.from_laws(self.z) ** 2 + widenings(self.laws, self.explanation)
+
     @cached_property
     def law_tangent(self) -> np.ndarray:
         """Slope (n_laws, k) of the departures from the laws."""
@@ -137,9 +142,9 @@ class Fit:
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, of the laws, and of the prior outside the ranges."""
-        off, beyond = self.from_laws(self.z), self.coordinates.beyond(self.z)
-        return float(self.white @ self.white + off @ off + beyond @ beyond)
+        """Chi-square of the mean curves, what the laws add to it, and that of the prior outside the ranges."""
+        beyond = self.coordinates.beyond(self.z)
+        return float(self.white @ self.white + self.law_misfits.sum() + beyond @ beyond)
 
     @property
     def misfit_ratio(self) -> float:
@@ -176,16 +181,16 @@ class Fit:
 
     @property
     def optimistic_log_evidence(self) -> float:
-        """Of the same explanation where its parameters have to first order their best values, away from its own."""
+        """Log evidence at the optimum to first order, where the fit was taken at other values of the parameters."""
         off = self.off_tangent(self.white)
         return self.log_evidence + 0.5 * float(self.white @ self.white - off @ off)
 
     @cached_property
     def with_discrepancy(self) -> Fit:
-        """The same fit, weighted by the known errors and by the discrepancy that makes its misfit equal to them.
+        """The same fit, weighted by the known errors and a discrepancy that makes chi-square its degrees of freedom.
 
-        So were its parameters found. Explanations that all fail are compared in this way: by the known errors alone
-        the one that follows the smallest details best would count as the closest.
+        Its parameters were found with these weights. Explanations that all fail are compared with them, too: by the
+        known errors alone, the one that follows the smallest details best would count as the closest.
         """
         more = discrepancy(self.residual, *np.linalg.eigh(self.errors.covariance), len(self.z))
         return replace(self, errors=replace(self.errors, discrepancy=more))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.inference.few_samples import interpolated
+from palpate.base.interpolation import interpolated
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves

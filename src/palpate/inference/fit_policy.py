@@ -13,7 +13,7 @@ class FitPolicy:
     ----------
     scattered
         Places of the ranges that are tried beside the optima of the genetic search.
-    alone
+    single_start
         Chi-square per degree of freedom up to which a fit from the optimum of the genetic search needs no other start.
     searches
         That go on side by side, from the best of all places where a fit may begin; one that falls behind is given up.
@@ -29,14 +29,14 @@ class FitPolicy:
     refined
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
-    settled
-        The same up to which a fit goes on with finer meshes, where these are needed.
-    settling
-        At most so many steps with them; two suffice where the fit before ended five standard deviations away.
+    finer_meshes
+        Chi-square per degree of freedom up to which a fit goes on with finer meshes, where these are needed.
+    finer_steps
+        Largest number of steps with them; two suffice where the fit before ended five standard deviations away.
     """
 
     scattered: int = 16
-    alone: float = 3.0
+    single_start: float = 3.0
     searches: int = 2
     iterations: int = 12
     base_iterations: int = 30
@@ -44,5 +44,5 @@ class FitPolicy:
     tolerance: float = 0.02
     poor_fit: float = 50.0
     refined: float = 10.0
-    settled: float = 1.5
-    settling: int = 3
+    finer_meshes: float = 1.5
+    finer_steps: int = 3

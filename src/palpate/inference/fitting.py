@@ -28,7 +28,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import LEAST_STEPS, descend, resumed, settled
+from palpate.inference.trust_region import LEAST_STEPS, descend, gauss_newton, resumed
 
 
 @dataclass(eq=False)
@@ -61,9 +61,10 @@ class Fitter:
         self.use_residual_as_noise(np.zeros(len(self.problem.mean)))
 
     def base(self, starts: Sequence[np.ndarray]) -> Fit:
-        """Fit the base model from coordinates (k,); of several the best are followed with few samples first.
+        """Fit the base model from coordinates (k,).
 
-        Where the model of record fails at the end of that, the fit begins where the search last was without.
+        Of several starts the best are followed first by searches with few samples. The fit begins at the end of these
+        or, where the model of record fails there, at the last place on the way where it does not.
 
         Raises
         ------
@@ -142,14 +143,14 @@ class Fitter:
         fit = replace(fit, errors=replace(fit.errors, refinements=self.problem.refinements(record)))
         return fit, self._without_discrepancy(fit) if self.near(fit) else usual
 
-    def settled(self, fit: Fit) -> Fit:
+    def on_finer_meshes(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
-        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.settled
+        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.finer_meshes
         accurate = fit.model.extrapolated(fit.z) if explains else None
         if accurate is None:
             return fit
         goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
-        way = settled(goal, accurate, begun, self.policy.settling, self.policy.tolerance)
+        way = gauss_newton(goal, accurate, begun, self.policy.finer_steps, self.policy.tolerance)
         try:
             record = accurate.record.consistent(way.u, way.curves, way.slopes)
         except PalpateError:
@@ -199,7 +200,7 @@ class Fitter:
         self._residual_as_noise, self._noise = residual, {}
 
     def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        """Yield the coordinates (k,) at which the model of record may be known, that of least expected misfit first."""
+        """Yield coordinates (k,) at which to begin with the model of record, that of least expected misfit first."""
         if len(starts) == 1:
             yield starts[0]
         way = self._followed(starts)
@@ -222,17 +223,19 @@ class Fitter:
         limit: int,
         stop: Event | None,
     ) -> Descent:
-        """Return where searches from some coordinates (k,) lead, further ones while no end is as good as what was.
+        """Return the best end of searches from some coordinates (k,).
+
+        As many starts as run in the time of one are simulated together, and searches begin at the best of them. Further
+        starts are taken as long as no search ends with a misfit as small as that of `depth`.
 
         Parameters
         ----------
         misfit, model
             Misfit of the explanation, and its forward model.
         starts
-            That of least expected misfit first. As many as run in the time of one are simulated, and the best are
-            followed.
+            That of least expected misfit first.
         depth : ndarray, shape (n_all,)
-            Curves from which they come [nm].
+            Curves of the smaller explanation [nm].
         limit
             Largest number of iterations.
         stop

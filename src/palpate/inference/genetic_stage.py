@@ -11,7 +11,7 @@ from palpate.errors import InputError
 from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.inference.measures import OBJECTIVES, check_measurable
 from palpate.inference.observation import Observation
-from palpate.inference.surrogate_forward import Surrogates
+from palpate.inference.surrogates import Surrogates
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +105,8 @@ def _check_consistent(model: Surrogates, observations: Mapping[str, Observation]
         check_measurable(name, item.mean, objective)
         if name not in model.predictors:
             raise InputError(f"condition {name} has no surrogate", remedy="fit one", place=name)
-        (middle,) = model.under([name]).at(np.full((1, len(model.coordinates.free)), 0.5))
-        predicted = len(middle[name])
+        middle = model.parameters(np.full((1, len(model.coordinates.free)), 0.5))
+        predicted = model.predictors[name].predict(middle).shape[1]
         if predicted != len(item.time):
             raise InputError(
                 f"condition {name} was measured at {len(item.time)} points, its surrogate has {predicted}",

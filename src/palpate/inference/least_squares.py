@@ -25,7 +25,7 @@ from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves, Forward
 
 STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
-NO_MORE = 1e6  # times the mean square of the residual, above any discrepancy
+BEYOND_ANY = 1e6  # times the mean square of the residual, an upper bound of the discrepancy
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,7 @@ def discrepancy(residual: np.ndarray, variances: np.ndarray, directions: np.ndar
         Number of parameters that were fitted.
     """
     squares, freedom = (directions.T @ residual) ** 2, max(len(residual) - parameters, 1)
-    largest = NO_MORE * float(np.mean(residual**2))
+    largest = BEYOND_ANY * float(np.mean(residual**2))
 
     def above_freedom(more: float) -> float:
         return float(np.sum(squares / (np.maximum(variances, 0.0) + more))) - freedom

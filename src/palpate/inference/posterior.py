@@ -17,7 +17,7 @@ from palpate.inference.curvature import Curvature
 from palpate.inference.explanation import Fit
 
 WALKERS_PER_DIMENSION = 6
-SETTLING, KEPT, THINNING = 150, 250, 5
+BURN_IN, KEPT, THINNING = 150, 250, 5
 DRAWS = 1000
 INSIDE = 0.02  # of a range, within which walkers that would begin beyond a limit begin
 LEAPS = 0.1  # share of moves by a whole difference, which lead from one optimum to another
@@ -63,5 +63,5 @@ def sampled(
     moves = [(emcee.moves.DEMove(), 1.0 - LEAPS), (emcee.moves.DEMove(gamma0=1.0), LEAPS)]
     sampler = emcee.EnsembleSampler(*start.shape, log_probability, moves=moves, vectorize=True)
     sampler.random_state = np.random.RandomState(rng.integers(2**31)).get_state()
-    sampler.run_mcmc(start, SETTLING + KEPT, skip_initial_state_check=True)
-    return sampler.get_chain(discard=SETTLING, thin=THINNING, flat=True)
+    sampler.run_mcmc(start, BURN_IN + KEPT, skip_initial_state_check=True)
+    return sampler.get_chain(discard=BURN_IN, thin=THINNING, flat=True)

@@ -13,7 +13,7 @@ FADES_OVER = 0.1  # of a test
 
 
 def model_covariance(
-    curves: Mapping[str, np.ndarray], relative_error: float, shares: Mapping[str, float] | None = None
+    curves: Mapping[str, np.ndarray], relative_error: float, shares: Mapping[str, float]
 ) -> np.ndarray:
     """Covariance (n, n) of the forward model's error, all conditions one after the other [nm^2].
 
@@ -28,7 +28,6 @@ def model_covariance(
 
     Where the load answers it departs by the `shares` of that, see `palpate.study.quantity.Quantity.share`.
     """
-    shares = shares or {}
     depth = np.concatenate([shares.get(name, 1.0) * curve for name, curve in curves.items()])
     beyond = max(relative_error**2 - GRID**2, 0.0)
     relative = np.full((len(depth), len(depth)), relative_error**2)

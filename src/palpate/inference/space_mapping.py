@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.base.interpolation import interpolated
 from palpate.configuration.study_file import Condition
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
-from palpate.inference.few_samples import interpolated
 from palpate.inference.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from palpate.configuration.schema import suggestion
 from palpate.configuration.study_file import Study
-from palpate.errors import InputError
+from palpate.errors import InputError, located_in
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import own_protocol, stretched
 from palpate.inference.recording_checks import checked_recording
@@ -70,10 +70,8 @@ def read_and_checked(study: Study, name: str) -> Iterator[tuple[str, list[Record
         written, begun = [], []
         for file in files:
             written.append(read_recording(file))
-            try:
+            with located_in(file):
                 begun.append(checked_recording(study, study.condition(condition), written[-1]))
-            except InputError as error:
-                raise error.located(file=file) from None
         yield condition, written, begun
 
 
@@ -99,10 +97,8 @@ def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[
         for copy, _ in copies(tests[name]):
             remedy = "remove one of them: each replicate is a test of its own"
             raise InputError(f"{copy.name} is given twice", remedy=remedy, place=f"recordings.{name}")
-        try:
+        with located_in(place=f"recordings.{name}"):
             checked[name] = [checked_recording(study, study.condition(name), recording) for recording in tests[name]]
-        except InputError as error:
-            raise error.located(place=f"recordings.{name}") from None
     return checked
 
 

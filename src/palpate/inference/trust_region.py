@@ -123,8 +123,8 @@ def resumed(
     raise PalpateError(failed)
 
 
-def settled(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
-    """Take Gauss-Newton's steps, with slopes updated by their secants, while curves of finer meshes come closer.
+def gauss_newton(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
+    """Take Gauss-Newton steps, with secant updates of the slopes, as long as they lower chi-square on finer meshes.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def settled(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolera
 
 
 def _check(stop: Event | None) -> None:
-    """Raise `CancelledError`, which no search takes for a failure of the model, once a search is to end."""
+    """Raise `CancelledError` once a search is to end; as no `PalpateError`, it is not taken for a failure."""
     if stop and stop.is_set():
         raise CancelledError
 

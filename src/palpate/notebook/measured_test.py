@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from palpate.errors import InputError
+from palpate.errors import InputError, located_in
 from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.recorded_test import COLOURS
 from palpate.recordings.readers import (
@@ -233,7 +233,5 @@ def _read(
     named = {key: str(column) for key, column in (columns or {}).items()}
     table = ColumnMap(named, units or {}) if named else None
     whole = read_each(path, corrections=chosen, contact="none", columns=table)
-    try:
+    with located_in(path):
         return zeroed_each(path, whole, contact), chosen
-    except InputError as error:
-        raise error.located(file=path) from None

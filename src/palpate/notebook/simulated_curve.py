@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.base.yaml_file import read_yaml
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError, PalpateError, located_in
 from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.style import RECORDED
 from palpate.recordings.recording import Recording
@@ -140,7 +140,5 @@ def _asked(
         return specification
     file = specification if isinstance(specification, str | Path) else None
     values: Any = read_yaml(file) if file is not None else specification or {}
-    try:
+    with located_in(file):
         return simulation.specification_from({**values, **given} if isinstance(values, Mapping) else values)
-    except InputError as error:
-        raise error.located(file=file) from None

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from palpate.classical.frame import frame_of
 from palpate.configuration.study_file import Study
-from palpate.errors import InputError
+from palpate.errors import InputError, located_in
 from palpate.output import html_report
 from palpate.output.figures.recorded_test import draw
 from palpate.recordings.readers import read_source
@@ -36,10 +36,8 @@ def write_reading(study: Study, folder: Path) -> None:
     begun = read_source(study.source)
     whole = read_source({**study.source, "contact": "none"})
     recordings = [test.recording for tests in whole.values() for test in tests]
-    try:
+    with located_in(study.source["file"]):
         surveys = iter(survey_each(recordings))
-    except InputError as error:
-        raise error.located(file=study.source["file"]) from None
     for condition, tests in whole.items():
         for number, (test, used) in enumerate(zip(tests, begun[condition], strict=True), 1):
             seen = next(surveys)

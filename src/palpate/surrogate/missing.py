@@ -13,8 +13,8 @@ END = 0.2  # of a range
 MOST_AT_ONE_END = 0.5  # of those in the outer fifth of a parameter's range; chosen: beyond, it is no interpolation
 
 
-def check_missing(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> None:
-    """Refuse to fit a surrogate to snapshots of which too many failed, altogether or at one end of a parameter's range.
+def checked_missing(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> str:
+    """Return how many snapshots failed and where they lie, in a sentence; empty where none did.
 
     Parameters
     ----------
@@ -26,28 +26,20 @@ def check_missing(condition: str, cells: Sequence[Mapping[str, float]], failed: 
     Raises
     ------
     PalpateError
-        With the numbers, and the end of the range where most are missing.
+        When too many failed for a surrogate, altogether or at one end of a parameter's range.
     """
-    lost = np.asarray(failed, dtype=bool)
-    if not lost.any():
-        return
-    name, end, share = _worst_end(cells, lost)
-    where = f", most at the {end} end of {name} ({100 * share:.0f} %)" if name else ""
-    if lost.mean() > MOST or share > MOST_AT_ONE_END:
-        raise PalpateError(
-            f"{condition}: {lost.sum()} of {len(lost)} snapshots failed{where}: too many for a surrogate; narrow the "
-            f"ranges of the parameters there (snapshots.csv lists the reasons)"
-        )
-
-
-def summary_text(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> str:
-    """Return how many snapshots failed and where they lie, in a sentence; empty where none did."""
     lost = np.asarray(failed, dtype=bool)
     if not lost.any():
         return ""
     name, end, share = _worst_end(cells, lost)
     where = f", {100 * share:.0f} % of those at the {end} end of {name}" if name else ""
-    return f"{condition}: {lost.sum()} of {len(lost)} snapshots failed{where}."
+    found = f"{condition}: {lost.sum()} of {len(lost)} snapshots failed{where}"
+    if lost.mean() > MOST or share > MOST_AT_ONE_END:
+        raise PalpateError(
+            f"{found}: too many for a surrogate; narrow the ranges of the parameters there (snapshots.csv lists the "
+            "reasons)"
+        )
+    return f"{found}."
 
 
 def _worst_end(cells: Sequence[Mapping[str, float]], lost: np.ndarray) -> tuple[str, str, float]:

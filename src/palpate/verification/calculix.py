@@ -12,7 +12,6 @@ import re
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +20,8 @@ from palpate.errors import PalpateError
 from palpate.output.export.calculix_deck import deck
 from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
-from palpate.verification.reference_materials import CONE
 
 TIME_LIMIT = 1800.0  # s
 WITHIN, LOADED_FROM = 0.01, 0.15  # of the depth; and of the largest load, from where on depths count
@@ -103,25 +100,6 @@ def run_deck(program: Path, specification: Specification, resolution: Resolution
     wanted = specification.protocol.sample_time
     depths = 1e3 * (overlap + np.interp(wanted, time, rise))
     return np.where(wanted <= time[-1] * (1 + 1e-9), depths, np.nan)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """One test for both programs; unloading ends at 5 % of the load, before contact is lost."""
-
-    name: str
-    law: str
-    values: dict[str, float]
-    load: float
-    duration: float
-
-    def specification(self, points: int, accuracy: str = "fine", friction: float = 0.0) -> Specification:
-        """Return the test with `points` samples in loading and as many in unloading."""
-        up = np.linspace(0.0, self.duration, points + 1)
-        down = self.duration * np.linspace(1.0, 1.95, points + 1)
-        knots = self.duration * np.array([0.0, 1.0, 1.95])
-        protocol = Protocol(knots, self.load * np.array([0.0, 1.0, 0.05]), np.concatenate([up[1:], down[1:]]))
-        return Specification(self.law, self.values, replace(CONE, friction=friction), protocol, accuracy=accuracy)
 
 
 def compared(test: str, specification: Specification, theirs: np.ndarray, own_error: float) -> tuple[list[Row], Plot]:

@@ -10,13 +10,13 @@ from palpate.analytic import berkovich
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS, indent_3d
+from palpate.solver.pyramid.mesh_3d import Mesh3D
 from palpate.solver.pyramid.problem_3d import Problem3D, State
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
 from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
-from palpate.verification.contact_area import contact_area
 from palpate.verification.mesh_convergence import richardson
 from palpate.verification.reference_materials import BURGERS, CONE, HOOKE
 
@@ -28,6 +28,24 @@ CREEP = trapezoid(1.0, 30.0, 0.0, 30.0)
 PUNCH = 1.034  # King, Int. J. Solids Struct. 23 (1987) 1657-1664: a flat triangular punch
 WITHIN = {"standard": 0.007, "fine": 0.004}  # of the depth, by accuracy
 SIMILAR_WITHIN, PUBLISHED_WITHIN, CONVERGED_WITHIN, LARGE_WITHIN = 0.003, 0.02, 0.01, 0.004
+
+
+def contact_area(mesh: Mesh3D, displacement: np.ndarray, touching: np.ndarray) -> float:
+    """Return the projected area [um^2] of the whole contact, all six wedges, whose nodes are `touching` (n,).
+
+    On each ray of surface nodes the contact ends halfway, in the logarithm of the distance from the axis, between the
+    last node that touches and the next one, both where `displacement` (n, 3) has put them. Between rays at the angles
+    p and q it ends on a curve that encloses r(p) r(q) (q - p)/2: a circle exactly, a straight line nearly.
+    """
+    nodes = mesh.surface[1:]
+    (x, y, _), (one, two, _) = mesh.nodes[nodes].T, displacement[nodes].T
+    angle, distance = np.round(np.arctan2(y, x), 6), np.hypot(x, y)
+    cos, sin = mesh.turn[nodes].T
+    moved = np.hypot(x + cos * one - sin * two, y + sin * one + cos * two)
+    rays = np.lexsort((distance, angle)).reshape(len(np.unique(angle)), -1)
+    ray, last = np.arange(len(rays)), touching[nodes[rays]].sum(axis=1)
+    edge = np.sqrt(moved[rays[ray, last - 1]] * moved[rays[ray, last]])
+    return float(3.0 * np.sum(edge[1:] * edge[:-1] * np.diff(angle[rays[:, 0]])))
 
 
 @dataclass(frozen=True, eq=False)

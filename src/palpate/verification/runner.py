@@ -17,11 +17,9 @@ from palpate.errors import PalpateError
 from palpate.output import html_report
 from palpate.output.figures import verification_figure as figures
 from palpate.verification import (
-    calculix_creep,
-    calculix_elastic,
     calculix_large,
-    calculix_plastic,
     calculix_pyramid,
+    calculix_small,
     elastic_contact,
     kinematics,
     mesh_convergence,
@@ -40,9 +38,9 @@ CASES = (
     kinematics.CASE,
     pyramid_checks.CASE,
     mesh_convergence.CASE,
-    calculix_elastic.CASE,
-    calculix_creep.CASE,
-    calculix_plastic.CASE,
+    calculix_small.ELASTIC,
+    calculix_small.CREEP,
+    calculix_small.PLASTIC,
     calculix_large.CASE,
     calculix_pyramid.CASE,
     reference_curves.CASE,

@@ -11,7 +11,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
-from palpate.errors import InputError, part_of
+from palpate.errors import InputError, located_in, part_of
 from palpate.inference.study_recordings import check_given, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
@@ -36,7 +36,7 @@ def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | No
     InputError
         With file, place and remedy, on the first mistake.
     """
-    try:
+    with located_in(study.file):
         _check_folders(study)
         _check_laboratory(study)
         _check_reference(study)
@@ -47,8 +47,6 @@ def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | No
             settings_of(study)
         if study.diagnosis["enabled"]:
             candidates(study)
-    except InputError as error:
-        raise error.located(file=study.file) from None
     return study
 
 

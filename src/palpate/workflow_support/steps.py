@@ -21,7 +21,7 @@ from palpate.inference.study_recordings import observations
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
-from palpate.surrogate.missing import check_missing, summary_text
+from palpate.surrogate.missing import checked_missing
 from palpate.surrogate.saved import load
 
 
@@ -41,14 +41,14 @@ def fit_surrogate(
         When too many snapshots failed, see `palpate.surrogate.missing`.
     """
     cells, failed = [found["parameters"] for found in contents], [found["status"] != "ok" for found in contents]
-    check_missing(condition, cells, failed)
+    missing = checked_missing(condition, cells, failed)
     parameters, curves, failures = store.matrix(contents, study.levels)
     unit = UNITS[contents[0]["quantity"]]
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
-        "missing": summary_text(condition, cells, failed),
+        "missing": missing,
         "modes": int(model.n_modes_),
         "energy_of_first_mode": float(model.energy_[0]),
         "shape": float(model.shape_),

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
 from palpate.configuration.study_file import Condition
 from palpate.errors import InputError
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves
 from palpate.inference.observation import Observation
+from palpate.inference.surrogates import Surrogates
 from palpate.mechanisms import Mechanism, Scale
 from palpate.study.specification import Specification
 
 
-class Predictor(Protocol):
-    """What a surrogate must offer."""
+class DifferentiablePredictor(Protocol):
+    """What a surrogate must offer for least squares."""
 
     def predict(self, X: np.ndarray) -> np.ndarray:
         """Return the curves (n, n_points) at parameters (n, p)."""
@@ -29,49 +28,12 @@ class Predictor(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Surrogates:
-    """Surrogates under some conditions.
+class SurrogateForward(Surrogates):
+    """Surrogates under some conditions; they know the base model alone, each condition under one load."""
 
-    Parameters
-    ----------
-    predictors
-        By condition; columns in the order of `bounds`.
-    bounds
-        (lower, upper) of each parameter in its unit: its range, and its limits; equal bounds hold it.
+    predictors: Mapping[str, DifferentiablePredictor]
 
-    Raises
-    ------
-    InputError
-        When bounds are in the wrong order or hold every parameter.
-    """
-
-    predictors: Mapping[str, Predictor]
-    bounds: Mapping[str, tuple[float, float]]
-
-    def __post_init__(self) -> None:
-        for name, (lower, upper) in self.bounds.items():
-            if not lower <= upper:
-                problem = f"bounds of {name} are {lower!r} to {upper!r}"
-                raise InputError(problem, remedy="put the smaller first", place=name)
-
-    @cached_property
-    def coordinates(self) -> Coordinates:
-        """Of the free parameters, linear in them."""
-        free = [Coordinate(name, *pair, *pair) for name, pair in self.bounds.items() if pair[0] < pair[1]]
-        return Coordinates(free, {name: lower for name, (lower, upper) in self.bounds.items() if lower == upper})
-
-    def parameters(self, points: np.ndarray) -> np.ndarray:
-        """Return the predictors' columns (n, p), in the parameters' units, at points (n, k)."""
-        places = {each.name: k for k, each in enumerate(self.coordinates.free)}
-        columns = [
-            self.coordinates.free[places[name]].physical(points[:, places[name]])
-            if name in places
-            else np.full(len(points), self.coordinates.held[name])
-            for name in self.bounds
-        ]
-        return np.column_stack(columns)
-
-    def under(self, names: Sequence[str]) -> Surrogates:
+    def under(self, names: Sequence[str]) -> SurrogateForward:
         """See `Forward`."""
         return replace(self, predictors={name: self.predictors[name] for name in names})
 
@@ -81,7 +43,7 @@ class Surrogates:
         """Raise `InputError`: surrogates know one load alone."""
         raise InputError("surrogates know one load for each condition", remedy="fit on the finite elements")
 
-    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> Surrogates:
+    def joined(self, mechanisms: Sequence[Mechanism], scale: Scale) -> SurrogateForward:
         """Raise `InputError`: surrogates know the base model alone."""
         raise InputError("surrogates know no mechanisms", remedy="diagnose on the finite elements")
 
@@ -91,21 +53,20 @@ class Surrogates:
 
     @property
     def refinements(self) -> dict[str, np.ndarray]:
-        """Return nothing: what surrogates err by is not known from the mesh."""
+        """Return nothing: the error of a surrogate is not known from the mesh."""
         return {}
 
-    def of_record(self, u: np.ndarray) -> Surrogates:
+    def of_record(self, u: np.ndarray) -> SurrogateForward:
         """See `Forward`: these."""
         return self
 
     def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: none is known."""
 
-    def thinned(self) -> tuple[Surrogates, Mapping[str, np.ndarray]]:
+    def thinned(self) -> tuple[SurrogateForward, Mapping[str, np.ndarray]]:
         """See `Forward`: none is cheaper."""
         (middle,) = self.at(np.full((1, len(self.coordinates.free)), 0.5))
-        keep = {name: np.ones(len(curve), dtype=bool) for name, curve in middle.items()}
-        return self, keep
+        return self, {name: np.ones(len(curve), dtype=bool) for name, curve in middle.items()}
 
     def together(self, u: np.ndarray) -> int:
         """See `Forward`."""
@@ -128,9 +89,3 @@ class Surrogates:
             slopes = {name: model.jacobian(x)[:, free] * extent for name, model in self.predictors.items()}
             found.append((curves, slopes))
         return found
-
-    def at(self, points: np.ndarray) -> list[dict[str, np.ndarray]]:
-        """Return the curve (n_points,) of each condition at each of the points (n, k)."""
-        x = self.parameters(points)
-        predicted = {name: model.predict(x) for name, model in self.predictors.items()}
-        return [{name: curves[n] for name, curves in predicted.items()} for n in range(len(points))]

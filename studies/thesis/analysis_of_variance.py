@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import f as fisher
 
-from palpate.design.orthogonal import OrthogonalArray
 from palpate.errors import InputError
+from studies.thesis.orthogonal_arrays import OrthogonalArray
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.design.anova import Anova
 from palpate.errors import InputError
+from studies.thesis.analysis_of_variance import Anova
 
 LARGE, SMALL = 25.0, 1.0  # per cent of the variance, see above
 SIGNIFICANT = 0.05  # p-value, likewise
