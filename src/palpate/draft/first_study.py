@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.configuration.study_file import Study, load_study
+from palpate.draft.cut_off import cut_off
 from palpate.draft.drafted import Drafted
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
@@ -88,6 +89,7 @@ def write_study(
     tests = _sound(tests, lambda test: check_unit(test.recording, tip), report)
     drive = Drive.by_all([test.recording for test in tests], stated)
     tests = _sound(tests, lambda test: drive.followed(test.recording), report)
+    tests = _without_cut_off(tests, drive, report)
     while True:
         try:
             return _drafted(tests, output, name, law, tip, drive)
@@ -163,6 +165,17 @@ def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
         report(f"{copy.name}: the same recording as {first.name}; left out")
         left_out.add(copy)
     return [test for test in tests if test.recording not in left_out]
+
+
+def _without_cut_off(tests: Sequence[Drafted], drive: Drive, report: Report) -> list[Drafted]:
+    """Return the tests without those that were cut off, and say which are left out."""
+    found = cut_off([test.recording for test in tests], drive)
+    for cut, whole in found.items():
+        report(
+            f"{cut.name}: ends after {cut.time[-1]:.4g} s under {cut.load[-1]:.4g} mN, where {whole.name} goes on and "
+            "is unloaded: it was cut off; the test is left out"
+        )
+    return [test for test in tests if test.recording not in found]
 
 
 def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests: Sequence[Drafted]) -> Study:
