@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
-from palpate.recordings.recording import copies
+from palpate.recordings.recording import Recording, copies
 
 LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
 Report = Callable[[str], None]
@@ -203,9 +203,18 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
             check_given(study)
             return study
         except InputError as error:
+            error = _in_names_of_tests(error, recordings)
             own = recordings.get(Path(error.file or ""))
             if own and len(tests) > 1:
                 raise Unsound(next(test for test in tests if test.recording is own), error) from None
             where = own.name if own else "the draft of these tests"
             remedy = LOOK if own and error.place != "depth_nm" else error.remedy
             raise InputError(error.problem, remedy=remedy, file=where, place=error.place) from None
+
+
+def _in_names_of_tests(error: InputError, recordings: Mapping[Path, Recording]) -> InputError:
+    """Return an error that names tests as they were given, not files that a draft would have written."""
+    problem = error.problem
+    for path, recording in recordings.items():
+        problem = problem.replace(path.name, recording.name)
+    return InputError(problem, remedy=error.remedy, file=error.file, place=error.place)

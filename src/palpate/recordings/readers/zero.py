@@ -140,7 +140,7 @@ def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
     because = f" (the load in air shows {', '.join(bent)})" if bent else ""
     return (
         f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / depth:.0%} of the test's depth"
-        f"{because}: the interval goes along as the range of a zero offset",
+        f"{because}: a diagnosis tries every zero of the depth within it",
     )
 
 
