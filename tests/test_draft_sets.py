@@ -9,8 +9,10 @@ import yaml
 from test_draft import MODULUS, elastic
 
 from palpate.analytic import hertz, sneddon
+from palpate.base.classes import levels
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
+from palpate.draft.cut_off import cut_off
 from palpate.draft.grouping import grouped
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.stated import Stated
@@ -57,6 +59,21 @@ def test_a_test_in_air_is_left_out_and_a_folder_is_drafted(capsys, wander):
     assert "set/air_4.csv, air_4: never bears load" in told.err
     assert "set/notes.md: is of no format" in told.err
     assert told.out.splitlines()[-1].endswith("then palpate check out/study.yaml")
+
+
+def test_files_of_known_formats_are_drafted_beside_tables(capsys):
+    for number, load in enumerate((2.003, 2.005, 2.004)):
+        test = elastic(load, 20)
+        rows = zip(test.time, 1e3 * test.load, test.depth, strict=True)
+        text = "\n".join(["t [s],P [uN],h [nm]", *(",".join(map(str, row)) for row in rows)])
+        Path(f"set/table_{number}.txt").write_text(text)
+    Path("set/unread.txt").write_text("t [s],P [uN],h [nm]\n" + "0,1,nan\n" * 50)
+    assert drafted("set", "--columns", "time=t [s],load=P [uN],depth=h [nm]", "-o", "out") == 0
+    told = capsys.readouterr()
+    assert "5 of P2_T20" in told.out
+    assert "set/good_1.csv, good_1: lacks the columns named, and is read as palpate" in told.err
+    assert "set/unread.txt: has the columns t [s], P [uN], h [nm], but no row with a number in each" in told.err
+    assert "set/table_2.txt, table_2: is the same recording as set/good_2.csv, good_2; the test is left out" in told.err
 
 
 def test_every_test_in_air_is_refused(capsys):
@@ -164,6 +181,56 @@ def test_many_tests_behind_a_cantilever_are_few_conditions():
 def test_loads_that_form_levels_stay_conditions_of_their_own():
     loads = np.repeat([1.0, 1.2, 1.44], 12) * np.tile(np.linspace(0.995, 1.005, 12), 3)
     assert [len(group.recordings) for group in grouped([elastic(load, 20) for load in loads], Drive())] == [12, 12, 12]
+
+
+def test_near_loads_stay_levels_whatever_the_order():
+    loads = [2.0, 2.105, 2.001, 2.106, 2.002]
+    for order in (loads, loads[::-1]):
+        groups = grouped([elastic(load, 20) for load in order], Drive())
+        assert [len(group.recordings) for group in groups] == [3, 2]
+    assert levels([2.08, 2.0, 2.09, 2.01], float, 1.05) == [[2.0, 2.01], [2.08, 2.09]]
+    assert levels([2.08, 2.0], float, 1.05) == [[2.0, 2.08]]
+
+
+@pytest.mark.parametrize("missing", ["start", "end"])
+def test_a_test_whose_ends_were_seen_late_is_none_of_another_condition(missing):
+    """Half a second of forty, in which the load rises or falls by 2.5 %, and 1.5 s without load after it."""
+    whole = elastic(2.0, 20)
+    part = whole.time > 0.5 if missing == "start" else whole.time < 38.5
+    short = replace(whole.at(part), name="short")
+    if missing == "start":
+        short = replace(short, time=short.time - short.time[0], load=short.load - short.load[0])
+    (group,) = grouped([elastic(2.0, 20, name="a"), short, elastic(2.0, 20, name="b")], Drive())
+    assert {test.name for test in group.recordings} == {"a", "b", "short"}
+
+
+@pytest.mark.parametrize(("until", "told"), [(12.0, True), (22.0, True), (39.0, False)])
+def test_a_test_cut_in_the_middle_is_left_out(capsys, until, told):
+    whole = elastic(2.0, 20)
+    replace(whole.at(whole.time < until), name="").write("set/cut_4.csv")
+    assert drafted("set", "-o", "out") == 0
+    said = capsys.readouterr()
+    assert (
+        "set/cut_4.csv, cut_4: ends after" in said.err and "it was cut off; the test is left out" in said.err
+    ) == told
+    assert f"{3 if told else 4} of P2_T20" in said.out
+
+
+def test_tests_that_all_end_under_load_are_drafted():
+    whole = [elastic(load, 20, name=f"{load}") for load in (1.0, 2.0)]
+    assert cut_off([test.at(test.time < 20) for test in whole], Drive()) == {}
+    short = [replace(whole[1].at(whole[1].time < 15), name=f"{k}") for k in range(3)]
+    assert cut_off([whole[1], *short], Drive()) == {}, "they may be meant to end there"
+    assert cut_off([whole[1], short[0]], Drive()) == {short[0]: whole[1]}
+
+
+def test_noise_after_unloading_is_no_segment_of_a_trapezoid():
+    test = elastic(9.0, 5)
+    after = np.arange(1, 8) * 0.01
+    tail = np.append(test.load, 9.0 * np.linspace(0.0, 2e-3, 7))
+    noisy = Recording(np.append(test.time, test.time[-1] + after), tail, np.append(test.depth, np.zeros(7)), "noisy")
+    (group,) = grouped([noisy], Drive())
+    assert group.history["max_load"] == 9.0
 
 
 @pytest.fixture

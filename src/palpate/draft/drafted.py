@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.channel_noise import noise_of
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
+from palpate.inference.recording_checks import NOISE_PEAK
 from palpate.recordings.borne_load import check_borne
 from palpate.recordings.provenance import provenance
 from palpate.recordings.pull_off import pull_off
@@ -89,7 +91,8 @@ class Drafted:
 
 def _assumed(recording: Recording, begun: Recording) -> float:
     """Return how long the loading is that was put before the first point [s]."""
-    if len(begun) == len(recording) or recording.load[0] <= BARELY_LOADED * recording.load.max():
+    noise = NOISE_PEAK * noise_of(recording.load)
+    if len(begun) == len(recording) or recording.load[0] <= max(BARELY_LOADED * recording.load.max(), noise):
         return 0.0
     added, loading = float(begun.time[1]), float(begun.time[np.argmax(begun.load)])
     return added if added > max(NEXT_POINT * np.median(np.diff(recording.time)), BRIEF * loading) else 0.0

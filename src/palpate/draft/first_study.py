@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from palpate.configuration.study_file import Study, load_study
+from palpate.draft.cut_off import cut_off
 from palpate.draft.drafted import Drafted
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
@@ -23,7 +24,7 @@ from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
 from palpate.inference.study_recordings import check_given
-from palpate.recordings.recording import copies
+from palpate.recordings.recording import Recording, copies
 
 LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
 Report = Callable[[str], None]
@@ -88,6 +89,7 @@ def write_study(
     tests = _sound(tests, lambda test: check_unit(test.recording, tip), report)
     drive = Drive.by_all([test.recording for test in tests], stated)
     tests = _sound(tests, lambda test: drive.followed(test.recording), report)
+    tests = _without_cut_off(tests, drive, report)
     while True:
         try:
             return _drafted(tests, output, name, law, tip, drive)
@@ -165,6 +167,17 @@ def _without_copies(tests: Sequence[Drafted], report: Report) -> list[Drafted]:
     return [test for test in tests if test.recording not in left_out]
 
 
+def _without_cut_off(tests: Sequence[Drafted], drive: Drive, report: Report) -> list[Drafted]:
+    """Return the tests without those that were cut off, and say which are left out."""
+    found = cut_off([test.recording for test in tests], drive)
+    for cut, whole in found.items():
+        report(
+            f"{cut.name}: ends after {cut.time[-1]:.4g} s under {cut.load[-1]:.4g} mN, where {whole.name} goes on and "
+            "is unloaded: it was cut off; the test is left out"
+        )
+    return [test for test in tests if test.recording not in found]
+
+
 def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests: Sequence[Drafted]) -> Study:
     """Write a study and its recordings, and return it.
 
@@ -190,9 +203,18 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
             check_given(study)
             return study
         except InputError as error:
+            error = _in_names_of_tests(error, recordings)
             own = recordings.get(Path(error.file or ""))
             if own and len(tests) > 1:
                 raise Unsound(next(test for test in tests if test.recording is own), error) from None
             where = own.name if own else "the draft of these tests"
             remedy = LOOK if own and error.place != "depth_nm" else error.remedy
             raise InputError(error.problem, remedy=remedy, file=where, place=error.place) from None
+
+
+def _in_names_of_tests(error: InputError, recordings: Mapping[Path, Recording]) -> InputError:
+    """Return an error that names tests as they were given, not files that a draft would have written."""
+    problem = error.problem
+    for path, recording in recordings.items():
+        problem = problem.replace(path.name, recording.name)
+    return InputError(problem, remedy=error.remedy, file=error.file, place=error.place)

@@ -10,20 +10,20 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
-from palpate.base.classes import classes_of
-from palpate.draft.methods import LOADED, end_of_loading, of_one_method, with_the_middle_first
+from palpate.base.classes import classes_of, levels
+from palpate.draft.methods import LOADED, end_of_loading, of_one_method, the_middle
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.inference.observation import WHOLE
-from palpate.inference.recording_checks import check_drive
+from palpate.inference.recording_checks import LOAD_TOLERANCE, check_drive
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
-from palpate.recordings.segments import segments
+from palpate.recordings.segments import Segment, segments
 from palpate.study.protocol import LOAD
 
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
-UNLIKE = 1.25  # ratio of sizes from which on two tests need not be compared
+SAME_TIME = 1.05  # chosen: ratio of durations of one history, whose start and end are seen a little early or late
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,8 @@ class Group:
     name
         After the largest load [mN], or displacement [nm], and the time of loading [s], such as ``P2_T20``, ``D500_T5``.
     recordings
-        From contact on, in the order in which they were given; of one method that in the middle comes first.
+        From contact on, in the order in which they were given; but where a recorded load is followed, the shortest
+        comes first, or of one method that in the middle.
     history
         Keys of a study's condition: those of a trapezoid where the drive is one, else ``load_history: recorded``, with
         ``own_loads`` where tests of one method reach different loads.
@@ -49,8 +50,9 @@ class Group:
 def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
     """Return the tests by history of their drive, the smallest first.
 
-    Two tests are alike where a study would take each for a recording of a condition that follows the other. Groups of
-    one method whose tests reach different loads become one, see `palpate.draft.methods`.
+    Two tests are alike where a study would take the longer for a recording of a condition that follows the shorter, and
+    both last about as long. Groups of one method whose tests reach different loads become one, see
+    `palpate.draft.methods`.
 
     Parameters
     ----------
@@ -64,21 +66,27 @@ def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
     InputError
         When a test is too short to find its segments; with the recording's name as the file.
     """
-    exact = classes_of(recordings, lambda first, other: _alike(first, other, drive))
+    exact = [
+        alike
+        for level in levels(recordings, lambda one: float(drive.of(one).max()), 1.0 + LOAD_TOLERANCE)
+        for alike in classes_of(sorted(level, key=_duration), lambda first, other: _alike(first, other, drive))
+    ]
     found = of_one_method(exact, drive)
-    found.sort(key=lambda members: (drive.of(members[0]).max(), _loading_time(members[0], drive)))
+    found.sort(key=lambda members: _size_and_rise(members, drive))
     given: Counter[str] = Counter()
     groups: list[Group] = []
     for members in found:
-        largest = np.median([drive.of(member).max() for member in members])
-        letter, rise = "P" if drive.control == LOAD else "D", _loading_time(members[0], drive)
+        letter, (largest, rise) = "P" if drive.control == LOAD else "D", _size_and_rise(members, drive)
         stem = f"{letter}{_short(largest, 2)}_T{_short(rise, 2)}"
         name = stem + _suffix(given[stem])
         given[stem] += 1
+        history: dict[str, object]
         if any(members is each for each in exact):
-            history = _trapezoid(members, drive) or {"load_history": "recorded"}
+            followed, history = members[0], _trapezoid(members, drive) or {"load_history": "recorded"}
         else:
-            members, history = with_the_middle_first(members, drive), {"load_history": "recorded", "own_loads": True}
+            followed, history = the_middle(members, drive), {"load_history": "recorded", "own_loads": True}
+        first = followed if "load_history" in history else None
+        members = sorted(members, key=lambda one: (one is not first, recordings.index(one)))
         groups.append(Group(name, tuple(members), {**drive.keys, **history}))
     return groups
 
@@ -90,16 +98,19 @@ def _suffix(earlier: int) -> str:
     return f"z{earlier}"
 
 
-def _alike(first: Recording, other: Recording, drive: Drive) -> bool:
-    if not 1.0 / UNLIKE < drive.of(first).max() / drive.of(other).max() < UNLIKE:
+def _alike(shorter: Recording, longer: Recording, drive: Drive) -> bool:
+    if _duration(longer) > SAME_TIME * _duration(shorter):
         return False
     try:
-        for one, two in ((first, other), (other, first)):
-            protocol = drive.followed(one)
-            check_drive(protocol, aligned(two, protocol))
+        protocol = drive.followed(shorter)
+        check_drive(protocol, aligned(longer, protocol))
     except InputError:
         return False
     return True
+
+
+def _duration(recording: Recording) -> float:
+    return float(recording.time[-1])
 
 
 def _trapezoid(recordings: Sequence[Recording], drive: Drive) -> dict[str, object] | None:
@@ -111,7 +122,7 @@ def _trapezoid(recordings: Sequence[Recording], drive: Drive) -> dict[str, objec
     for recording in recordings:
         prescribed = drive.of(recording)
         try:
-            parts = segments(recording.time, prescribed)
+            parts = _loaded(segments(recording.time, prescribed), prescribed)
         except InputError as error:
             raise error.located(file=recording.name) from None
         if [part.kind for part in parts] not in (["loading", "unloading"], ["loading", "hold", "unloading"]):
@@ -128,6 +139,12 @@ def _trapezoid(recordings: Sequence[Recording], drive: Drive) -> dict[str, objec
     return dict(zip((f"max_{drive.control}", "loading_time", "hold_time", "unloading_time"), corners, strict=True))
 
 
+def _loaded(parts: Sequence[Segment], drive: np.ndarray) -> list[Segment]:
+    """Return the segments without those of noise after unloading."""
+    least = TRAPEZOIDAL * float(drive.max())
+    return [part for part in parts if drive[part.first : part.last + 1].max() > least]
+
+
 def _fitted(time: np.ndarray, drive: np.ndarray, start: Sequence[float]) -> np.ndarray:
     """Return size and times [s] of loading, hold and unloading of the trapezoid next to a recorded drive."""
     scale = np.array([start[0], *[time[-1]] * 3])
@@ -142,9 +159,11 @@ def _departure(corners: Sequence[float] | np.ndarray, time: np.ndarray, drive: n
     return drive - np.interp(time, np.cumsum([0.0, *durations]), [0.0, largest, largest, 0.0])
 
 
-def _loading_time(recording: Recording, drive: Drive) -> float:
-    prescribed = drive.of(recording)
-    return float(recording.time[end_of_loading(prescribed)]) / LOADED
+def _size_and_rise(members: Sequence[Recording], drive: Drive) -> tuple[float, float]:
+    """Return the largest drive of tests and their time of loading [s], medians."""
+    drives = [drive.of(member) for member in members]
+    rises = [member.time[end_of_loading(of)] / LOADED for member, of in zip(members, drives, strict=True)]
+    return float(np.median([of.max() for of in drives])), float(np.median(rises))
 
 
 def _short(value: float, digits: int = 3) -> str:

@@ -36,11 +36,10 @@ def of_one_method(groups: Groups, drive: Drive) -> Groups:
     return [group for members in joined for group in _by_method(members, drive)]
 
 
-def with_the_middle_first(recordings: Sequence[Recording], drive: Drive) -> list[Recording]:
-    """Return recordings with that first whose size and duration lie nearest to the medians."""
+def the_middle(recordings: Sequence[Recording], drive: Drive) -> Recording:
+    """Return the recording whose size and duration lie nearest to the medians."""
     sizes = np.log([[drive.of(recording).max(), recording.time[-1]] for recording in recordings])
-    middle = int(np.argmin(np.abs(sizes - np.median(sizes, axis=0)).sum(axis=1)))
-    return [recordings[middle], *recordings[:middle], *recordings[middle + 1 :]]
+    return recordings[int(np.argmin(np.abs(sizes - np.median(sizes, axis=0)).sum(axis=1)))]
 
 
 def end_of_loading(channel: np.ndarray) -> int:
@@ -62,7 +61,7 @@ def _levels(groups: Groups, drive: Drive) -> list[Groups]:
     ordered = sorted(groups, key=lambda group: _size(group, drive))
     levels = [ordered[:1]]
     for before, after in pairwise(ordered):
-        if _size(after, drive) > GAP * _size(before, drive):
+        if min(_sizes(after, drive)) > GAP * max(_sizes(before, drive)):
             levels.append([])
         levels[-1].append(after)
     return levels
@@ -82,7 +81,11 @@ def _spread(level: Groups, drive: Drive) -> Groups:
 
 
 def _size(group: Sequence[Recording], drive: Drive) -> float:
-    return float(np.median([drive.of(recording).max() for recording in group]))
+    return float(np.median(_sizes(group, drive)))
+
+
+def _sizes(group: Sequence[Recording], drive: Drive) -> list[float]:
+    return [float(drive.of(recording).max()) for recording in group]
 
 
 def _same_shape(one: Recording, other: Recording, drive: Drive) -> bool:

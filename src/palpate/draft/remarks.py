@@ -114,7 +114,7 @@ def on_stiffness(law: str, solid: Solid) -> list[str]:
     if law == POLYMER and solid.stiff:
         return [f"{remark} no polymer's; --law bilinear_plasticity is for metals and ceramics; or are loads in uN?"]
     if solid.secant < SOFTEST_PLASTIC:
-        return [f"{remark} a gel's or a rubber's; where it is neither: are depths in pm, or loads in N?"]
+        return [f"{remark} a gel's or a rubber's; if the sample is neither: are depths in pm, or loads in N?"]
     return []
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from palpate.base.sentences import and_more
 from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
+from palpate.recordings.contact_interval import interval_of
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers.in_air import air_at_start, suspects
@@ -19,6 +20,7 @@ from palpate.recordings.recording_file import other_files
 from palpate.study.protocol import LOAD
 from palpate.study.recorded_history import averaged_over, swing
 
+OF_READ = "`palpate read --contact auto` finds the contact"
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
@@ -31,12 +33,12 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     oscillate.
     """
     yield from _apart(tests)
-    for test in suspects(tests):
-        yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test))
+    for test in suspects([test for test in tests if interval_of(test) is None]):
+        yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test, OF_READ))
     for test in filter(begins_off_contact, tests):
         yield (
             f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
-            "(`palpate read --contact auto` finds the contact point)"
+            f"({OF_READ})"
         )
     yield from _jumps(tests)
     yield from _pulled(condition, tests)

@@ -13,7 +13,7 @@ from palpate.base.discovery import discover
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
-from palpate.recordings.readers.columns import missing_channel, read_columns
+from palpate.recordings.readers.columns import holds_columns, missing_channel, read_columns
 from palpate.recordings.readers.source import Source, numbers_of
 from palpate.recordings.readers.tagged import remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
@@ -74,7 +74,7 @@ def read_vendor_file(
     contact
         Where the tests begin: see `palpate.recordings.readers.zero.zeroed` and `zeroed_each`.
     columns
-        Where a table of no known format holds time, load and depth; the file is then read by it alone.
+        Where a table holds time, load and depth; a file of a known format that lacks these columns is read as such.
 
     Raises
     ------
@@ -183,12 +183,13 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
 
 def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
-    if columns is not None and not no_table(source):
+    reader = next((reader for reader in READERS.values() if reader.matches(source)), None)
+    if columns is not None and not no_table(source) and (reader is None or holds_columns(source, columns)):
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
-    for reader in READERS.values():
-        if reader.matches(source):
-            return reader.read(source, corrections)
+    if reader is not None:
+        message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
+        return [_with(message, test) for test in reader.read(source, corrections)]
     missing = None if no_table(source) else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
@@ -198,6 +199,11 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
             file=source.path,
         )
     raise unknown(source)
+
+
+def _with(messages: tuple[str, ...], test: VendorTest | Unreadable) -> VendorTest | Unreadable:
+    """Return a test with messages before its own."""
+    return test if isinstance(test, Unreadable) else replace(test, warnings=(*messages, *test.warnings))
 
 
 def _printable(test: VendorTest | Unreadable) -> VendorTest | Unreadable:

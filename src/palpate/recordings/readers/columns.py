@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.recordings.readers.column_map import ColumnMap
+from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.column_warnings import column_warnings
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
@@ -55,6 +55,11 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
     unused = [table for table, of_table in zip(tables, found, strict=True) if source.workbook and not of_table]
     without = [left_out(table, columns) for table in unused]
     return [*unless_all_fail(tests), *(sheet for sheet in without if sheet)]
+
+
+def holds_columns(source: Source, columns: ColumnMap) -> bool:
+    """Return whether a table of a file has the columns."""
+    return any(columns_of(table, columns) is not None for table in tables_of(source))
 
 
 def missing_channel(source: Source) -> str | None:

@@ -46,6 +46,11 @@ def air_before(recording: Recording) -> ContactPoint | None:
     return point if retreated or deeper else None
 
 
+def seems_in_air(r: Recording) -> bool:
+    """Return whether the tip retreats at first, or both a coarse fit and a load in its noise show air."""
+    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and rough_share(r) > SHARE)
+
+
 def _level(r: Recording, point: ContactPoint) -> bool:
     """Return whether the load before contact departs from its baseline by no more than noise, or hardly."""
     air = slice(0, max(int(np.argmax(r.depth > point.lower)), 1))
@@ -114,16 +119,21 @@ def suspects(tests: Sequence[Recording]) -> list[Recording]:
     return [test for test in tests if id(test) in found]
 
 
-def air_at_start(r: Recording, marked: bool = True, remedy: str = FINDS) -> tuple[str, ...]:
-    """Return a warning where a recording that should begin at contact, which the file marked or not, begins in air."""
-    if _retreats(r):
-        message = f"the tip retreats by {_first_retreat(r.load, r.depth):.3g} nm after contact, before the load rises"
-    elif (still := resting(r.load, r.depth)) > SHARE and (rough := rough_share(r)) > SHARE:
-        share, since = 100 * min(float(still), rough), "the file's contact" if marked else "its first point"
-        message = f"the load does not rise over the first {share:.2g} % of the depth, counted from {since}"
-    else:
+def retreats_at_start(r: Recording, remedy: str = FINDS) -> tuple[str, ...]:
+    """Return a warning where the tip of a recording that should begin at contact retreats before the load rises."""
+    if not _retreats(r):
         return ()
-    return (f"{message} ({remedy})",)
+    retreat = _first_retreat(r.load, r.depth)
+    return (f"the tip retreats by {retreat:.3g} nm after contact, before the load rises ({remedy})",)
+
+
+def air_at_start(r: Recording, remedy: str = FINDS) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact begins in air, by the search for contact."""
+    told = retreats_at_start(r, remedy)
+    if told or not seems_in_air(r) or (point := air_before(r)) is None:
+        return told
+    share = 100 * share_in_air(r, point)
+    return (f"the load does not rise over the first {share:.2g} % of the depth: the test begins in air ({remedy})",)
 
 
 def risen_before(r: Recording, begin: int) -> tuple[str, ...]:

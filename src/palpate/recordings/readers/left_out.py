@@ -18,6 +18,13 @@ def nothing_found(tables: Sequence[Table], columns: ColumnMap) -> InputError:
     unsaved = [error for table in tables if (error := _unsaved(table, columns))]
     if unsaved:
         return unsaved[0]
+    named = any(not columns.names[key].isdecimal() for key in CHANNELS)
+    if named and any(columns_of(table, columns) is not None for table in tables):
+        return InputError(
+            f"has the columns {_named(columns)}, but no row with a number in each{_row_with_digits(tables, columns)}",
+            remedy="export it again, or leave it out",
+            file=tables[0].source.path,
+        )
     return InputError(
         f"holds no table with numbers in the columns {_named(columns)}{_row_with_digits(tables, columns)}",
         remedy=f"name columns of its header ({header_of(tables)}), or give their numbers from 1",

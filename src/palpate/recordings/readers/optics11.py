@@ -70,10 +70,13 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
 
 
 def _marked(indentation: np.ndarray) -> bool:
-    """Return whether the column gives contact: it is zero before it, or negative from far before it on."""
+    """Return whether the column gives contact: it is zero before it, or negative from far before it on.
+
+    A first point alone is no approach: the column may count from where the file begins.
+    """
     largest = float(indentation.max())
     before = indentation[: _last_free(indentation) + 1]
-    return largest > 0.0 and bool(before[-1] == 0.0 or before.min() < -DEEP * largest)
+    return largest > 0.0 and len(before) > 1 and bool(before[-1] == 0.0 or before.min() < -DEEP * largest)
 
 
 def _last_free(indentation: np.ndarray) -> int:

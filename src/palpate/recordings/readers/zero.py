@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.borne_load import LEAST_RISE, check_borne
 from palpate.recordings.contact_interval import interval_note
-from palpate.recordings.contact_point import ContactPoint, first_touch, touch_at
+from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
     FINDS,
     SHARE,
@@ -20,7 +21,9 @@ from palpate.recordings.readers.in_air import (
     air_at_start,
     air_before,
     retreat_before,
+    retreats_at_start,
     risen_before,
+    seems_in_air,
     share_in_air,
     sloping,
     until_retreat,
@@ -77,7 +80,8 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
         raise error.located(place=test.name) from None
     messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
     begins = begun(r, point, FOUND if found else GIVEN)
-    air = air_at_start(begins, remedy="--contact NM puts contact elsewhere")
+    look = retreats_at_start if found else air_at_start
+    air = look(begins, remedy="--contact NM puts contact elsewhere")
     return _ended(test, begins, (*messages, *air, *sloping(r, point.index)))
 
 
@@ -94,7 +98,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
             *rested,
             *_off_zero(moving),
             *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
-            *air_at_start(moving, test.marked),
+            *(air_at_start if test.marked else retreats_at_start)(moving),
             *sloping(r, begin),
         )
         return _ended(test, moving, messages)
@@ -115,7 +119,7 @@ def _sought(whole: Recording, moving: Recording) -> tuple[Recording, ContactPoin
     it shows the load without contact.
     """
     air = air_before(moving)
-    if air is None and len(whole) > len(moving) and (begins_off_contact(moving) or air_at_start(moving)):
+    if air is None and len(whole) > len(moving) and (begins_off_contact(moving) or seems_in_air(moving)):
         return whole, air_before(whole)
     return moving, air
 
@@ -136,7 +140,7 @@ def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
     because = f" (the load in air shows {', '.join(bent)})" if bent else ""
     return (
         f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / depth:.0%} of the test's depth"
-        f"{because}: the interval goes along as the range of a zero offset",
+        f"{because}: a diagnosis tries every zero of the depth within it",
     )
 
 
@@ -253,7 +257,8 @@ def begins_off_contact(recording: Recording) -> bool:
 def _loaded_before(load: np.ndarray, begin: int) -> tuple[str, ...]:
     """Return a warning where the last points of an approach that ends at point `begin` read a load."""
     level = float(np.median(load[max(0, begin - LAST_FREE + 1) : begin + 1]))
-    if not begin or abs(level) <= BARELY_LOADED * load.max():
+    noise = CLEAR * noise_of(load) / LAST_FREE**0.5
+    if not begin or abs(level) <= max(BARELY_LOADED * load.max(), noise):
         return ()
     return (f"the load reads {level:.3g} mN before contact (--contact auto counts it from there)",)
 
