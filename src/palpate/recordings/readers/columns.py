@@ -13,6 +13,7 @@ from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.column_warnings import column_warnings
 from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
+from palpate.recordings.readers.rising_time import increasing, stands_still
 from palpate.recordings.readers.several_tests import Channels, Part, ends, taken, whole
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
@@ -23,7 +24,6 @@ from palpate.recordings.readers.vendor import (
     Unreadable,
     VendorTest,
     attempt,
-    increasing,
     unfinished,
     unless_all_fail,
 )
@@ -195,19 +195,25 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
         if rows.any()
     ]
     left_out = int((spoilt | late).sum())
-    messages = (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    messages = [f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}"] if causes else []
+    if late[begin]:
+        first = part.rows[begin]
+        written = ", ".join(str(cell) for cell in cells.rows[first])
+        messages.append(
+            f"{written!r} ({cells.place(first)}) is no value; if these are factors, --units must count them"
+        )
     kept, thinned = spaced(kept)
     return kept, (*messages, *thinned)
 
 
 def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
     """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
-    first, time = int(damaged[0]), part.channels[0]
+    first, filled = int(damaged[0]), whole(part.channels) & ~part.idle
     row = part.rows[first]
     written = ", ".join(str(cell) for cell in cells.rows[row])
-    what = "does not come later than the rows before" if late[first] else "is not three numbers"
+    what = "is out of order in time" if late[first] else "is not three numbers"
     remedy = "correct them, export the test again, or write each of several tests to a file of its own"
-    if late[damaged].all() and (time[late] == np.fmax.accumulate(time)[late]).all():
+    if late[damaged].all() and stands_still(taken(part.channels[0], filled), ~late[filled])[late[filled]].all():
         what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
     problem = f"{written!r} {what}; {len(damaged)} of {count} rows cannot be used"
     return InputError(problem, remedy=remedy, place=cells.place(row))
