@@ -127,11 +127,12 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
 
     Such a value is the same in few rows, and farther from all others of its channel than these are from one another. At
     the end it may be the specimen's: a film that breaks. A zero drops out where it stands alone between two values that
-    are far from it and near each other. None is a time's.
+    are far from it and near each other, while the other one of load and depth, which come behind the time, is not zero.
+    None is a time's.
     """
     found = list(channels)
     for k, channel in enumerate(channels[1:], 1):
-        dropped = _dropped_out(channel)
+        dropped = _dropped_out(channel, channels[3 - k]) if k < 3 <= len(channels) else ()
         if len(dropped):
             found[k] = channel = channel.copy()
             channel[dropped] = np.inf
@@ -149,15 +150,19 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
     return found
 
 
-def _dropped_out(channel: np.ndarray) -> np.ndarray:
-    """Return the rows (m,) of zeros of a channel (n,) that stand alone between values far from them."""
+def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the rows (m,) of zeros of a channel (n,) that stand alone between values far from them.
+
+    The `other` one, depth or load, is not zero there, as it is where a test begins.
+    """
     zeros = 1 + np.flatnonzero((channel[1:-1] == 0) & (channel[:-2] != 0) & (channel[2:] != 0))
     if not len(zeros) or len(zeros) > FEW * len(channel):
         return zeros[:0]
     before, after = channel[zeros - 1], channel[zeros + 1]
-    finite = channel[np.isfinite(channel)]
+    spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
+    pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
     near = np.abs(after - before) <= np.abs(before) / TWICE
-    return zeros[near & (np.abs(before) > LIKE * np.ptp(finite)) & np.isfinite(before + after)]
+    return zeros[pressed & near & (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)]
 
 
 def _extremes(values: np.ndarray) -> tuple[float, float]:
