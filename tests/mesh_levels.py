@@ -1,6 +1,7 @@
 """How far the depth at `accuracy: standard` lies from the value to which refined meshes extrapolate.
 
-The rings of two finer meshes grow by 1.05 and 1.033, with 16 and 24 sectors; all take the same steps. The limit at each sample is that of depth = limit + slope h^2, with h the logarithm of the growth.
+The rings of two finer meshes grow by 1.05 and 1.033, with 16 and 24 sectors; all take the same steps. The limit at each
+sample is that of depth = limit + slope h^2, with h the logarithm of the growth.
 
     python tests/mesh_levels.py
 

@@ -169,7 +169,7 @@ def test_rows_are_left_out_with_a_word(tmp_path, changes, warning, capsys):
             {k: f"{k},{100 - k},1'00" for k in range(90, 101)},
             r"line 92: .90, 10, 1.00. is not three numbers; 11 of 101",
         ),
-        ({k: f"{k - 50},1,1" for k in range(60, 70)}, r"line 62: .10, 1, 1. does not come later .* 10 of 101 rows"),
+        ({k: f"{k - 50},1,1" for k in range(60, 70)}, r"line 62: .10, 1, 1. is out of order in time; 10 of 101 rows"),
         (dict.fromkeys(range(1, 101), "a,b,c"), "line 2: is the only row of numbers"),
     ],
 )

@@ -74,3 +74,14 @@ def test_a_series_that_is_cut_off_in_its_last_test_says_so(tmp_path):
     whole, cut = read_each(file)
     assert whole.warnings == ()
     assert cut.warnings == ("ends under 255.9 of 300 mN, not unloaded; the file may be cut off",)
+
+
+ODD = [(1.0, 1e-3, ""), (1.0, 1.0, "hmax = 1.535 µm"), (1e3, 1e-3, "Fmax = 300.000 mN")]
+
+
+@pytest.mark.parametrize(("load", "depth", "odd"), ODD)
+def test_units_that_the_stated_maxima_contradict_are_reported(tmp_path, load, depth, odd):
+    body = "\n".join(f"{load * f:.6g}\t{depth * h:.6g}\t{t:.6g}" for t, f, h in zip(TIME, LOAD, DEPTH, strict=True))
+    (test,) = read_vendor_file(export(tmp_path, body), contact="none")
+    said = [warning for warning in test.warnings if "one of the units may be wrong" in warning]
+    assert bool(said) == bool(odd) and all(odd in warning for warning in said)

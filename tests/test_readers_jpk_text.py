@@ -60,7 +60,9 @@ def test_the_tip_s_way_the_force_and_the_time_are_read(tmp_path, names):
     assert (test.marked, test.warnings) == (False, ())
 
 
-@pytest.mark.parametrize(("unit", "deflection"), [("m", FORCE / SPRING), ("V", FORCE / SPRING / SENSITIVITY)])
+@pytest.mark.parametrize(
+    ("unit", "deflection"), [("m", FORCE / SPRING), ("µm", 1e6 * FORCE / SPRING), ("V", FORCE / SPRING / SENSITIVITY)]
+)
 def test_a_deflection_is_brought_to_a_force_by_what_the_header_states(tmp_path, unit, deflection):
     columns = COLUMNS | {"vDeflection": (unit, deflection)}
     names = ("vDeflection", "strainGaugeHeight", "seriesTime")

@@ -181,3 +181,11 @@ def test_numbers_that_several_names_share_are_those_of_their_order():
     for wanted, name in (("1", "Test 3_1"), ("2", "Test 3_2"), ("7", "Test 7")):
         with pytest.raises(InputError, match=name):
             select(tests, wanted, "x.txt")
+
+
+@pytest.mark.parametrize(("bracket", "below"), [("mN", "uN"), ("µN", "N")])
+def test_two_units_of_one_column_are_refused(tmp_path, bracket, below):
+    names, units = ("Time (sec)", f"Load ({bracket})", "Depth (NM)"), ("s", below, "nm")
+    file = write_workbook(tmp_path / "x.xlsx", {"Test 1": sheet(names, units)})
+    with pytest.raises(InputError, match=r"sheet Test 1: Load is in '[mu]N and u?N'"):
+        read_vendor_file(file)

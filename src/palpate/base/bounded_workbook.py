@@ -16,15 +16,18 @@ class Workbook:
     Parameters
     ----------
     sheets
-        Rows of each sheet by its name, and the number of the first that holds anything, from 1.
+        Rows of each sheet by its name, and the numbers of its first row and first column that hold anything, from 1.
     damaged
         What is wrong with the sheets that cannot be read, by their names.
+    hidden
+        The names of sheets that a spreadsheet program does not show.
     problem
         What is wrong with the whole workbook; empty where nothing is.
     """
 
-    sheets: dict[str, tuple[int, list[list[Any]]]] = field(default_factory=dict)
+    sheets: dict[str, tuple[int, int, list[list[Any]]]] = field(default_factory=dict)
     damaged: dict[str, str] = field(default_factory=dict)
+    hidden: list[str] = field(default_factory=list)
     problem: str = ""
 
 
@@ -34,9 +37,9 @@ def read_workbook(content: bytes) -> Workbook:
     return Workbook(problem=BEYOND) if found is None else Workbook(*found)
 
 
-def _read(content: bytes) -> tuple[dict[str, tuple[int, list[list[Any]]]], dict[str, str], str]:
+def _read(content: bytes) -> tuple[dict[str, tuple[int, int, list[list[Any]]]], dict[str, str], list[str], str]:
     """Return what a `Workbook` holds."""
-    from python_calamine import CalamineWorkbook
+    from python_calamine import CalamineWorkbook, SheetVisibleEnum
 
     sheets, damaged = {}, {}
     try:
@@ -44,16 +47,18 @@ def _read(content: bytes) -> tuple[dict[str, tuple[int, list[list[Any]]]], dict[
     except MemoryError:
         raise
     except BaseException as error:  # on some damage the library panics, which is no Exception
-        return {}, {}, str(error)
+        return {}, {}, [], str(error)
     for name in workbook.sheet_names:
         try:
             sheet = workbook.get_sheet_by_name(name)
-            sheets[name] = (sheet.start or (0, 0))[0] + 1, sheet.to_python()
+            row, column = sheet.start or (0, 0)
+            sheets[name] = row + 1, column + 1, sheet.to_python()
         except MemoryError:
             raise
         except BaseException as error:
             damaged[name] = str(error)
-    return sheets, damaged, ""
+    hidden = [sheet.name for sheet in workbook.sheets_metadata if sheet.visible != SheetVisibleEnum.Visible]
+    return sheets, damaged, hidden, ""
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import holds_columns, missing_channel, read_columns
 from palpate.recordings.readers.source import Source, numbers_of
-from palpate.recordings.readers.tagged import remarked, set_aside, taken
+from palpate.recordings.readers.tagged import no_less_hidden, not_shown, remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import no_table, unknown
 from palpate.recordings.readers.vendor import (
@@ -111,9 +111,10 @@ def read_each(
             source = Source(path, stream)
             if all(block.isspace() for block in source.blocks()):
                 raise InputError("is empty", remedy="export or copy it again", file=path)
-            tests = [_printable(test) for test in _whole(source, corrections, columns)]
-            aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
-            return unless_all_fail(remarked(source, aside))
+            with no_less_hidden(source):
+                tests = [_printable(test) for test in _whole(source, corrections, columns)]
+                aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
+                return [*unless_all_fail(remarked(source, aside)), *not_shown(source)]
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except InputError as error:

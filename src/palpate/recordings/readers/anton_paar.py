@@ -17,6 +17,8 @@ from palpate.recordings.recording import Recording
 BRACKET = re.compile(r"[\[({<]")  # before each unit
 LARGEST = {"load": "Fmax", "depth": "hmax"}  # among the results above the values
 SHORT = 0.02  # of these
+TWICE = 2.0  # of these: what is beyond is in another unit
+UNITS_APART = 100.0  # so is what falls short by more, chosen
 
 
 def matches(source: Source) -> bool:
@@ -53,20 +55,25 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     kept, warnings = usable(source, "measured values", time, load, depth)
     recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
     facts = metadata(lines[:start])
-    messages = (*warnings, *less_than_stated(recording, facts), *unfinished(recording.load))
+    messages = (*warnings, *unlike_stated(recording, facts), *unfinished(recording.load))
     return [VendorTest(path.stem, recording, facts, messages, marked=False)]
 
 
-def less_than_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
-    """Return a warning for each of load and depth whose largest value falls short of the file's own."""
+def unlike_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return a warning for each of load and depth whose largest value falls short of the file's own, or is far beyond.
+
+    The `facts` hold these under the names of `LARGEST`, each with its unit.
+    """
     messages = []
     for key, values in (("load", recording.load), ("depth", recording.depth)):
         name = LARGEST[key]
-        with suppress(InputError, ValueError):
+        with suppress(InputError, ValueError, ZeroDivisionError):
             value, unit = facts.get(name, "").rsplit(maxsplit=1)
-            if values.max() < (1 - SHORT) * number(value) * scale(key, unit):
+            share = values.max() / (number(value) * scale(key, unit))
+            if share < 1 - SHORT or share > TWICE:
                 found = f"the largest {key} is {values.max():.4g} {CHANNELS[key]}"
-                messages.append(f"{found}, the file states {name} = {facts[name]}; the file may be cut off")
+                odd = "the file may be cut off" if 1 / UNITS_APART < share < 1 else "one of the units may be wrong"
+                messages.append(f"{found}, the file states {name} = {facts[name]}; {odd}")
     return tuple(messages)
 
 

@@ -16,7 +16,8 @@ ROUNDS = {DAY: (DAY, DAY / 2), HOUR: (HOUR,)}  # a clock of twelve hours may not
 LARGEST_STEP = 2.0  # of the largest step elsewhere: a clock that begins anew goes on with a step such as the others
 ISO = re.compile(r"\d{4}-?\d\d-?\d\d[T ]\d\d.*")
 CLOCK = re.compile(
-    r"(?:(?P<days>\d+) ?d(?:ays?)?,? )?(?:(?P<date>[^:]*\d[^:]*?),?[ T]+)??(?:(?P<before>[ap])\.?m\.? ?)?"
+    r"(?P<sign>[-−])?(?:(?P<days>\d+) ?d(?:ays?)?,? )?"
+    r"(?:(?P<date>[^:]*\d[^:]*?),?[ T]+)??(?:(?P<before>[ap])\.?m\.? ?)?"
     r"(?:(?P<hours>\d+):)?(?P<minutes>\d+):(?P<seconds>[0-5]?\d(?:[.,]\d+|:\d{3})?)"
     r" ?(?:(?P<after>[ap])\.? ?m\.?)?(?: ?(?:Z|[-+]\d\d:?\d\d))?(?: \d{4})?",
     re.IGNORECASE,
@@ -55,9 +56,9 @@ class Reading:
 def seconds(cells: Sequence[Any], heading: str = "") -> tuple[list[Any], tuple[str, ...]]:
     """Return a column's times [s] in place of what is written as a clock or a date does, others as they are.
 
-    Known are ``1:02:03.5``, ``02:03.5`` (minutes and seconds), ``11:59:40 PM``, ``2024-03-05T23:59:40Z``, a date before
-    a clock, and a workbook's times, dates and durations. A clock that passes midnight, or the hour where no hours are
-    written, goes on.
+    Known are ``1:02:03.5``, ``-02:03.5`` (minutes and seconds), ``11:59:40 PM``, ``2024-03-05T23:59:40Z``, a date
+    before a clock, and a workbook's times, dates and durations. A clock that passes midnight, or the hour where no
+    hours are written, goes on.
 
     Parameters
     ----------
@@ -128,6 +129,9 @@ def _of_calendar(moment: datetime.datetime) -> Reading:
 
 def _of_clock(part: dict[str, str | None], text: str, heading: str) -> Reading | None:
     """Return what the parts of a clock's text show; None where no clock shows that."""
+    if part["sign"]:
+        shown = _of_clock(part | {"sign": None}, text, heading)
+        return shown and replace(shown, seconds=-shown.seconds)
     minutes, rest = int(part["minutes"] or 0), str(part["seconds"])
     half, date = part["before"] or part["after"], part["date"] or ""
     if part["hours"] is None and rest.isdecimal() and not MINUTES_FIRST.search(heading):

@@ -49,14 +49,19 @@ class ColumnMap:
             scale(key, unit)
 
 
+def called(cell: object) -> str:
+    """Return a column's name as it is compared: single blanks, and no sign of a comment, ``#`` or ``%``, before it."""
+    return " ".join(plain(str(cell)).lstrip("#% ").split())
+
+
 def columns_of(table: Table, columns: ColumnMap) -> tuple[int | None, list[int]] | None:
     """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
     given = [columns.names[key].strip() for key in CHANNELS]
     if all(name.isdecimal() and int(name) > 0 for name in given):
         return None, [int(name) - 1 for name in given]
-    wanted = [plain(name) for name in given]
+    wanted = [called(name) for name in given]
     for number in table.aside:
-        cells = [plain(str(cell)) for cell in table.rows[number]]
+        cells = [called(cell) for cell in table.rows[number]]
         if all(name in cells for name in wanted):
             for name in wanted:
                 if cells.count(name) > 1:

@@ -11,8 +11,9 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.column_warnings import column_warnings
-from palpate.recordings.readers.headings import channel_of, is_row_of_units, is_word, stated
+from palpate.recordings.readers.headings import OF_UNITS, channel_of, in_prose, is_row_of_units, is_word, stated
 from palpate.recordings.readers.left_out import left_out, nothing_found
+from palpate.recordings.readers.rising_time import increasing, stands_still
 from palpate.recordings.readers.several_tests import Channels, Part, ends, taken, whole
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.table_body import TableBody, body_of, is_numeric, parts_of
@@ -23,11 +24,13 @@ from palpate.recordings.readers.vendor import (
     Unreadable,
     VendorTest,
     attempt,
-    increasing,
     unfinished,
     unless_all_fail,
 )
 from palpate.recordings.recording import Recording, spaced
+
+LONG_AGO = 1e6  # of a test's duration, chosen: what counts from longer ago is a calendar's time
+EPOCH = (1e9, 4.2e9)  # seconds since 1970, in the years 2001 to 2103
 
 
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
@@ -104,6 +107,7 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
     messages = (*body.messages, *part.messages, *messages)
     if assumed:
+        _check_assumed(table, columns, assumed, part.channels[0][kept])
         messages += (f"no unit is stated: {', '.join(f'{key} taken as {CHANNELS[key]}' for key in assumed)} (--units)",)
     time, load, depth = (
         channel[kept] * scale(key, units[key]) for channel, key in zip(part.channels, CHANNELS, strict=True)
@@ -136,19 +140,40 @@ def _units(
     units = {}
     for k, key in enumerate(CHANNELS):
         heading = "" if header is None else above[header][k]
-        beside = [row[k] for row in alone if row[k]]
+        beside = [row[k] for row in alone if row[k] and not OF_UNITS.search(row[k])]
         given = clock_unit if clock_unit and key == "time" else columns.units.get(key)
         units[key] = given or stated(key, columns.names[key], heading, beside)
     assumed = [key for key, unit in units.items() if unit is None]
     return {key: unit or CHANNELS[key] for key, unit in units.items()}, assumed
 
 
+def _check_assumed(table: Table, columns: ColumnMap, assumed: Sequence[str], time: np.ndarray) -> None:
+    """Refuse a unit that would be assumed where the file says another, or where a calendar gives the `time` (n,)."""
+    for row in table.aside:
+        line = ", ".join(str(cell) for cell in table.rows[row] if is_word(str(cell)))
+        for key, unit in in_prose(line).items():
+            if key in assumed and unit != CHANNELS[key]:
+                raise InputError(
+                    f"column {columns.names[key]} has no unit beside it, and {line[:60]!r} says {unit}",
+                    remedy=f"state it by --units {key}=UNIT (in a study by source.units)",
+                    place=table.place(row),
+                )
+    begin, duration = abs(float(time[0])), float(np.ptp(time))
+    if "time" in assumed and begin > LONG_AGO * duration and not EPOCH[0] <= begin < EPOCH[1]:
+        raise InputError(
+            f"has no unit beside it; it begins at {begin:.12g} and lasts {duration:.3g}, as days or milliseconds of a "
+            "calendar do",
+            remedy="state the unit by --units time=UNIT (in a study by source.units), such as d or ms",
+            place=f"column {columns.names['time']}",
+        )
+
+
 def _check_width(table: Table, header: int | None, begin: int, filled: np.ndarray) -> None:
     """Refuse rows of numbers where a separator within a number, or within a name, has torn the cells apart.
 
-    These are the rows `filled` (n,) from the one `begin` on. They have more cells than the header; or where there is
-    none, more than three, and not one with a decimal sign. In a table split at blanks they have fewer than a header
-    whose names hold blanks.
+    These are the rows `filled` (n,) from the one `begin` on. They have more numbers than the header has cells; or where
+    there is none, more than three, and not one with a decimal sign. In a table split at blanks they have fewer than a
+    header whose names hold blanks.
     """
     width = len(CHANNELS) if header is None else len(table.rows[header])
     if table.core:  # whose rows are all as wide
@@ -158,7 +183,7 @@ def _check_width(table: Table, header: int | None, begin: int, filled: np.ndarra
     rows = [begin + int(row) for row in np.flatnonzero(filled)]
     if header is None and any(re.search("[.,]", str(cell)) for row in rows for cell in table.rows[row]):
         return
-    wider = next((row for row in rows if any(str(cell).strip() for cell in table.rows[row][width:])), None)
+    wider = next((row for row in rows if any(is_numeric([cell], [0]) for cell in table.rows[row][width:])), None)
     if table.delimiter == " " and len(table.rows[rows[0]]) < width:
         row, remedy = rows[0], "give the columns by their numbers, from 1"
     elif wider is not None:
@@ -200,19 +225,25 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
         if rows.any()
     ]
     left_out = int((spoilt | late).sum())
-    messages = (f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}",) if causes else ()
+    messages = [f"{left_out} of {left_out + len(kept)} rows left out: {', '.join(causes)}"] if causes else []
+    if late[begin]:
+        first = part.rows[begin]
+        written = ", ".join(str(cell) for cell in cells.rows[first])
+        messages.append(
+            f"{written!r} ({cells.place(first)}) is no value; if these are factors, --units must count them"
+        )
     kept, thinned = spaced(kept)
     return kept, (*messages, *thinned)
 
 
 def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, count: int) -> InputError:
     """Return the error of a test of which so many rows, `damaged`, of `count` would be left out."""
-    first, time = int(damaged[0]), part.channels[0]
+    first, filled = int(damaged[0]), whole(part.channels) & ~part.idle
     row = part.rows[first]
     written = ", ".join(str(cell) for cell in cells.rows[row])
-    what = "does not come later than the rows before" if late[first] else "is not three numbers"
+    what = "is out of order in time" if late[first] else "is not three numbers"
     remedy = "correct them, export the test again, or write each of several tests to a file of its own"
-    if late[damaged].all() and (time[late] == np.fmax.accumulate(time)[late]).all():
+    if late[damaged].all() and stands_still(taken(part.channels[0], filled), ~late[filled])[late[filled]].all():
         what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
     problem = f"{written!r} {what}; {len(damaged)} of {count} rows cannot be used"
     return InputError(problem, remedy=remedy, place=cells.place(row))

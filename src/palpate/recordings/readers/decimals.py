@@ -1,6 +1,7 @@
 """Numbers of a table whose decimal sign nobody states: a point or a comma; the other one may part thousands.
 
-So may a narrow, a thin or another blank that breaks no line, and an apostrophe, straight or curved.
+So may a blank, narrow, thin or any other, and an apostrophe, straight or curved. The sign of a negative number may be
+a minus of Unicode's.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ OTHER = {".": ",", ",": "."}
 PARTING = "'\u2019\x92\u2009\u202f\xa0"  # the third is the second of Windows-1252, read as Latin-1
 WRITTEN = {
     sign: re.compile(
-        rf"[-+]?(?:(?:\d+[{sign}]?\d*|[{sign}]\d+)(?:[eE][-+]?\d+)?"
-        rf"|[1-9]\d{{0,2}}([{other}{PARTING}])\d{{3}}(?:\1\d{{3}})*(?:[{sign}]\d*)?)"
+        rf"[-+−]?(?:(?:\d+[{sign}]?\d*|[{sign}]\d+)(?:[eE][-+]?\d+)?"
+        rf"|[1-9]\d{{0,2}}([{other}{PARTING} ])\d{{3}}(?:\1\d{{3}})*(?:[{sign}]\d*)?)"
     )
     for sign, other in OTHER.items()
 }
@@ -75,5 +76,5 @@ def _number(cell: Any, sign: str) -> float:
         written = WRITTEN[sign].fullmatch(text)
         if not written:
             return np.nan
-        value = float(text.replace(written[1] or "", "").replace(sign, "."))
+        value = float(text.replace(written[1] or "", "").replace(sign, ".").replace("−", "-"))
     return value if abs(value) <= LARGEST else np.inf

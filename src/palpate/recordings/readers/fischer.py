@@ -6,7 +6,7 @@ import re
 from itertools import pairwise
 
 from palpate.errors import InputError
-from palpate.recordings.readers.anton_paar import metadata
+from palpate.recordings.readers.anton_paar import LARGEST, metadata, unlike_stated
 from palpate.recordings.readers.numbers_in_text import table
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.units import SCALES
@@ -38,7 +38,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     """Read all tests; each begins with a line of the application's name and the date.
 
     The file states no unit for its columns F, h and t; they are mN, um and s, as the largest load and depth show that
-    are written above them with theirs.
+    are written above them with theirs. Where these differ, a warning says so.
     """
     refuse_corrections(source, corrections)
     application = source.first.removesuffix(APPLICATION).strip()
@@ -67,7 +67,15 @@ def _test(source: Source, name: str, start: int, end: int, program: dict[str, st
     entries = [[cell.strip() for cell in line.split("\t")] for line in lines[:header]]
     results = {f"{entry[0]} {entry[1]}": entry[2] for entry in entries if len(entry) > 2}
     facts = program | {"test": lines[0].strip()} | results
-    return VendorTest(name, recording, facts, (*warnings, *unfinished(recording.load)), marked=False)
+    messages = (*warnings, *unlike_stated(recording, _largest(results, program)), *unfinished(recording.load))
+    return VendorTest(name, recording, facts, messages, marked=False)
+
+
+def _largest(results: dict[str, str], program: dict[str, str]) -> dict[str, str]:
+    """Return the largest depth that a test states and the largest load of its program, each with its unit."""
+    depths = [f"{results[key]} {unit[1]}" for key in results if (unit := re.fullmatch(r"hmax \[(.+)\]", key))]
+    loads = [" ".join(found) for found in re.findall(r"([\d.,]+) ?(\w?N)\b", program.get("F", ""))]
+    return {LARGEST[key]: found[0] for key, found in (("depth", depths), ("load", loads)) if found}
 
 
 READER = Reader("fischer", "Fischer HM2000/Picodentor export", matches, read)

@@ -22,6 +22,8 @@ FACTOR = re.compile(
     r"(?:10 ?(?:\^|\*\*) ?[-+−]?\d+|10[⁻⁺]?[⁰¹²³⁴-⁹]+|\d[eE][-+]\d+|[x×*] ?10+)(?= ?[*·×]? ?(?:[()\[\]{}<>]|$))"
 )
 SPELT_OUT = re.compile(r"(?<![^\W_])(milli|micro|nano|pico|kilo)[ _-]([Nms])(?![^\W_])", re.IGNORECASE)
+CAMEL = re.compile(r"(?<=[a-z]{2})(?=[A-Z])")
+OF_UNITS = re.compile(r"(?<![^\W_])(?:units?|einheit(?:en)?|unit[ée]s?|unidad(?:es)?)(?![^\W_])", re.IGNORECASE)
 CHANNEL_WORDS = {
     "time": {"time", "zeit", "temps", "t"},
     "load": {"load", "force", "kraft", "fn", "p", "f"},
@@ -37,6 +39,21 @@ def channel_of(heading: str) -> str | None:
 def words_in(heading: str) -> set[str]:
     """Return the words of a heading in small letters, without units in brackets."""
     return {word.casefold() for word in LETTERS.findall(BRACKETED.sub(" ", plain(heading)))}
+
+
+def in_prose(line: str) -> dict[str, str]:
+    """Return the units that a line beside a table states in words: ``Load unit: uN``, ``time in s, depth in um``.
+
+    It must speak of units, or of more than one channel. A unit belongs to the channel named before it.
+    """
+    found: dict[str, str] = {}
+    key = None
+    for word in LETTERS.findall(plain(line)):
+        key = next((k for k, known in CHANNEL_WORDS.items() if len(word) > 1 and word.casefold() in known), key)
+        unit = key and unit_of(key, word)
+        if key and unit and (len(word) > 1 or word == CHANNELS[key]):
+            found.setdefault(key, unit)
+    return found if len(found) > 1 or OF_UNITS.search(line) else {}
 
 
 def is_word(cell: str) -> bool:
@@ -83,7 +100,7 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
     behind += [part for part in name.split(",")[1:] if unit_of(key, part)]
     marked = [unit.strip(BRACKETS) for unit in (*texts, *bracketed, *behind) if unit.strip(BRACKETS)]
-    words = LETTERS.findall(name)
+    words = [part for word in LETTERS.findall(name) for part in ([word] if unit_of(key, word) else CAMEL.split(word))]
     units = [unit for text in marked if (unit := unit_of(key, text))]
     if not units:
         units = [unit for word in words if (unit := unit_of(key, word)) and (len(word) > 1 or word == CHANNELS[key])]

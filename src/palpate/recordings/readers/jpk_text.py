@@ -16,7 +16,7 @@ from palpate.recordings.readers.afm import BY_PIEZO, not_stated
 from palpate.recordings.readers.lines import Lines
 from palpate.recordings.readers.numbers_in_text import number, table
 from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.units import SCALES
+from palpate.recordings.readers.units import SCALES, unit_of
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
 from palpate.recordings.recording import Recording
 
@@ -53,9 +53,10 @@ class ExportedSegment:
         name = next((name for name in names if name in self.channels), None)
         if name is None:
             raise InputError(f"lacks the column {names[0]}", remedy="export it too")
-        values, unit = self.channels[name]
-        if unit not in SCALES[quantity]:
-            raise InputError(f"{name} is in {unit!r}", remedy=f"export it in one of: {', '.join(SCALES[quantity])}")
+        values, written = self.channels[name]
+        unit = unit_of(quantity, written)
+        if unit is None:
+            raise InputError(f"{name} is in {written!r}", remedy=f"export it in one of: {', '.join(SCALES[quantity])}")
         values *= SCALES[quantity][unit]
         return values
 
@@ -134,16 +135,18 @@ def _segment(source: Source, facts: dict[str, str], lines: Lines, first_line: in
 
 def _force(segment: ExportedSegment) -> np.ndarray:
     """Return the load of a segment [mN], from the deflection where that is no force yet."""
-    if FORCE not in segment.channels or segment.channels[FORCE][1] not in ("V", "m"):
+    values, unit = segment.channels.get(FORCE, (np.empty(0), ""))
+    way = unit_of("depth", unit)
+    if unit != "V" and way is None:
         return segment.channel("load", [FORCE])
-    values, unit = segment.channels[FORCE]
     factors = {"spring constant": segment.stated("springConstant")}
-    if unit == "V":
+    if way is None:
         factors["sensitivity"] = segment.stated("sensitivity")
     missing = [name for name, factor in factors.items() if not factor]
     if missing:
         raise not_stated(*missing)
-    return SCALES["load"]["N"] * np.prod(list(factors.values())) * values
+    in_metres = 1.0 if way is None else SCALES["depth"][way] / SCALES["depth"]["m"]
+    return SCALES["load"]["N"] * in_metres * np.prod(list(factors.values())) * values
 
 
 def _depth(segment: ExportedSegment, load: np.ndarray) -> np.ndarray:

@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 
 from palpate.errors import InputError
-from palpate.recordings.readers.column_map import ColumnMap, columns_of
+from palpate.recordings.readers.column_map import ColumnMap, called, columns_of
 from palpate.recordings.readers.formulas import without_values
 from palpate.recordings.readers.tables import Table, header_of
-from palpate.recordings.readers.units import CHANNELS, plain
+from palpate.recordings.readers.units import CHANNELS
 from palpate.recordings.readers.vendor import Unreadable
 
 
@@ -71,9 +71,9 @@ def _empty(table: Table, columns: ColumnMap) -> InputError:
 
 def _other_header(table: Table, columns: ColumnMap) -> InputError:
     """Return the error of a sheet whose header lacks some of the columns."""
-    rows = [{plain(str(cell)) for cell in row} for row in table.rows]
+    rows = [{called(cell) for cell in row} for row in table.rows]
     wanted = [columns.names[key] for key in CHANNELS]
-    absent = min(([name for name in wanted if plain(name) not in row] for row in rows), key=len)
+    absent = min(([name for name in wanted if called(name) not in row] for row in rows), key=len)
     return InputError(
         f"has no column{'s' if len(absent) > 1 else ''} {', '.join(absent)}",
         remedy=f"read it in a call of its own by its own names ({header_of([table])})",

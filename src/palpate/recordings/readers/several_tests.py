@@ -123,13 +123,19 @@ def written_twice(channels: Channels) -> np.ndarray:
 
 
 def without_stand_ins(channels: Channels) -> list[np.ndarray]:
-    """Return channels that are infinite where a value stands for a missing one, such as -9999.
+    """Return channels that are infinite where a value stands for a missing one, such as -9999 or a zero that drops out.
 
     Such a value is the same in few rows, and farther from all others of its channel than these are from one another. At
-    the end it may be the specimen's: a film that breaks. None is a time's.
+    the end it may be the specimen's: a film that breaks. A zero drops out where it stands alone between two values that
+    are far from it and near each other, while the other one of load and depth, which come behind the time, is not zero.
+    None is a time's.
     """
     found = list(channels)
     for k, channel in enumerate(channels[1:], 1):
+        dropped = _dropped_out(channel, channels[3 - k]) if k < 3 <= len(channels) else ()
+        if len(dropped):
+            found[k] = channel = channel.copy()
+            channel[dropped] = np.inf
         finite = np.isfinite(channel)
         for code in set(_extremes(taken(channel, finite))) if finite.any() else ():
             others = finite & (channel != code)
@@ -142,6 +148,21 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
                 before_last = np.arange(len(channel)) < np.flatnonzero(others)[-1]
                 found[k] = np.where(before_last & (channel == code), np.inf, found[k])
     return found
+
+
+def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the rows (m,) of zeros of a channel (n,) that stand alone between values far from them.
+
+    The `other` one, depth or load, is not zero there, as it is where a test begins.
+    """
+    zeros = 1 + np.flatnonzero((channel[1:-1] == 0) & (channel[:-2] != 0) & (channel[2:] != 0))
+    if not len(zeros) or len(zeros) > FEW * len(channel):
+        return zeros[:0]
+    before, after = channel[zeros - 1], channel[zeros + 1]
+    spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
+    pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
+    near = np.abs(after - before) <= np.abs(before) / TWICE
+    return zeros[pressed & near & (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)]
 
 
 def _extremes(values: np.ndarray) -> tuple[float, float]:

@@ -122,11 +122,15 @@ def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
 
 
 def stated_unit(source: Source, sheet: str, name: str) -> str:
-    """Return the unit that a sheet states for a column, in brackets beside its name or in the second row, as it is."""
+    """Return the unit that a sheet states for a column, in brackets beside its name or in the second row, as it is.
+
+    Both, joined by "and", where they mean different units.
+    """
     rows, index = source.sheet(sheet), headings_of(source, sheet)[name]
-    bracketed = BRACKETED.findall(plain(str(rows[0][index])))
-    below = str(rows[1][index]) if len(rows) > 1 and has_row_of_units(source, sheet) else ""
-    return bracketed[-1] if bracketed else plain(below)
+    below = plain(str(rows[1][index])) if len(rows) > 1 and has_row_of_units(source, sheet) else ""
+    both = [*BRACKETED.findall(plain(str(rows[0][index])))[-1:], *([below] if below else [])]
+    meant = {next((unit for key in SCALES if (unit := unit_of(key, text))), text): text for text in both}
+    return " and ".join(meant.values())
 
 
 def has_row_of_units(source: Source, sheet: str) -> bool:
@@ -150,7 +154,7 @@ def facts_of(source: Source, sheets: Sequence[str]) -> dict[str, dict[str, str]]
 
     Each has names, units, and one row a test. What a later one says replaces what an earlier one does.
     """
-    wanted = {name.casefold(): name for name in source.sheets}
+    wanted = {name.casefold(): name for name in (*source.sheets, *source.hidden)}
     facts: dict[str, dict[str, str]] = {}
     for sheet in sheets:
         rows = source.sheet(wanted[sheet.casefold()]) if sheet.casefold() in wanted else []

@@ -127,8 +127,13 @@ class Source:
 
     @property
     def sheets(self) -> list[str]:
-        """Names of the workbook's sheets; empty for another file; raises `InputError` on one that is damaged."""
-        return [*self._cells.sheets, *self._cells.damaged]
+        """Names of a workbook's sheets that are shown; empty for another file; raises `InputError` on a damaged one."""
+        return [name for name in (*self._cells.sheets, *self._cells.damaged) if name not in self._cells.hidden]
+
+    @property
+    def hidden(self) -> list[str]:
+        """Names of the workbook's sheets that are not shown."""
+        return self._cells.hidden
 
     def sheet(self, name: str) -> list[list[Any]]:
         """Return the rows of a sheet, empty for another file; raises `InputError` when it is damaged."""
@@ -141,7 +146,12 @@ class Source:
                 f"is damaged ({self._cells.damaged[name]})", remedy="copy or export it again", file=self.path,
                 place=f"sheet {name}",
             )  # fmt: skip
-        return self._cells.sheets.get(name, (1, []))
+        first, _, rows = self._cells.sheets.get(name, (1, 1, []))
+        return first, rows
+
+    def empty_before(self, name: str) -> int:
+        """Return how many empty columns come before the first cell of a sheet's rows."""
+        return self._cells.sheets[name][1] - 1 if name in self._cells.sheets else 0
 
     @cached_property
     def _cells(self) -> Workbook:

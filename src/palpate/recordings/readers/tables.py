@@ -126,8 +126,9 @@ def tables_of(source: Source) -> list[Table]:
     decimal commas of numbers between blanks; else at blanks.
     """
     if source.workbook:
-        sheets = [(name, *source.placed_sheet(name)) for name in source.sheets]
-        return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in sheets]
+        sheets = [(name, source.empty_before(name), *source.placed_sheet(name)) for name in source.sheets]
+        whole = [(name, first, [[""] * empty + row for row in rows]) for name, empty, first, rows in sheets]
+        return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in whole]
     long = _with_core(source)
     if long:
         return [long]

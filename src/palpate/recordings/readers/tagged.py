@@ -8,11 +8,13 @@ TestWorks (MTS, Agilent) writes ``Test 004 Tagged`` for a test that the operator
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 from palpate.errors import InputError
 from palpate.recordings.readers.source import TEST, Source, number_of
+from palpate.recordings.readers.units import CHANNELS
 from palpate.recordings.readers.vendor import Unreadable, VendorTest
 
 TAGGED = re.compile(
@@ -35,6 +37,30 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
         place=test.name,
     )
     return Unreadable(test.name, error, uncounted=test)
+
+
+def not_shown(source: Source) -> list[Unreadable]:
+    """Return the hidden sheets of a workbook that hold a table: two rows or more that fill three cells."""
+    error = InputError(
+        "is hidden in the workbook", remedy="show it in a spreadsheet program if it counts", file=source.path
+    )
+    rows = {name: source.sheet(name) for name in source.hidden}
+    filled = {name: [sum(bool(str(cell).strip()) for cell in row) for row in rows[name]] for name in rows}
+    tables = [name for name, counts in filled.items() if sum(count >= len(CHANNELS) for count in counts) >= 2]
+    return [Unreadable(name, error.located(place=f"sheet {name}"), sought=False) for name in tables]
+
+
+@contextmanager
+def no_less_hidden(source: Source) -> Iterator[None]:
+    """Say of a workbook that cannot be read which of its sheets are hidden, where some are."""
+    try:
+        yield
+    except InputError as error:
+        names = [sheet.name for sheet in not_shown(source)]
+        if not names:
+            raise
+        problem = f"{error.problem} (hidden sheets, which are left out: {', '.join(names)})"
+        raise InputError(problem, remedy=error.remedy, file=error.file, place=error.place) from None
 
 
 def remarked(source: Source, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:

@@ -25,16 +25,21 @@ SPELLED = {
     "time": {
         "second": "s", "seconde": "s", "sekunde": "s", "sekunden": "s", "sec": "s", "sek": "s", "minute": "min",
         "minuten": "min", "min": "min", "hour": "h", "heure": "h", "stunde": "h", "stunden": "h", "hr": "h", "day": "d",
-        "segundo": "s",
+        "segundo": "s", "secondo": "s", "secondi": "s", "minuto": "min", "minuti": "min", "с": "s", "сек": "s",
+        "мин": "min", "ч": "h",
     },
-    "load": {"newton": "N", "lb": "lbf", "dyn": "dyne", "gramforce": "gf", "gforce": "gf", "gf": "gf"},
-    "depth": {"meter": "m", "metre": "m", "mètre": "m", "micron": "um", "angstrom": "A", "angström": "A", "ang": "A"},
+    "load": {
+        "newton": "N", "lb": "lbf", "dyn": "dyne", "gramforce": "gf", "gforce": "gf", "gf": "gf", "н": "N", "гс": "gf",
+    },
+    "depth": {
+        "meter": "m", "metre": "m", "metro": "m", "metri": "m", "micron": "um", "angstrom": "A", "ang": "A", "м": "m",
+    },
 }  # fmt: skip
 PREFIX = {
     "milli": "m", "micro": "u", "mikro": "u", "nano": "n", "pico": "p", "piko": "p", "centi": "c", "zenti": "c",
-    "kilo": "k", "m": "m", "u": "u", "k": "k",
+    "kilo": "k", "mili": "m", "m": "m", "u": "u", "k": "k", "м": "m", "мк": "u", "н": "n", "к": "k",
 }  # fmt: skip
-CAPITALS_OF_TWO = {"load": {"MN"}}  # meganewton: capitals do not distinguish it from the millinewton
+CAPITALS_OF_TWO = {"load": {"MN", "МН"}}  # meganewton: capitals do not distinguish it from the millinewton
 BRACKETS = {  # as wide as a letter, read as Latin-1: Shift-JIS, GBK and EUC-KR, Big5
     "\x81i": "(", "\x81j": ")", "\x81m": "[", "\x81n": "]", "£¨": "(", "£©": ")", "£Û": "[", "£Ý": "]", "¡]": "(",
     "¡^": ")",
@@ -63,15 +68,15 @@ def mended(text: str) -> str:
 def unit_of(key: str, text: str) -> str | None:
     """Return the unit of `SCALES` that a text means for a channel, or None for another text.
 
-    ``Sec``, ``sec.``, ``secs`` and ``SECONDS`` are s, ``microns`` is um, ``Grams-Force`` is gf, ``UN`` is uN. Capitals
-    that are two units, ``MN``, are none.
+    ``Sec``, ``sec.``, ``secs`` and ``SECONDS`` are s, ``microns`` is um, ``Grams-Force`` is gf, ``UN`` is uN, ``мкм``
+    is um. Accents do not count. Capitals that are two units, ``MN``, are none.
     """
     known, name = SCALES[key], plain(text).rstrip(".").rstrip()
     if name in known:
         return name
     if name in CAPITALS_OF_TWO.get(key, ()):
         return None
-    folded = re.sub(r"[\s-]", "", name.casefold())
+    folded = re.sub(r"[\s\u0300-\u036f-]", "", unicodedata.normalize("NFD", name.casefold()))
     for unit in known:
         if unit.casefold() == folded and (len(unit) > 1 or unit == CHANNELS[key]):
             return unit

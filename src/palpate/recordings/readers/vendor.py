@@ -13,6 +13,7 @@ from scipy.ndimage import median_filter
 from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.contact_point import way_in
+from palpate.recordings.readers.rising_time import increasing, stands_still
 from palpate.recordings.readers.several_tests import padding, taken, whole, without_stand_ins, written_twice
 from palpate.recordings.readers.source import Source
 from palpate.recordings.recording import Recording, spaced
@@ -202,12 +203,6 @@ def unfinished(load: np.ndarray) -> tuple[str, ...]:
     return (f"ends under {load[-1]:.4g} of {load.max():.4g} mN, not unloaded; the file may be cut off",)
 
 
-def increasing(time: np.ndarray) -> np.ndarray:
-    """Return which points of `time` (n,) are later than all before them, by more than its rounding."""
-    latest = time if (time[1:] > time[:-1]).all() else np.maximum.accumulate(time)
-    return np.append(True, np.diff(latest) > 1e-9 * np.ptp(time))
-
-
 def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the indices of the points that make a test, and in words which are left out.
 
@@ -242,10 +237,10 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     between[: complete[0]] = between[complete[-1] + 1 :] = False
     clock = taken(time, filled)
     later = increasing(clock)
-    back = ~later if later.all() else np.maximum.accumulate(clock) - clock > 1e-9 * np.ptp(clock)
+    still = stands_still(clock, later)
     kept, count = complete[later], int(between.sum())
-    damaged = {"no number": np.flatnonzero(between & ~filled), "time goes back": complete[back]}
-    repeated = {"time stands still": complete[~later & ~back]}
+    damaged = {"no number": np.flatnonzero(between & ~filled), "time goes back": complete[~later & ~still]}
+    repeated = {"time stands still": complete[still]}
     if count - len(kept) > MOST_LEFT_OUT * count:
         raise InputError(
             f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used",
