@@ -15,7 +15,7 @@ from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate
 from palpate.verification.calculix import run_deck
-from palpate.verification.calculix_elastic import ELASTIC
+from palpate.verification.calculix_small import elastic
 
 MESHES = [Resolution(growth=g, sectors=s, inner=0.1, far=500.0) for g, s in ((1.7, 3), (1.5, 4), (1.3, 5), (1.2, 6))]
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -23,7 +23,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 @pytest.mark.skipif(not shutil.which("ccx"), reason="CalculiX (ccx) is not installed")
 def test_elastic_curve(benchmark):
-    program, specification = Path(shutil.which("ccx")), ELASTIC.specification(20, "standard")
+    program, specification = Path(shutil.which("ccx")), elastic(20)
     counts = specification.protocol.sample_load >= 0.15 * specification.protocol.max_load
     best = run_deck(program, specification, RESOLUTIONS["fine"])
 
