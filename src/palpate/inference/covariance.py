@@ -1,10 +1,10 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
 The error of the solver is one factor common to all curves and, late in unloading, of another shape: that of what the
-last refinement of the mesh changed (in creeping bodies its correlation with the change by the next one is 0.93 to
-0.98). The next one, from rings that grow by 1.07 to 1.05, changes 0.17 to 0.57 times as much under single conditions,
-0.32 in root mean square: `REFINED` times the change, common to all conditions, and half of that in each alone. With an
-error of second order in the spacing about as much is left to the exact curve.
+last refinement of the mesh changed. Apart from the common factor, the next two refinements, to rings that grow by
+1.033 and by 1.025, change 0.31 to 0.32 times as much in creeping bodies with and without friction (correlation 0.95 to
+0.99), and 0.28 times where a body yields (0.6): `REFINED` times the change, common to all conditions, and half of that
+in each alone.
 
 An effect that every instrument has to some extent, such as drift, counts as noise up to the `background` that its
 mechanism declares.
