@@ -17,7 +17,7 @@ from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.axisymmetric.march_cases import indent_batch
-from palpate.solver.axisymmetric.mesh import Mesh, Resolution, _integration, polar_mesh
+from palpate.solver.axisymmetric.mesh import Mesh, _integration, polar_mesh
 from palpate.solver.axisymmetric.trial_state import Material, Setup
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
@@ -216,12 +216,10 @@ def sneddon_ratio(resolution, half_angle=89.99):
     return h / exact
 
 
-def test_sneddon_within_two_thousandths_from_the_standard_mesh_on():
-    """One of them is the outer boundary's: both meshes end at the same radius."""
-    meshes = ((1.2, 5), (1.1, 9), (1.05, 18))
-    coarse, standard, fine = [abs(sneddon_ratio(Resolution(growth=g, sectors=s)) - 1) for g, s in meshes]
-    assert coarse > standard
-    assert max(standard, fine) < 0.002
+def test_sneddon_within_a_thousandth_on_all_meshes_in_use():
+    standard, medium, fine = [abs(sneddon_ratio(RESOLUTIONS[name]) - 1) for name in ("standard", "medium", "fine")]
+    assert max(medium, fine) < 0.0003
+    assert max(medium, fine) < standard < 0.001
 
 
 def test_hertz_within_one_per_cent():

@@ -93,7 +93,6 @@ def test_pairs_run(pair):
 
 
 @pytest.mark.parametrize("kinematics", ["small", "large"])
-@pytest.mark.xfail(reason="the effect of adhesion under a sharp tip is below the ripple of the solver in space")
 def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
     """Each alone does about what it does under the equivalent cone; all of them run at once."""
     monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))
