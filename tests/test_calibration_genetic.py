@@ -6,7 +6,7 @@ from deap import base, tools
 
 from palpate.errors import InputError
 from palpate.inference import genetic_operators
-from palpate.inference.genetic import GeneticSettings, evolve, migrated
+from palpate.inference.genetic import GeneticSettings, evolve, operators
 from palpate.inference.nsga2 import best_first, crowding, ranks
 
 
@@ -65,19 +65,11 @@ def test_mutation_has_the_asked_deviation_and_respects_the_bounds():
     assert wide.mean() == pytest.approx(0.5, abs=0.01)
 
 
-def test_mutation_shrinks_linearly_to_nothing(monkeypatch):
-    asked = []
-
-    def gaussian(rng, parents, deviation):
-        asked.append(deviation)
-        return parents
-
-    monkeypatch.setattr("palpate.inference.genetic.gaussian", gaussian)
-    settings = GeneticSettings(
-        population=4, generations=4, subpopulations=1, mutation_scale=2.0, mutation_shrink=0.5, tolerance=0.0
-    )
-    evolve(lambda u: u[:, :1], 2, settings, np.random.default_rng(0))
-    assert asked == pytest.approx([1.75, 1.5, 1.25, 1.0])
+def test_mutation_shrinks_linearly_to_nothing():
+    assert genetic_operators.deviation(0, 600, 1.0, 1.0) == 1.0
+    assert genetic_operators.deviation(300, 600, 1.0, 1.0) == 0.5
+    assert genetic_operators.deviation(600, 600, 1.0, 1.0) == 0.0
+    assert genetic_operators.deviation(600, 600, 2.0, 0.5) == 1.0
 
 
 def test_tournament_of_two_prefers_the_better_half():
@@ -86,9 +78,11 @@ def test_tournament_of_two_prefers_the_better_half():
 
 
 def test_migration_copies_the_best_forward_over_the_worst():
-    rows = migrated(np.arange(20).reshape(2, 10), 2)
-    assert rows[1].tolist() == [*range(10, 18), 0, 1]
-    assert rows[0].tolist() == [*range(8), 10, 11]
+    toolbox = operators(GeneticSettings(population=20, subpopulations=2), np.random.default_rng(0))
+    rows = [list(range(10)), list(range(10, 20))]
+    toolbox.migrate(rows)
+    assert rows[1] == [*range(10, 18), 0, 1]
+    assert rows[0] == [*range(8), 10, 11]
 
 
 SMALL = GeneticSettings(population=60, generations=120, subpopulations=3)

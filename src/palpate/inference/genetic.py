@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
-from deap import tools
+from deap import base, tools
 
 from palpate.errors import InputError
-from palpate.inference.genetic_operators import gaussian, intermediate, tournament
+from palpate.inference import genetic_operators
 from palpate.inference.nsga2 import best_first, ranks
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
@@ -91,34 +91,42 @@ class Evolution:
     history: tools.Logbook
 
 
-def bred(parents: np.ndarray, settings: GeneticSettings, deviation: float, rng: np.random.Generator) -> np.ndarray:
-    """Return as many children as there are parents (n, dimensions), which are sorted best first.
+def operators(settings: GeneticSettings, rng: np.random.Generator) -> base.Toolbox:
+    """Operators of the search; each works on a whole (sub)population at once."""
+    part = settings.population // settings.subpopulations
+    toolbox = base.Toolbox()
+    toolbox.register("population", genetic_operators.uniform, rng)
+    toolbox.register("select", genetic_operators.tournament, rng, entrants=settings.tournament)
+    toolbox.register("mate", genetic_operators.intermediate, rng, ratio=settings.crossover_ratio)
+    toolbox.register("mutate", genetic_operators.gaussian, rng)
+    toolbox.register(
+        "migrate",
+        tools.migRing,
+        k=round(settings.migration_fraction * part),
+        selection=lambda rows, k: rows[:k],
+        replacement=lambda rows, k: rows[len(rows) - k :],
+    )
+    return toolbox
+
+
+def breed(toolbox: base.Toolbox, parents: np.ndarray, crossovers: int, deviation: float) -> np.ndarray:
+    """As many children as there are parents (n, dimensions), which are sorted best first.
 
     Parameters
     ----------
+    toolbox
+        Operators, see `operators`.
     parents : ndarray, shape (n, dimensions)
         Sorted best first.
-    settings
-        Numbers of the genetic algorithm.
+    crossovers
+        Number of children by crossover; the others are mutants.
     deviation
         Standard deviation of the mutation, in units of the range.
-    rng
-        Source of randomness.
     """
-    n, crossovers = len(parents), round(settings.crossover_fraction * len(parents))
-    first, second = (parents[tournament(rng, n, crossovers, settings.tournament)] for _ in range(2))
-    mutants = parents[tournament(rng, n, n - crossovers, settings.tournament)]
-    return np.vstack([intermediate(rng, first, second, settings.crossover_ratio), gaussian(rng, mutants, deviation)])
-
-
-def migrated(members: np.ndarray, count: int) -> np.ndarray:
-    """Return subpopulations (parts, size), best first, after copies of the best `count` of each replace the worst.
-
-    They go to the next subpopulation, those of the last to the first.
-    """
-    moved = members.copy()
-    moved[:, members.shape[1] - count :] = np.roll(members[:, :count], 1, axis=0)
-    return moved
+    n = len(parents)
+    first, second = (parents[toolbox.select(n, crossovers)] for _ in range(2))
+    mutants = parents[toolbox.select(n, n - crossovers)]
+    return np.vstack([toolbox.mate(first, second), toolbox.mutate(mutants, deviation=deviation)])
 
 
 def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: np.random.Generator) -> Evolution:
@@ -135,26 +143,33 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
     evaluate
         Objectives (n, m) of points (n, dimensions) in [0, 1]; called once for each generation.
     """
+    toolbox = operators(settings, rng)
     parts, size = settings.subpopulations, settings.population // settings.subpopulations
-    places = np.arange(settings.population).reshape(parts, size)
-    points = rng.random((settings.population, dimensions))
+    crossovers = round(settings.crossover_fraction * size)
+    points = toolbox.population(settings.population, dimensions)
     objectives = evaluate(points)
-    members = np.array([rows[best_first(objectives[rows])] for rows in places])
+    members = np.arange(settings.population).reshape(parts, size)
+    members = np.array([rows[best_first(objectives[rows])] for rows in members])
     history = tools.Logbook()
     record(history, objectives)
     for generation in range(1, settings.generations + 1):
         if stalled(history, settings):
             break
-        spread = settings.mutation_scale * (1.0 - settings.mutation_shrink * generation / settings.generations)
-        children = np.vstack([bred(points[rows], settings, spread, rng) for rows in members])
-        all_points = np.vstack([points[members.ravel()], children])
-        all_objectives = np.vstack([objectives[members.ravel()], evaluate(children)])
-        pools = np.hstack([places, places + settings.population])
+        spread = genetic_operators.deviation(
+            generation, settings.generations, settings.mutation_scale, settings.mutation_shrink
+        )
+        children = np.vstack([breed(toolbox, points[rows], crossovers, spread) for rows in members])
+        all_points, all_objectives = np.vstack([points[members.ravel()], children]), objectives[members.ravel()]
+        all_objectives = np.vstack([all_objectives, evaluate(children)])
+        parents = np.arange(settings.population).reshape(parts, size)
+        pools = np.hstack([parents, parents + settings.population])
         survivors = np.vstack([rows[best_first(all_objectives[rows])[:size]] for rows in pools])
-        points, objectives, members = all_points[survivors.ravel()], all_objectives[survivors.ravel()], places
+        points, objectives = all_points[survivors.ravel()], all_objectives[survivors.ravel()]
+        members = parents
         if parts > 1 and generation % settings.migration_interval == 0:
-            members = migrated(members, round(settings.migration_fraction * size))
-            members = np.array([rows[best_first(objectives[rows])] for rows in members])
+            rows = members.tolist()
+            toolbox.migrate(rows)
+            members = np.array([row[best_first(objectives[row])] for row in np.array(rows)])
         record(history, objectives)
     rank = ranks(objectives)
     _, unique = np.unique(points[rank == 0], axis=0, return_index=True)

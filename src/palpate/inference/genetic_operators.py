@@ -9,6 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 
+def uniform(rng: np.random.Generator, size: int, dimensions: int) -> np.ndarray:
+    """First generation (size, dimensions), uniform within the bounds."""
+    return rng.random((size, dimensions))
+
+
 def tournament(rng: np.random.Generator, size: int, count: int, entrants: int) -> np.ndarray:
     """Rows (count,) of the winners among `size` individuals that are sorted best first.
 
@@ -44,6 +49,19 @@ def intermediate(rng: np.random.Generator, first: np.ndarray, second: np.ndarray
 def gaussian(rng: np.random.Generator, parents: np.ndarray, deviation: float) -> np.ndarray:
     """Mutants: parents (n, dimensions) plus Gaussian noise of that standard deviation, in units of the range."""
     return reflect(parents + deviation * rng.standard_normal(parents.shape))
+
+
+def deviation(generation: int, generations: int, scale: float, shrink: float) -> float:
+    """Return the standard deviation of the mutation: from `scale`, linearly, to scale * (1 - shrink) at the end.
+
+    Parameters
+    ----------
+    generation, generations
+        Number of the generation, and of the last one.
+    scale, shrink
+        Standard deviation of the first mutation in units of the range, and the share it has lost at the last one.
+    """
+    return scale * (1.0 - shrink * generation / generations)
 
 
 def reflect(points: np.ndarray) -> np.ndarray:

@@ -127,7 +127,10 @@ def tables_of(source: Source) -> list[Table]:
     """
     if source.workbook:
         sheets = [(name, source.empty_before(name), *source.placed_sheet(name)) for name in source.sheets]
-        whole = [(name, first, [[""] * empty + row for row in rows]) for name, empty, first, rows in sheets]
+        whole = [
+            (name, first, [[""] * empty + row for row in rows] if empty else rows)
+            for name, empty, first, rows in sheets
+        ]
         return [Table(source, name, rows, range(first, first + len(rows))) for name, first, rows in whole]
     long = _with_core(source)
     if long:
