@@ -22,7 +22,8 @@ ALUMINIUM = {
     "hardening": 0.5,
 }
 CONE = {"shape": "cone", "half_angle": 70.3}
-COARSE = Resolution(growth=1.1, sectors=6, far=200.0)
+COARSE = Resolution(growth=1.25, sectors=8, far=200.0)
+FINER = Resolution(growth=1.15, sectors=6, far=200.0)  # for friction: on the coarse one 3.7e-3 at the second sample
 PROTOCOL = {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 14}
 RELEASED = {"drive": "displacement", "max_displacement": 400.0, "spring": 0.1, "loading_time": 10, "hold_time": 5}
 CASES = {
@@ -75,9 +76,9 @@ def specification(**changes):
     return specification_from(base | changes)
 
 
-def radii_of(spec):
+def radii_of(spec, resolution=COARSE):
     solid = applied_to_body(spec)
-    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, COARSE)
+    return mesh_radii(solid.specimen, solid.indenter, solid.protocol, resolution)
 
 
 RELEASE = pytest.mark.xfail(reason="5.3e-3 at the last sample before the tip leaves; at most 9e-4 before")
@@ -85,22 +86,21 @@ RELEASE = pytest.mark.xfail(reason="5.3e-3 at the last sample before the tip lea
 
 @pytest.mark.parametrize("case", [pytest.param(case, marks=RELEASE) if case == "released" else case for case in CASES])
 def test_central_differences_on_the_same_mesh(case):
-    """Differences over 0.06 % of the value, whose error is of second order; less closely where no load is left.
+    """Differences over 0.06 % of the value, whose error is of second order.
 
     Each simulation of a difference divides its steps by itself; a neighbour keeps those of its host.
     """
     changes, names = CASES[case]
     spec = specification(**changes)
-    radii = radii_of(spec)
+    radii = radii_of(spec, FINER if case == "tip_and_friction" else COARSE)
     simulation, derivatives = sensitivities(spec, names, radii)
     assert simulation.response == pytest.approx(simulate(spec, radii).response, rel=1e-5, abs=1e-9)
-    close = np.where(simulation.load > 1e-4 * simulation.load.max(), 2e-3, 8e-3)
     for name, derivative in zip(names, derivatives.T, strict=True):
         value = value_of(spec, name)
         step = 3e-4 * value
         high, low = (simulate(at(spec, name, value + k * step), radii).response for k in (1, -1))
         difference = (high - low) / (2 * step)
-        assert np.all(np.abs(derivative - difference) < close * np.abs(difference).max()), name
+        assert np.abs(derivative - difference).max() < 2e-3 * np.abs(difference).max(), name
 
 
 def test_several_indentations_know_their_derivatives_in_one_call():
