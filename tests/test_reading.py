@@ -86,9 +86,9 @@ def test_units_of_a_source_without_columns_are_refused(tmp_path):
 
 
 def test_rows_that_were_left_out_are_told_on_the_page_and_in_the_recordings(tmp_path):
-    study = load_study(workbook_like(tmp_path, "auto"))
-    file = tmp_path / "glass.csv"
+    path, file = workbook_like(tmp_path, "auto"), tmp_path / "glass.csv"
     file.write_text(file.read_text() + "51,broken,1\n")
+    study = load_study(path)
     write_reading(study, tmp_path / "reading")
     said = "1 of 502 rows left out: no three numbers (line 503)"
     assert (tmp_path / "reading/reading.html").read_text().count(said) == 1

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -20,7 +20,7 @@ from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms
-from palpate.recordings.readers import read_source
+from palpate.recordings.readers import VendorTest, read_source
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
@@ -90,6 +90,8 @@ class Study:
         Folder of each set of recordings.
     cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory, source
         Settings with their defaults filled in.
+    source_tests
+        Reads the tests of each condition from the vendor's file of `source`, once.
     """
 
     name: str
@@ -114,6 +116,7 @@ class Study:
     challenge: Mapping[str, Any]
     laboratory: Mapping[str, Mapping[str, Any]]
     source: Mapping[str, Any]
+    source_tests: Callable[[], Mapping[str, list[VendorTest]]] = field(compare=False, repr=False)
 
     @property
     def free_parameters(self) -> tuple[str, ...]:
@@ -235,6 +238,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         recordings=recordings,
         laboratory=settings.get("laboratory", {}),
         source=source,
+        source_tests=tests,
         **{key: settings[key] for key in TAKEN_AS_THEY_ARE},
     )
     study.specification(study.cells[0], conditions[0])

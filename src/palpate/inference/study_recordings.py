@@ -12,7 +12,6 @@ from palpate.errors import InputError, located_in
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import own_protocol, stretched
 from palpate.inference.recording_checks import checked_recording
-from palpate.recordings.readers import read_source
 from palpate.recordings.recording import Recording, copies
 from palpate.recordings.recording_file import condition_of, read_recording, recording_files
 from palpate.study.protocol import Protocol
@@ -121,7 +120,7 @@ def check_given(study: Study, look: Callable[[str, str, list[Recording]], None] 
                     raise InputError(f"is the same recording as {first.name}.csv", remedy=remedy, file=file)
                 if look:
                     look(name, condition, written)
-    for condition, tests in (read_source(study.source) if study.source else {}).items():
+    for condition, tests in (study.source_tests() if study.source else {}).items():
         for test in tests:
             try:
                 checked_recording(study, study.condition(condition), test.recording)
@@ -143,7 +142,7 @@ def tests_to_come(study: Study, name: str) -> dict[str, int]:
     if name in study.laboratory:
         return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
     if name == study.source.get("recordings"):
-        return {condition: len(tests) for condition, tests in read_source(study.source).items()}
+        return {condition: len(tests) for condition, tests in study.source_tests().items()}
     return {}
 
 
@@ -182,7 +181,7 @@ def convert_source(study: Study, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for old in recording_files(folder):
         old.unlink()
-    for condition, tests in read_source(source).items():
+    for condition, tests in study.source_tests().items():
         for number, test in enumerate(tests, 1):
             notes_of_test = (*test.recording.notes, *test.warnings, *notes)
             replace(test.recording, notes=notes_of_test).write_apart(folder / f"{condition}_{number}.csv")

@@ -12,7 +12,6 @@ from palpate.inference.study_recordings import check, check_tests, written_by_wo
 from palpate.laboratory import virtual
 from palpate.notebook.measured_test import MeasuredTest, read_recording
 from palpate.notebook.simulated_curve import SimulatedCurve
-from palpate.recordings.readers import read_source
 from palpate.recordings.recording import Recording
 
 OneTest = str | Path | MeasuredTest | SimulatedCurve | Recording
@@ -121,5 +120,5 @@ def _tests_of(study: Study, name: str) -> dict[str, list[Recording]]:
         for key, recording in virtual.record(study, study.laboratory[name]).items():
             tests[key.rpartition("_")[0]].append(recording)
         return check_tests(study, tests)
-    found = read_source(study.source)
+    found = study.source_tests()
     return check_tests(study, {key: [test.recording for test in tests] for key, tests in found.items()})

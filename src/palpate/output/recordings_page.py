@@ -33,7 +33,7 @@ def write_reading(study: Study, folder: Path) -> None:
     found: list[Survey] = []
     pieces: list[str] = []
     taken: list[tuple[str, float]] = []
-    begun = read_source(study.source)
+    begun = study.source_tests()
     whole = read_source({**study.source, "contact": "none"})
     recordings = [test.recording for tests in whole.values() for test in tests]
     with located_in(study.source["file"]):
