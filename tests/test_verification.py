@@ -127,6 +127,23 @@ def test_refinement_errors_add_up_where_the_curve_counts():
     assert calculix.refinement_error(test, fine, *others) == pytest.approx(0.03)
 
 
+def test_a_curve_that_calculix_breaks_off_before_it_counts_fails_alone():
+    """The comparison without friction stays."""
+
+    def compare(program, friction):
+        test, reached = elastic(20, friction), 2 if friction else 20
+        depths = np.where(np.arange(40) < reached, np.linspace(1.0, 2.0, 40), np.nan)
+        calculix.refinement_error(test, depths, depths)
+        return [Row("depth", 1.0, 1.0, 0.01)], Plot("depth", "t", "h", [])
+
+    case = calculix.with_and_without_friction("some", "Some", compare, [])
+    found = case.run(Settings(calculix=Path("ccx")))
+    assert [row.passed for row in found.rows] == [True, False]
+    assert "friction 0.25" in found.rows[1].quantity
+    assert "stopped before it reached 15 % of the load" in found.rows[1].note
+    assert len(found.plots) == 1
+
+
 @pytest.mark.parametrize("ripples", [False, True])
 def test_mesh_and_step_are_refined_apart(ripples):
     """A depth with errors of first order in the step and in the mesh: that of the mesh is left, and told."""

@@ -21,7 +21,7 @@ from palpate.output.export.calculix_deck import deck
 from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
+from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, not_run, worst
 
 TIME_LIMIT = 1800.0  # s
 WITHIN, LOADED_FROM = 0.01, 0.15  # of the depth; and of the largest load, from where on depths count
@@ -53,8 +53,15 @@ def with_and_without_friction(
     def run(settings: Settings) -> Outcome:
         if settings.calculix is None:
             return Outcome([], notes=[NOT_RUN])
-        rows, plots = zip(*(compare(settings.calculix, friction) for friction in FRICTIONS), strict=True)
-        return Outcome([row for found in rows for row in found], plots, notes)
+        rows, plots = list[Row](), list[Plot]()
+        for friction in FRICTIONS:
+            try:
+                found, plot = compare(settings.calculix, friction)
+            except PalpateError as error:
+                rows.append(not_run(f"{title}, friction {friction:g},", error))
+            else:
+                rows, plots = [*rows, *found], [*plots, plot]
+        return Outcome(rows, plots, notes)
 
     return Verification(key, title, run)
 
@@ -146,9 +153,12 @@ def compared(test: str, specification: Specification, theirs: np.ndarray, own_er
 
 
 def counted(specification: Specification, theirs: np.ndarray) -> np.ndarray:
-    """Return which samples (n,) count: those under enough load that CalculiX has reached."""
+    """Return which samples (n,) count: those under enough load that CalculiX has reached; `PalpateError` if none."""
     protocol = specification.protocol
-    return (protocol.sample_load >= LOADED_FROM * protocol.max_load) & np.isfinite(theirs)
+    counts = (protocol.sample_load >= LOADED_FROM * protocol.max_load) & np.isfinite(theirs)
+    if not counts.any():
+        raise PalpateError(f"CalculiX stopped before it reached {100 * LOADED_FROM:g} % of the load")
+    return counts
 
 
 def refined(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.errors import PalpateError
 from palpate.solver.simulation import simulate
 from palpate.study.specification import Specification
 
@@ -72,6 +74,11 @@ class Row:
     def passed(self) -> bool | None:
         """Whether the deviation is within what is allowed; ``None`` where nothing is."""
         return None if self.allowed is None else bool(abs(self.deviation) <= self.allowed)
+
+
+def not_run(title: str, error: PalpateError) -> Row:
+    """Return the row of a comparison that failed to run, which counts as a check that failed."""
+    return Row(f"{title} could run", 1.0, math.nan, 0.0, str(error))
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from palpate.verification import (
     self_similarity,
     viscoelastic_contact,
 )
-from palpate.verification.case import Outcome, Row, Settings, Verification
+from palpate.verification.case import Outcome, Row, Settings, Verification, not_run
 
 CASES = (
     elastic_contact.SNEDDON,
@@ -96,7 +96,7 @@ def _outcome(case: Verification, settings: Settings) -> Outcome:
     try:
         return case.run(settings)
     except PalpateError as error:
-        return Outcome([Row(f"{case.title} could run", 1.0, math.nan, 0.0, str(error))], notes=[str(error)])
+        return Outcome([not_run(case.title, error)], notes=[str(error)])
 
 
 def _plain(row: Row) -> dict[str, Any]:
