@@ -5,8 +5,10 @@ import pytest
 import yaml
 from test_readers import ANON, needs_recordings
 
+from palpate.configuration import study_file
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
+from palpate.inference import study_recordings
 from palpate.inference.study_recordings import convert_source
 from palpate.output.recordings_page import write_reading
 from palpate.recordings.readers import locate, read_source, read_vendor_file
@@ -94,6 +96,15 @@ def test_rows_that_were_left_out_are_told_on_the_page_and_in_the_recordings(tmp_
     assert (tmp_path / "reading/reading.html").read_text().count(said) == 1
     convert_source(study, tmp_path / "converted")
     assert said in read_recording(tmp_path / "converted/A_1.csv").notes
+
+
+def test_the_vendors_file_of_a_study_is_read_once(tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(study_file, "read_source", lambda source: read.append(source) or read_source(source))
+    study = load_study(workbook_like(tmp_path, "auto"))
+    study_recordings.check_given(study)
+    assert study_recordings.tests_to_come(study, "lab") == {"A": 1}
+    assert len(read) == 1
 
 
 def test_a_study_without_a_source_has_no_such_page(tmp_path):

@@ -148,8 +148,8 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
     crossovers = round(settings.crossover_fraction * size)
     points = toolbox.population(settings.population, dimensions)
     objectives = evaluate(points)
-    members = np.arange(settings.population).reshape(parts, size)
-    members = np.array([rows[best_first(objectives[rows])] for rows in members])
+    places = np.arange(settings.population).reshape(parts, size)
+    members = np.array([rows[best_first(objectives[rows])] for rows in places])
     history = tools.Logbook()
     record(history, objectives)
     for generation in range(1, settings.generations + 1):
@@ -159,13 +159,11 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
             generation, settings.generations, settings.mutation_scale, settings.mutation_shrink
         )
         children = np.vstack([breed(toolbox, points[rows], crossovers, spread) for rows in members])
-        all_points, all_objectives = np.vstack([points[members.ravel()], children]), objectives[members.ravel()]
-        all_objectives = np.vstack([all_objectives, evaluate(children)])
-        parents = np.arange(settings.population).reshape(parts, size)
-        pools = np.hstack([parents, parents + settings.population])
+        all_points = np.vstack([points[members.ravel()], children])
+        all_objectives = np.vstack([objectives[members.ravel()], evaluate(children)])
+        pools = np.hstack([places, places + settings.population])
         survivors = np.vstack([rows[best_first(all_objectives[rows])[:size]] for rows in pools])
-        points, objectives = all_points[survivors.ravel()], all_objectives[survivors.ravel()]
-        members = parents
+        points, objectives, members = all_points[survivors.ravel()], all_objectives[survivors.ravel()], places
         if parts > 1 and generation % settings.migration_interval == 0:
             rows = members.tolist()
             toolbox.migrate(rows)

@@ -60,7 +60,8 @@ def with_and_without_friction(
             except PalpateError as error:
                 rows.append(not_run(f"{title}, friction {friction:g},", error))
             else:
-                rows, plots = [*rows, *found], [*plots, plot]
+                rows += found
+                plots.append(plot)
         return Outcome(rows, plots, notes)
 
     return Verification(key, title, run)
