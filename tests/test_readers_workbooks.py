@@ -233,7 +233,9 @@ def test_a_recording_has_three_columns_unless_stiffness_is_asked_for_and_measure
 
 def test_a_study_s_recordings_have_three_columns_and_keep_the_stiffness_apart(tmp_path):
     file = write_workbook(tmp_path / "x.xlsx", {"Test 1": counting(XP_UNITS)})
-    convert_source(SimpleNamespace(source={"file": str(file), "condition": "A"}), tmp_path / "lab")
+    source = {"file": str(file), "condition": "A"}
+    study = SimpleNamespace(source=source, source_tests=lambda: {"A": read_vendor_file(file)})
+    convert_source(study, tmp_path / "lab")
     lines = (tmp_path / "lab/A_1.csv").read_text().splitlines()
     assert {line.count(",") for line in lines if not line.startswith("#")} == {2}
     stiffness = read_recording(tmp_path / "lab/A_1.csv").stiffness
