@@ -4,12 +4,12 @@ import jkr
 import numpy as np
 import pytest
 from bodies import beneath, on_surface
+from kernels import penetration, width_of
 
 from palpate.analytic import hertz
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import adhesive_traction, march_cases
 from palpate.solver.axisymmetric.adhesive_traction import attraction, nodal_areas
-from palpate.solver.axisymmetric.contact import penetration, width_of
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.march_cases import indent_batch

@@ -51,6 +51,28 @@ def test_only_scripts_and_the_command_line_know_the_tracking_module():
     assert users == ["track.py"]
 
 
+def functions_of(file):
+    """Return the functions of a file with their decorators, and whether compiled code alone calls them."""
+    functions = [node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.FunctionDef)]
+    return {function: " ".join(map(ast.unparse, function.decorator_list)) for function in functions}
+
+
+def test_only_kernels_call_inner_kernels():
+    """A call from Python ends the process."""
+    decorated = {file.stem: functions_of(file) for file in FILES}
+    inner = {(stem, f.name) for stem, found in decorated.items() for f in found if "inner_kernel" in found[f]}
+    assert len(inner) > 50
+    for file in (*FILES, *STUDIES, *(REPOSITORY / "tests").glob("*.py")):
+        own = {name: (file.stem, name) for stem, name in inner if stem == file.stem}
+        froms = [node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ImportFrom)]
+        imported = {a.name: (node.module.split(".")[-1], a.name) for node in froms if node.module for a in node.names}
+        for function, decorators in functions_of(file).items():
+            if not re.search("njit|inner_kernel|overload", decorators):
+                calls = [ast.unparse(node.func) for node in ast.walk(function) if isinstance(node, ast.Call)]
+                named = {(imported | own).get(call, tuple(call.split("."))) for call in calls}
+                assert (function.name, named & inner) == (function.name, set()), file
+
+
 def test_files_hold_one_idea():
     long = {str(f.relative_to(SOURCE)): n for f in FILES if (n := len(f.read_text().splitlines())) > 400}
     assert long == {}

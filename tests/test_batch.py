@@ -4,22 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kernels import contact_forces, fit, no_coupling, penetration, profile_at, solve, solve_again, width_of
 from numba import njit
 from scipy.linalg import solveh_banded
 from scipy.stats import norm
 
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march, march_cases, newton
-from palpate.solver.axisymmetric.banded import PANEL, solve, solve_again
+from palpate.solver.axisymmetric.banded import PANEL
 from palpate.solver.axisymmetric.bordered import System
-from palpate.solver.axisymmetric.contact import contact_forces, fit, penetration, width_of
-from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, store
 from palpate.solver.axisymmetric.mesh import polar_mesh
-from palpate.solver.axisymmetric.tip import profile_at
 from palpate.solver.simulation import simulate, simulate_batch, specification_from
 from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter

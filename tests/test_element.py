@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 from bodies import beneath, square
+from kernels import contact_forces, fit, from_python, no_coupling
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import BULK, SHEAR, step_weights
 from palpate.solver.axisymmetric import element, hencky
 from palpate.solver.axisymmetric.bordered import System
-from palpate.solver.axisymmetric.contact import contact_forces, fit
-from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
@@ -37,7 +36,7 @@ def forces_of(kernel, body, points, coefficients, displacement):
     """Return the internal forces (size, LANES)."""
     laws, weights = laws_and_weights(coefficients)
     forces = np.zeros_like(displacement)
-    kernel.internal_forces(body, points, laws, weights, displacement, forces)
+    from_python(kernel.internal_forces)(body, points, laws, weights, displacement, forces)
     return forces[:-1]
 
 
@@ -102,9 +101,9 @@ def test_stiffness_is_the_symmetric_part_of_the_derivative(large, coefficients):
     forces(u)
     band, laws = np.zeros((body.size * body.width + 1, LANES)), laws_and_weights(coefficients)[0]
     if large:
-        kernel.stiffness(body, points, laws, np.repeat(u[:, None], LANES, axis=1), np.ones(LANES), band)
+        from_python(kernel.stiffness)(body, points, laws, np.repeat(u[:, None], LANES, axis=1), np.ones(LANES), band)
     else:
-        kernel.stiffness(body, points, laws, band)
+        from_python(kernel.stiffness)(body, points, laws, band)
     columns = band[:-1, 0].reshape(body.size, body.width)
     expected = 0.5 * (derivative + derivative.T)
     for i in range(body.size):

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from bodies import CONE, STANDARD, depth, internal_forces, stiffness
+from kernels import from_python, no_coupling, turn_back
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
 from palpate.solver.axisymmetric import march, newton
-from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.indentation_case import Case
@@ -132,16 +132,17 @@ def newton_norms(opened, iterations):
     """Return the largest unbalanced force over the load, before each of some whole iterations of Newton's method."""
     setup, material, trial, prescribed, system, *_ = opened
     size, count = setup.body.size, len(setup.body.radial)
-    residual, direction, forward = newton.no_residual(size), newton.no_direction(size), np.zeros((size + 1, LANES))
-    coupling, slips, changed = newton.no_coupling(count), np.zeros((count, LANES)), np.zeros(LANES, dtype=bool)
+    residual, direction = from_python(newton.no_residual)(size), from_python(newton.no_direction)(size)
+    forward, coupling = np.zeros((size + 1, LANES)), no_coupling(count)
+    slips, changed = np.zeros((count, LANES)), np.zeros(LANES, dtype=bool)
     none, norms = np.zeros(LANES, dtype=bool), []
     for _ in range(iterations):
-        turn_back(setup, trial, newton.shares_of(setup, trial), slips, changed, none)
-        newton.unbalance(setup, material, trial, prescribed, residual, coupling, none)
+        turn_back(setup, trial, from_python(newton.shares_of)(setup, trial), slips, changed, none)
+        from_python(newton.unbalance)(setup, material, trial, prescribed, residual, coupling, none)
         norms.append(max(np.abs(residual.forces[:-1, 0]).max(), abs(residual.excess[0])) / prescribed.scale[0])
-        newton.factor(setup, material, trial, system, coupling, np.ones(LANES), residual.forces, forward)
+        from_python(newton.factor)(setup, material, trial, system, coupling, np.ones(LANES), residual.forces, forward)
         residual.limit[:] = trial.contact.area
-        newton.direct(system, prescribed, residual, forward, ~none, direction)
+        from_python(newton.direct)(system, prescribed, residual, forward, ~none, direction)
         trial.displacement[:] += direction.displacement
         trial.depth[:] += direction.depth
         trial.contact.area[:] += direction.area

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kernels import hexahedron_at_large_strains, linear_hexahedron
 from scipy.linalg import logm, polar
 
 from palpate.analytic import sneddon
@@ -16,12 +17,11 @@ from palpate.solver.axisymmetric.discretisation import RESOLUTIONS as AXISYMMETR
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.solver.pyramid import hencky_3d
 from palpate.solver.pyramid.contact_3d import Contact3D
 from palpate.solver.pyramid.coupled import Coupling3D
 from palpate.solver.pyramid.element_3d import Hexahedra, Laws3D, System3D, Touching, assemble
 from palpate.solver.pyramid.indent_3d import indent_3d
-from palpate.solver.pyramid.linear_3d import Points3D, element
+from palpate.solver.pyramid.linear_3d import Points3D
 from palpate.solver.pyramid.mesh_3d import CORNERS, integration, wedge_mesh
 from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import WEDGE, shell
@@ -125,7 +125,9 @@ def test_one_constraint_an_element_at_incompressibility():
         row[1] = bulk
         ke, fe = np.zeros((25, 25)), np.zeros(25)
         points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.zeros((8, 6)))
-        element(gradients[0], volumes[0], np.zeros((8, 3)), points, (step_weights(row[None], 1.0)[0], row), ke, fe)
+        linear_hexahedron(
+            gradients[0], volumes[0], np.zeros((8, 3)), points, (step_weights(row[None], 1.0)[0], row), ke, fe
+        )
         stiffness.append(np.linalg.eigvalsh(ke[:24, :24]))
     assert np.sum(stiffness[1] > 1.5 * stiffness[0].clip(1e-6)) == 1
     assert np.sum(np.abs(stiffness[0]) < 1e-9) == 6
@@ -197,7 +199,7 @@ def at_large_strains(hexahedron, u, law, past):
     """Return force and stiffness of one element, and the tensors R."""
     ke, fe, local = np.zeros((25, 25)), np.zeros(25), np.empty((8, 6))
     points, law = Points3D(past, np.zeros(8), np.zeros(8), local), (step_weights(law[None], 1.0)[0], law)
-    assert np.isfinite(hencky_3d.element(*hexahedron[:2], u, points, law, ke, fe, True))
+    assert np.isfinite(hexahedron_at_large_strains(*hexahedron[:2], u, points, law, ke, fe, True))
     return fe[:24], ke[:24, :24], local
 
 
@@ -240,7 +242,9 @@ def test_an_element_inside_out_is_noticed(hexahedron):
     points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
     law = step_weights(law[None], 1.0)[0], law
     mirrored = -2.0 * hexahedron[2] * [0.0, 0.0, 1.0]
-    assert np.isnan(hencky_3d.element(*hexahedron[:2], mirrored, points, law, np.zeros((25, 25)), np.zeros(25), True))
+    assert np.isnan(
+        hexahedron_at_large_strains(*hexahedron[:2], mirrored, points, law, np.zeros((25, 25)), np.zeros(25), True)
+    )
 
 
 def test_the_law_does_not_see_the_axes():

@@ -7,17 +7,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from bodies import internal_forces
+from kernels import contact_forces, no_coupling, normal_distribution, penetration, profile_at, width_of
 
 from palpate.materials import LAWS
 from palpate.solver.axisymmetric import march_cases
-from palpate.solver.axisymmetric.contact import contact_forces, normal_distribution, penetration, width_of
-from palpate.solver.axisymmetric.contact_coupling import no_coupling
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.solver.axisymmetric.tip import profile_at
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen

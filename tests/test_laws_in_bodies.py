@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kernels import hexahedron_at_large_strains, linear_hexahedron
 from test_laws_of_flow import values
 from under_a_cone import depths, specification
 
 from palpate.materials import law_of
 from palpate.materials.flow.point import length, solve
 from palpate.materials.flow.row import BULK, step_weights
-from palpate.solver.pyramid import hencky_3d, linear_3d
 from palpate.solver.pyramid.linear_3d import Points3D
 from palpate.solver.pyramid.mesh_3d import integration
 
@@ -64,7 +64,7 @@ def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
     points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
     ke, fe = np.zeros((25, 25)), np.zeros(25)
     arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
-    pressure = hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
+    pressure = hexahedron_at_large_strains(*arguments, True) if large else linear_hexahedron(*arguments)
     assert pressure == pytest.approx(-law[BULK] * np.trace(strain))
     deviator = strain - np.trace(strain) / 3 * np.eye(3)
     rho = length(np.array([*np.diag(deviator), 0.0, 0.0, 0.0]), 6)
@@ -92,7 +92,7 @@ def test_the_stiffness_of_a_hexahedron_is_the_symmetric_part_of_the_derivative(m
         points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
         ke, fe = np.zeros((25, 25)), np.zeros(25)
         arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
-        hencky_3d.element(*arguments, True) if large else linear_3d.element(*arguments)
+        hexahedron_at_large_strains(*arguments, True) if large else linear_hexahedron(*arguments)
         return fe[:24], ke[:24, :24]
 
     units = 1e-7 * np.eye(24).reshape(24, 8, 3)

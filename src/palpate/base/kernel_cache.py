@@ -21,7 +21,7 @@ from palpate.errors import InputError
 
 PACKAGE = Path(__file__).parents[1]
 SOURCES = ("solver/axisymmetric", "solver/pyramid", "materials", "materials/flow")
-FORMAT = Path(__file__).with_name("checked_kernels.py")
+FORM = ("base/checked_kernels.py", "base/inner_kernel.py")
 VARIABLE, PREFIX = "NUMBA_CACHE_DIR", "kernels-"
 
 
@@ -30,10 +30,10 @@ def choose() -> None:
 
     A process inherits the variable from the one that began it, which may have other sources.
     """
-    digest = hashlib.sha256(FORMAT.read_bytes())
-    for folder in SOURCES:
-        for file in sorted((PACKAGE / folder).glob("*.py")):
-            digest.update(file.read_bytes())
+    digest = hashlib.sha256()
+    kernels = (file for folder in SOURCES for file in sorted((PACKAGE / folder).glob("*.py")))
+    for file in (*(PACKAGE / name for name in FORM), *kernels):
+        digest.update(file.read_bytes())
     name = f"{PREFIX}{digest.hexdigest()[:12]}"
     if given := os.environ.get(VARIABLE):
         os.environ[VARIABLE] = str(_place(Path(given)) / name)

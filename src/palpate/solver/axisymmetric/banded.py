@@ -8,14 +8,13 @@ Computations, 4th ed. (2013), section 4.1.4).
 
 from __future__ import annotations
 
-from numba import njit
-
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.lanes import load, root, store
 
 PANEL = 4  # columns that are eliminated together
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def solve(lower, upper, size, width, first, second):
     """Overwrite `first` and `second` (size, LANES) with the solutions, and the matrix with its factors.
 
@@ -53,7 +52,7 @@ def solve(lower, upper, size, width, first, second):
         store(second, j, y * inverse)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def solve_again(lower, upper, size, width, right):
     """Overwrite `right` (size, LANES) with the solution of a matrix whose factors `solve` left.
 
@@ -78,7 +77,7 @@ def solve_again(lower, upper, size, width, right):
         store(right, j, x * load(lower, top + j))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _eliminate(lower, upper, width, first, second, j, last, end):
     """Finish column and row `j` up to `end`, and take them from what lies before `last` to their right and below."""
     symmetric = len(upper) == 0
@@ -105,7 +104,7 @@ def _eliminate(lower, upper, width, first, second, j, last, end):
                 store(upper, target + i, load(upper, target + i) - down * load(upper, top + i))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _eliminate_panel(lower, upper, width, first, second, j, end):
     """Take the finished columns and rows `j` to `j` + 3 from what lies to their right and below, up to `end`."""
     symmetric = len(upper) == 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.rows import as_vector, restore_rows
@@ -52,7 +52,7 @@ class System(NamedTuple):
         return cls(band, upper, border, row, np.zeros(LANES), sideways, widening, swelling, np.zeros(LANES))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def copy_of(system):
     """Return a copy of the linearised system."""
     return System(
@@ -61,7 +61,7 @@ def copy_of(system):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def put_back(system, before, changed):
     """Make the system what it was before in the lanes that have not `changed` (LANES,): their factor serves on."""
     mask = as_vector(changed)

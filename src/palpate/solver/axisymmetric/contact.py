@@ -42,6 +42,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.coulomb_friction import anchored, friction_ratio
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.tip import Tip, profile_at
@@ -122,7 +123,7 @@ class ContactState(NamedTuple):
     place: np.ndarray
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def normal_distribution(x):
     """Return Phi(x), not below 1e-28, and phi(x)."""
     return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0)), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
@@ -135,13 +136,13 @@ def touching(x):
     return share, STEEP * density
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def width_of(contact, state, k, lane):
     """Return the width w over which the gap of a node closes."""
     return contact.width[k, lane] * state.rise[lane]
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def penetration(setup, trial, k, lane):
     """Return x = g / w of a node, its distance from the axis, and slope and curvature of the tip over it."""
     r, z, distance = setup.body.radial[k], setup.body.vertical[k], setup.body.distance[k]
@@ -151,14 +152,14 @@ def penetration(setup, trial, k, lane):
     return x, distance + moved, slope, curvature
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def share_of(setup, trial, k, lane):
     """Return which share of a node touches, and where it is."""
     x, place, _, _ = penetration(setup, trial, k, lane)
     return touching(x)[0], place
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def fit(contact, state, borne, done):
     """Let pressure, width and b be what they are at the state's area where the contact has `borne` (LANES,) so much."""
     for lane in range(LANES):
@@ -174,13 +175,13 @@ def fit(contact, state, borne, done):
         state.by_area[2, lane] = (blended - blend) / (WIDER * area)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def pull_on(contact, area, lane):
     """Return the attraction of a contact of some `area`."""
     return contact.strength[lane] * area
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def fitted(contact, state, borne, area, lane):
     """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls.
 
@@ -238,7 +239,7 @@ def end_step(setup, trial):
             state.anchor[k, lane] = min(max(anchored(state, place, share, k, lane), place - slip), place + slip)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def contact_forces(setup, trial, forces, coupling, done):
     """Add the contact to the residual `forces` (size + 1, LANES); write the reaction and the `coupling`."""
     body, contact, state, load = setup.body, setup.contact, trial.contact, trial.reaction

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.rows import copy_rows
 
@@ -41,7 +41,7 @@ class Coupling(NamedTuple):
     feedback: np.ndarray
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def no_coupling(count):
     """Return storage for the coupling of so many nodes."""
     return Coupling(
@@ -50,7 +50,7 @@ def no_coupling(count):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def spread(body, coupling, widening, swelling, growth):
     """Write the derivatives of the area, of the residual by it (size + 1, LANES), and of the load by it (LANES,).
 
@@ -81,7 +81,7 @@ def spread(body, coupling, widening, swelling, growth):
                 swelling[r, lane] += coupling.by_area[k, 0, lane]
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
     """Add the tangent of the contact to the band; write column and row (size + 1, LANES) and diagonal of the depth.
 
@@ -125,7 +125,7 @@ def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
                     row[r, lane] += across
 
 
-@njit(cache=True, inline="always")
+@inner_kernel(cache=True, inline="always")
 def entry(i, j, width):
     """Return where the band holds the entry (i, j)."""
     return min(i, j) * width + abs(i - j)

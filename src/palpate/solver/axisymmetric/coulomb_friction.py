@@ -29,8 +29,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.lanes import LANES
 
 LEAST_SHARE = 1e-12  # of a node's area in contact, below which it knows no friction
@@ -38,7 +37,7 @@ SLIPPING = 1.0  # slip in units of d from which a node counts as slipping
 SATURATED = 20.0  # from which tanh is one
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def anchored(state, place, share, k, lane):
     """Return the anchor of a node at a `place`, of which such a `share` touches."""
     before = state.share[k, lane]
@@ -47,7 +46,7 @@ def anchored(state, place, share, k, lane):
     return (before * state.anchor[k, lane] + (share - before) * 0.5 * (state.place[k, lane] + place)) / share
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def friction_ratio(contact, state, place, share, density, width, k, lane):
     """Return m with its derivatives by the distance from the axis, and by the gap."""
     mu, slip_length, before = contact.friction[lane], contact.slip[k, lane], state.share[k, lane]
@@ -65,7 +64,7 @@ def friction_ratio(contact, state, place, share, density, width, k, lane):
     return m, rate * (1.0 - 0.5 * (share - before) / share), -rate * drag
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def turn_back(setup, trial, shares, slips, changed, done):
     """Put nodes whose slip reverses within one iteration back to where they stuck.
 

@@ -17,8 +17,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.radial import NOTHING, solve_radial
 from palpate.materials.flow.row import BULK, PRESSED, YIELD
 from palpate.solver.axisymmetric.banded import PANEL
@@ -99,7 +99,7 @@ class Body(NamedTuple):
         )
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def internal_forces(body, points, laws, weights, displacement, forces):
     """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (same), and the solution at `points`."""
     forces[:] = 0.0
@@ -162,7 +162,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(forces, row, load(forces, row) + load(f, i))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def stiffness(body, points, laws, band):
     """Write the lower half of the consistent tangent at the solution of `points` to the `band`.
 

@@ -31,8 +31,8 @@ derivatives of the stress by m, h, c and the hoop strain.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.radial import NOTHING, UNKNOWN, solve_radial
 from palpate.materials.flow.row import BULK, PRESSED, YIELD
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
@@ -43,7 +43,7 @@ RR, RZ, ZR, ZZ, TT, MEAN, HALF, SHEAR, ALPHA, BETA, BETA_S, BETA_SS, INVERSE_Q, 
 SMALL = 0.01  # y, below which the derivatives of A are series
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def stretch(gradients, u, parts):
     """Write the `parts` (PARTS, LANES) of a Gauss point at the nodal displacements `u` (8, LANES)."""
     hrr, hrz, hzr, hzz, htt = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
@@ -87,13 +87,13 @@ def stretch(gradients, u, parts):
     store(parts, HOOP, where_less(splat(-1.0), htt, log_of_one_plus(htt), splat(np.nan)))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def swelling(parts):
     """Return ln J of a Gauss point; NaN where the element is inside out."""
     return 2.0 * load(parts, ALPHA) + load(parts, HOOP)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def stretched(gradients, volumes, u, parts):
     """Write the `parts` of an element's Gauss points at `u` (8, LANES); return its mean ln J and its volume.
 
@@ -107,7 +107,7 @@ def stretched(gradients, volumes, u, parts):
     return theta * (1.0 / volume), volume
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def second_stress(parts, t0, t1, t3):
     """Return the second Piola-Kirchhoff stress rr, zz, rz of the law's stress rr, zz, rz."""
     half, shear, inverse_q = load(parts, HALF), load(parts, SHEAR), load(parts, INVERSE_Q)
@@ -119,7 +119,7 @@ def second_stress(parts, t0, t1, t3):
     return by_mean + by_half, by_mean - by_half, by_s * shear + 2.0 * beta * t3
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def internal_forces(body, points, laws, weights, displacement, forces):
     """Write the `forces` (size + 1, LANES) of the stress at a `displacement` (same), and the solution at `points`."""
     forces[:] = 0.0
@@ -176,7 +176,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(forces, row, load(forces, row) + load(f, i))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def slopes(gradients, parts, b):
     """Write the derivatives of m, h, c and the hoop strain by the nodal displacements to `b` (4, 8, LANES)."""
     for column in range(2):
@@ -189,7 +189,7 @@ def slopes(gradients, parts, b):
             store(b, 24 + i, load(parts, TT) * (gradients[2, a] if column == 0 else 0.0))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def add_product(rows, k, weight, moduli):
     """Add `weight` times the product of row `k` of `rows` (5, 4, LANES) with itself to `moduli` (4, 4, LANES)."""
     for i in range(4):
@@ -198,7 +198,7 @@ def add_product(rows, k, weight, moduli):
             store(moduli, 4 * i + j, load(moduli, 4 * i + j) + value * load(rows, 4 * k + j))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def strain_rows(parts, r0, r1, r2, r3, rows):
     """Write to `rows` (5, 4, LANES) what m, h, c and the hoop strain do to parts of E.
 
@@ -220,7 +220,7 @@ def strain_rows(parts, r0, r1, r2, r3, rows):
         store(rows, i, value)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def add_curvature(parts, t0, t1, t2, t3, moduli):
     """Add to the lower half of `moduli` (4, 4, LANES) the stress times the second derivative of E by m, h, c, hoop."""
     half, shear, inverse_q, whole = load(parts, HALF), load(parts, SHEAR), load(parts, INVERSE_Q), load(parts, MEAN)
@@ -241,7 +241,7 @@ def add_curvature(parts, t0, t1, t2, t3, moduli):
     store(moduli, 15, load(moduli, 15) - t2)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def stiffness(body, points, laws, displacement, geometric, band):
     """Write the lower half of the tangent's symmetric part at the solution of `points` to the `band`.
 

@@ -16,7 +16,7 @@ import llvmlite.ir as ir
 from numba import njit, types
 from numba.core import cgutils
 from numba.core.datamodel import PrimitiveModel
-from numba.extending import intrinsic, overload, register_model
+from numba.extending import intrinsic, lower_builtin, overload, register_model, type_callable
 
 from palpate.materials.flow import arithmetic
 from palpate.materials.flow.arithmetic import (
@@ -82,6 +82,16 @@ def _row(context, builder, array_type, array, index):
     return builder.bitcast(builder.gep(data, [start]), _DOUBLES.as_pointer())
 
 
+def _spread(context, builder, kind, value):
+    """Return a vector as it is, and for a number the vector whose lanes all hold it."""
+    if isinstance(kind, Vector):
+        return value
+    value = context.cast(builder, value, kind, types.float64)
+    first = builder.insert_element(ir.Constant(_DOUBLES, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(first, ir.Constant(_DOUBLES, ir.Undefined), order)
+
+
 @_instruction
 def load(typing_context, array, index):
     """Return row `index` (counting rows of `LANES`) of a contiguous array of doubles."""
@@ -114,39 +124,37 @@ def splat(typing_context, scalar):
     """Return a vector whose lanes all hold a double."""
 
     def generate(context, builder, signature, arguments):
-        value = context.cast(builder, arguments[0], signature.args[0], types.float64)
-        first = builder.insert_element(ir.Constant(_DOUBLES, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
-        order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-        return builder.shuffle_vector(first, ir.Constant(_DOUBLES, ir.Undefined), order)
+        return _spread(context, builder, signature.args[0], arguments[0])
 
     return VECTOR(scalar), generate
 
 
-def _binary(name: str):
-    """Return an intrinsic for an instruction on two vectors."""
-
-    def typed(typing_context, a, b):
-        def generate(context, builder, signature, arguments):
-            return getattr(builder, name)(*arguments, flags=("contract",))
-
-        return VECTOR(VECTOR, VECTOR), generate
-
-    return _instruction(typed)
+def _typed(operation: Callable[..., Any], result: Callable[..., Any]) -> None:
+    """Give the type of an operation's result in compiled code, of those of its operands: None where it is not ours."""
+    type_callable(operation)(lambda context: result)
 
 
-def _overload(operation, instruction) -> None:
-    """Let an operator of Python act on vectors, and on a vector and a number."""
+def _of_vectors(*operands):
+    """Return the type of what vectors alone give."""
+    return VECTOR if all(isinstance(operand, Vector) for operand in operands) else None
 
-    def implementation(a, b):
-        if isinstance(a, Vector) and isinstance(b, Vector):
-            return lambda a, b: instruction(a, b)
-        if isinstance(a, Vector) and isinstance(b, types.Number):
-            return lambda a, b: instruction(a, splat(b))
-        if isinstance(a, types.Number) and isinstance(b, Vector):
-            return lambda a, b: instruction(splat(a), b)
-        return None
 
-    overload(operation)(implementation)
+def _operator(operation: Callable[..., Any], name: str) -> None:
+    """Let an operator of Python act on vectors, and on a vector and a number, by the instruction of that name."""
+
+    def generate(context, builder, signature, arguments):
+        operands = zip(signature.args, arguments, strict=True)
+        vectors = [_spread(context, builder, kind, value) for kind, value in operands]
+        return getattr(builder, name)(*vectors, flags=("contract",))
+
+    kinds = ((Vector, Vector), (Vector, types.Number), (types.Number, Vector))
+
+    def result(a, b):
+        return VECTOR if any(isinstance(a, left) and isinstance(b, right) for left, right in kinds) else None
+
+    _typed(operation, result)
+    for left, right in kinds:
+        lower_builtin(operation, left, right)(generate)
 
 
 for _operation, _name in (
@@ -155,48 +163,54 @@ for _operation, _name in (
     (operator.mul, "fmul"),
     (operator.truediv, "fdiv"),
 ):
-    _overload(_operation, _binary(_name))
+    _operator(_operation, _name)
 
 
-def _unary(name: str):
-    """Return an intrinsic for one of LLVM's functions of a vector."""
-
-    def typed(typing_context, value):
-        def generate(context, builder, signature, arguments):
-            kind = ir.FunctionType(_DOUBLES, [_DOUBLES])
-            function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64")
-            return builder.call(function, arguments)
-
-        return VECTOR(VECTOR), generate
-
-    return _instruction(typed)
-
-
-_root, _magnitude = _unary("sqrt"), _unary("fabs")
-
-
-@_instruction
-def _greatest(typing_context, value):
-    """Return the largest of the lanes, those that are NaN aside."""
+def _unary(function: Callable[..., Any], name: str) -> None:
+    """Let a function act on vectors by LLVM's of that name."""
 
     def generate(context, builder, signature, arguments):
-        kind = ir.FunctionType(ir.DoubleType(), [_DOUBLES])
-        name = f"llvm.vector.reduce.fmax.v{LANES}f64"
-        function = cgutils.get_or_insert_function(builder.module, kind, name)
-        return builder.call(function, arguments)
+        kind = ir.FunctionType(_DOUBLES, [_DOUBLES])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64"), arguments)
 
-    return types.float64(VECTOR), generate
+    _typed(function, lambda x: _of_vectors(x))
+    lower_builtin(function, Vector)(generate)
 
 
-@_instruction
-def _where_less(typing_context, a, b, then, otherwise):
-    """Return `then` in the lanes where a < b, else `otherwise`."""
+_unary(root, "sqrt")
+_unary(magnitude, "fabs")
+_typed(greatest, lambda x: types.float64 if isinstance(x, Vector) else None)
+_typed(where_less, lambda a, b, then, otherwise: _of_vectors(a, b, then, otherwise))
+_typed(rough_log, lambda x: _of_vectors(x))
+_typed(arithmetic.constant, lambda x, value: _of_vectors(x))
 
-    def generate(context, builder, signature, arguments):
-        less = builder.fcmp_ordered("<", arguments[0], arguments[1])
-        return builder.select(less, arguments[2], arguments[3])
 
-    return VECTOR(VECTOR, VECTOR, VECTOR, VECTOR), generate
+@lower_builtin(greatest, Vector)
+def _greatest(context, builder, signature, arguments):
+    """Generate the largest of the lanes, those that are NaN aside."""
+    kind = ir.FunctionType(ir.DoubleType(), [_DOUBLES])
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.vector.reduce.fmax.v{LANES}f64")
+    return builder.call(function, arguments)
+
+
+@lower_builtin(where_less, Vector, Vector, Vector, Vector)
+def _where_less(context, builder, signature, arguments):
+    """Generate the choice of each lane."""
+    return builder.select(builder.fcmp_ordered("<", arguments[0], arguments[1]), arguments[2], arguments[3])
+
+
+@lower_builtin(rough_log, Vector)
+def _rough_log(context, builder, signature, arguments):
+    """Generate ln(x) of positive numbers to within 0.06 from their bits: the exponent, and the mantissa as it is."""
+    bits = builder.sitofp(builder.bitcast(arguments[0], _INTEGERS), _DOUBLES)
+    octaves = builder.fsub(builder.fmul(bits, _constant(2.0**-52)), _constant(1023.0))
+    return builder.fmul(octaves, _constant(1 / _LOG2_E))
+
+
+@lower_builtin(arithmetic.constant, Vector, types.Number)
+def _constant_vector(context, builder, signature, arguments):
+    """Generate the vector whose lanes all hold the number."""
+    return _spread(context, builder, signature.args[1], arguments[1])
 
 
 @_instruction
@@ -209,18 +223,6 @@ def _scaled_by_two_to(typing_context, value, shifted):
         return builder.bitcast(builder.add(builder.bitcast(arguments[0], _INTEGERS), bits), _DOUBLES)
 
     return VECTOR(VECTOR, VECTOR), generate
-
-
-@_instruction
-def _rough_log(typing_context, value):
-    """Return ln(value) to within 0.06, from the bits of a positive number: the exponent, and the mantissa as it is."""
-
-    def generate(context, builder, signature, arguments):
-        bits = builder.sitofp(builder.bitcast(arguments[0], _INTEGERS), _DOUBLES)
-        octaves = builder.fsub(builder.fmul(bits, _constant(2.0**-52)), _constant(1023.0))
-        return builder.fmul(octaves, _constant(1 / _LOG2_E))
-
-    return VECTOR(VECTOR), generate
 
 
 def _exponential(x):
@@ -275,22 +277,6 @@ def _on_vectors(function: Callable[..., Any], own: Callable[..., Any]) -> None:
 _on_vectors(exponential, _exponential)
 _on_vectors(log_of_one_plus, _log_of_one_plus)
 _on_vectors(arithmetic.logarithm, _logarithm)
-_on_vectors(rough_log, lambda x: _rough_log(x))
-_on_vectors(root, lambda x: _root(x))
-_on_vectors(magnitude, lambda x: _magnitude(x))
-_on_vectors(greatest, lambda x: _greatest(x))
-
-
-@overload(where_less)
-def _choice(a, b, then, otherwise):
-    if all(isinstance(argument, Vector) for argument in (a, b, then, otherwise)):
-        return lambda a, b, then, otherwise: _where_less(a, b, then, otherwise)
-    return None
-
-
-@overload(arithmetic.constant)
-def _constant_vector(x, value):
-    return (lambda x, value: splat(value)) if isinstance(x, Vector) else None
 
 
 @overload(arithmetic.entry)

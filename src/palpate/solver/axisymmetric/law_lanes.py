@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.arithmetic import whole
 from palpate.materials.flow.dispatch import fluidity_of
 from palpate.materials.flow.radial import UNKNOWN, compliance, threshold
@@ -86,7 +87,7 @@ class Points(NamedTuple):
         return cls(past, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def save_solution(points, solved, lane):
     """Note the solution of the radial equation in one lane: it is found again while others go on, but for rounding."""
     for p in range(points.log_q.shape[0]):
@@ -94,7 +95,7 @@ def save_solution(points, solved, lane):
         solved[2, p, lane], solved[3, p, lane] = points.order[p, lane], points.push[p, lane]
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def restore_solution(points, solved, lanes):
     """Write to the points what `save_solution` noted of some lanes (LANES,)."""
     for lane in range(LANES):
@@ -104,13 +105,13 @@ def restore_solution(points, solved, lanes):
                 points.order[p, lane], points.push[p, lane] = solved[2, p, lane], solved[3, p, lane]
 
 
-@njit(cache=True, inline="always")
+@inner_kernel(cache=True, inline="always")
 def region_of(element, laws):
     """Return which of the `laws` (1 or m, rows, LANES) an element takes: the only one, or its own."""
     return element if len(laws) > 1 else 0
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def driving(law, at, step, q, log_q, pressure):
     """Return phi q of a term whose block begins at `at`, at the stress over the resistance."""
     inverse = load(step, INVERSE_RESISTANCE)
@@ -119,7 +120,7 @@ def driving(law, at, step, q, log_q, pressure):
     return value * q
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
     """Return the length of the plastic strain deviator of a step."""
     if whole(law, YIELD) > 0:

@@ -31,6 +31,7 @@ import math
 import numpy as np
 from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.assembly import internal_forces, stiffness
 from palpate.solver.axisymmetric.banded import solve, solve_again
 from palpate.solver.axisymmetric.bordered import copy_of, put_back
@@ -152,19 +153,19 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
     restore_solution(points, solved, alive)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def no_residual(size):
     """Return a residual of so many unknowns, which is zero."""
     return Residual(np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def no_direction(size):
     """Return a direction of so many unknowns, which is zero."""
     return Direction(np.zeros((size + 1, LANES)), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES))
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def unbalance(setup, material, trial, prescribed, residual, coupling, done):
     """Write the residual, but for its limit, and the coupling in the lanes that are not `done`."""
     internal_forces(setup, material, trial.displacement, residual.forces)
@@ -178,7 +179,7 @@ def unbalance(setup, material, trial, prescribed, residual, coupling, done):
             residual.late[lane] = missing / max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
 
 
-@njit(cache=True, error_model="numpy")
+@inner_kernel(cache=True, error_model="numpy")
 def imbalance(state, prescribed, residual, coupling, norm, lane):
     """Return what a lane lacks of equilibrium, in forces, drive and area of contact, as a share of its largest load.
 
@@ -194,7 +195,7 @@ def imbalance(state, prescribed, residual, coupling, norm, lane):
     return max(max(norm[lane], exact * abs(residual.excess[lane])) / scale, unlike * push / scale / LESS)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def factor(setup, material, trial, system, coupling, geometric, forces, forward):
     """Assemble the matrix of body and contact, factor it and solve for the `forces`."""
     body = setup.body
@@ -207,14 +208,14 @@ def factor(setup, material, trial, system, coupling, geometric, forces, forward)
     solve_again(system.band, system.upper, body.size, body.width, system.swelling)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def solve_for(body, system, forces, forward):
     """Solve for the `forces` with the last factor."""
     copy_rows(forces, forward)
     solve_again(system.band, system.upper, body.size, body.width, forward)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def load_borne(setup, state, forces, prescribed):
     """Return the load (LANES,) of a contact in such a `state`: what is prescribed, or what internal `forces` hold.
 
@@ -233,7 +234,7 @@ def load_borne(setup, state, forces, prescribed):
     return borne
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def shares_of(setup, trial):
     """Return the share (k, LANES) of each surface node that touches."""
     shares = np.zeros((setup.body.radial.shape[0], LANES))
@@ -243,7 +244,7 @@ def shares_of(setup, trial):
     return shares
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def unbalanced(work, start, tries, share):
     """Return whether the line search goes on: up to `TRIES` times, until the work is less than a `share` of the start.
 
@@ -257,7 +258,7 @@ def unbalanced(work, start, tries, share):
     return tries < TRIES and work * start <= 0.0 and abs(work) >= share * abs(start)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def move(trial, direction, lane, distance):
     """Move one lane along its direction, in which the area is relative.
 
@@ -272,7 +273,7 @@ def move(trial, direction, lane, distance):
     trial.contact.area[lane] *= math.exp(distance * direction.area[lane])
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def shorten(direction, lane, farthest):
     """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that.
 
@@ -292,7 +293,7 @@ def shorten(direction, lane, farthest):
         direction.work[lane] *= farthest / largest
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def measure(forces, direction, size, norm, work):
     """Write the largest of the `forces` that are numbers, as `norm`, and the `work` of all along the `direction`.
 
@@ -310,7 +311,7 @@ def measure(forces, direction, size, norm, work):
     store(work, 0, total)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def direct(system, prescribed, residual, forward, solving, direction):
     """Write Newton's direction and the work of the forces along it, in the lanes that are `solving`.
 

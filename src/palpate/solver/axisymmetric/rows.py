@@ -7,26 +7,26 @@ which takes a fifth of the time of the whole solver.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store, where_less
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def copy_rows(source, target):
     """Copy all rows (n, LANES)."""
     for i in range(source.shape[0]):
         store(target, i, load(source, i))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def restore_rows(target, before, changed):
     """Make rows (n, LANES) what they were before in the lanes that have not `changed`, a vector of ones and zeros."""
     for i in range(target.shape[0]):
         store(target, i, where_less(splat(0.5), changed, load(target, i), load(before, i)))
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def as_vector(mask):
     """Return one for each lane that a `mask` (LANES,) selects, and zero for the others."""
     numbers = np.zeros(LANES)

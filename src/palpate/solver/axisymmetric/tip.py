@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.profile import Capped, Measured, Profile
 
@@ -50,7 +50,7 @@ def _knots(profiles: Sequence[Profile]) -> np.ndarray:
     return table
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def between_knots(knots, lane, place):
     """Return height, slope and curvature of a measured tip at one distance, see `profile.Measured`."""
     low, high = 0, knots.shape[0] - 1
@@ -71,7 +71,7 @@ def between_knots(knots, lane, place):
     return height, slope, curvature
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def profile_at(large, tip, lane, distance, moved):
     """Return height, slope and curvature of a tip over a node that moved outwards from its `distance`.
 

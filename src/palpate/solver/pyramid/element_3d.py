@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.point import commit, history
 from palpate.solver.pyramid import hencky_3d, linear_3d
 from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS, Points3D
@@ -190,7 +191,7 @@ def assemble(displacement, mesh, laws, points, contact, system, large, geometric
     return corner
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _turn(ke, fe, x, cos, sin):
     """Turn one node's rows and columns from x and y to axes of its own."""
     y = x + 1
@@ -201,7 +202,7 @@ def _turn(ke, fe, x, cos, sin):
         ke[i, x], ke[i, y] = cos * ke[i, x] + sin * ke[i, y], cos * ke[i, y] - sin * ke[i, x]
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _press(ke, nodes, equation, contact, rows, bandwidth, pressing):
     """Add what an element's stiffness gives to the derivatives of P, with u_z = f - depth put in place of each u_z."""
     rule, slot = contact.rule, contact.slot
@@ -226,7 +227,7 @@ def _press(ke, nodes, equation, contact, rows, bandwidth, pressing):
             row[2 * bandwidth + 1] += rows[a, DEPTH]
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _follow_indenter(ke, fe, x, rule):
     """Put u_z = f - depth in place of one node's u_z, and balance along the indenter in place of its forces.
 

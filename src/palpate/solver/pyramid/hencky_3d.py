@@ -21,8 +21,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.point import length, solve
 from palpate.materials.flow.row import BULK
 from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS
@@ -32,7 +32,7 @@ CLOSE_PAIR, CLOSE_TRIPLE = 1e-3, 1e-2  # relative distance below which divided d
 SWEEPS = 12  # at most: Jacobi's rotations converge quadratically
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def eigen(tensor, axes):
     """Turn a symmetric `tensor` (3, 3) into its diagonal, in place; the columns of `axes` (3, 3) receive its axes.
 
@@ -59,12 +59,12 @@ def eigen(tensor, axes):
                     axes[i, p], axes[i, r] = _turned(axes[i, p], axes[i, r], c, s)
 
 
-@njit(cache=True, inline="always")
+@inner_kernel(cache=True, inline="always")
 def _turned(x, y, c, s):
     return c * x - s * y, s * x + c * y
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def write_pairs(strain, squared, pairs):
     """Write the divided differences f_ab (3, 3) of (1/2) ln l at `squared` stretches l (3,) of that `strain`."""
     for a in range(3):
@@ -76,7 +76,7 @@ def write_pairs(strain, squared, pairs):
                 pairs[a, b] = (strain[a] - strain[b]) / (squared[a] - squared[b])
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def write_triples(squared, pairs, triples):
     """Write the second divided differences f_abc (3, 3, 3)."""
     for a in range(3):
@@ -93,7 +93,7 @@ def write_triples(squared, pairs, triples):
                     triples[a, b, c] = -0.25 * (1.0 + 0.5 * second) / (mean * mean)
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def sorted_by(values, a, b, c):
     """Return three places in the order of what `values` hold there."""
     if values[a] > values[b]:
@@ -105,7 +105,7 @@ def sorted_by(values, a, b, c):
     return a, b, c
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def strain_at(gradients, u, strain, squared, axes, images):
     """Logarithmic strain at a Gauss point.
 
@@ -151,7 +151,7 @@ def strain_at(gradients, u, strain, squared, axes, images):
     return True
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def write_slopes(gradients, axes, images, pairs, b, along):
     """Write dE/du in the axes to `b` (6, 24), and the gradients there to `along` (8, 3)."""
     for node in range(8):
@@ -166,7 +166,7 @@ def write_slopes(gradients, axes, images, pairs, b, along):
                     b[row, 3 * node + i] = factor * (images[i, a] * along[node, c] + images[i, c] * along[node, a])
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def write_moduli(r, ratio, excess, moduli):
     """Write dT/dE of the law, `ratio` I_dev + `excess` R R, to `moduli` (6, 6); shear counts twice."""
     for i in range(6):
@@ -178,7 +178,7 @@ def write_moduli(r, ratio, excess, moduli):
         moduli[i, i] += ratio if i < 3 else 2.0 * ratio
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def add_curvature(stress, pairs, triples, moduli):
     """Add to `moduli` (6, 6) what T : d2E gives by the changing axes and stretches, T (6,) in the axes."""
     for a in range(3):
@@ -188,7 +188,7 @@ def add_curvature(stress, pairs, triples, moduli):
                 moduli[i, j] += 2.0 * stress[PLACE[a, b]] * triples[a, c, b] / (pairs[a, c] * pairs[c, b])
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def element(gradients, volumes, u, points, law, ke, fe, geometric):
     """Write stiffness `ke` and internal force `fe` of one element, and the solution at its `points`.
 
@@ -272,7 +272,7 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
     return -pressure
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def _add_initial_stress(along, stress, pairs, weight, ke):
     """Add `weight` * S : (grad N_i grad N_j) to the lower half of `ke`; S is the second Piola-Kirchhoff stress of T."""
     second = np.empty((3, 3))

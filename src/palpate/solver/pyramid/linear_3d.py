@@ -24,8 +24,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.point import length, solve
 from palpate.materials.flow.row import BULK
 
@@ -53,7 +53,7 @@ class Points3D(NamedTuple):
     local: np.ndarray
 
 
-@njit(cache=True)
+@inner_kernel(cache=True)
 def element(gradients, volumes, u, points, law, ke, fe):
     """Write stiffness `ke` and internal force `fe` of one element, and the solution at its `points`.
 
