@@ -46,10 +46,13 @@ class Descent:
     active: bool = True
     path: list[np.ndarray] = field(default_factory=list)
 
+    def predicted(self, u: np.ndarray) -> Curves:
+        """Return the curves at coordinates u (k,) to first order."""
+        return {name: curves + self.slopes[name] @ (u - self.u) for name, curves in self.curves.items()}
+
     def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
         """Return the step to coordinates u (k,), and the departure of the curves there from their linear prediction."""
-        step = u - self.u
-        return step, {name: curves[name] - self.curves[name] - slopes @ step for name, slopes in self.slopes.items()}
+        return u - self.u, {name: curves[name] - linear for name, linear in self.predicted(u).items()}
 
     def move(self, u: np.ndarray, curves: Curves) -> None:
         """Take a step to coordinates u (k,) with these curves, and correct the slopes by its secant."""

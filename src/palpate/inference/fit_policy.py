@@ -33,6 +33,9 @@ class FitPolicy:
         Chi-square per degree of freedom up to which a fit goes on with finer meshes, where these are needed.
     finer_steps
         Largest number of steps with them; two suffice where the fit before ended five standard deviations away.
+    first_order
+        Decrease of chi-square, predicted for a step with them, below which it is taken with derivatives alone, and is
+        the last one. These err by 3 % at most, so that the estimate is off by 0.02 standard deviations.
     """
 
     scattered: int = 16
@@ -46,3 +49,4 @@ class FitPolicy:
     refined: float = 10.0
     finer_meshes: float = 1.5
     finer_steps: int = 3
+    first_order: float = 0.5

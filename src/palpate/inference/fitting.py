@@ -150,7 +150,8 @@ class Fitter:
         if accurate is None:
             return fit
         goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
-        way = gauss_newton(goal, accurate, begun, self.policy.finer_steps, self.policy.tolerance)
+        policy = self.policy
+        way = gauss_newton(goal, accurate, begun, policy.finer_steps, policy.tolerance, policy.first_order)
         try:
             record = accurate.record.consistent(way.u, way.curves, way.slopes)
         except PalpateError:

@@ -123,7 +123,9 @@ def resumed(
     raise PalpateError(failed)
 
 
-def gauss_newton(misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float) -> Descent:
+def gauss_newton(
+    misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float, first_order: float
+) -> Descent:
     """Take Gauss-Newton steps, with secant updates of the slopes, as long as they lower chi-square on finer meshes.
 
     Parameters
@@ -136,11 +138,16 @@ def gauss_newton(misfit: Misfit, model: Extrapolated, way: Descent, most: int, t
         Where the search begins, with its curves and slopes.
     most
         Largest number of steps.
+    first_order
+        Predicted decrease of chi-square below which the last step is taken with the slopes, without a simulation.
     """
     for _ in range(most):
         steps = Steps.of(misfit, way)
         end = steps.end(LARGEST_STEP)
-        if steps.predicted_decrease(end) < tolerance:
+        predicted = steps.predicted_decrease(end)
+        if predicted < first_order:
+            if predicted >= tolerance:
+                way.move(end, way.predicted(end))
             break
         curves, here = model.curves(end), misfit.chi_square(way.curves, way.u, steps.weights)
         if isinstance(curves, str) or misfit.chi_square(curves, end, steps.weights) > here:

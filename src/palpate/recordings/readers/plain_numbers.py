@@ -7,7 +7,6 @@ are read one by one (`palpate.recordings.readers.decimals`), as are those whose 
 from __future__ import annotations
 
 import itertools
-import re
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from palpate.recordings.readers.lines import Lines
 SHORT = 20_000  # bytes, below which rows are read one by one as fast
 SHOWN = 1000  # rows, at most, that show the decimal sign
 NO_NUMBER = [form for text in MISSING for form in {text, text.upper(), text.title(), text.replace("nan", "NaN")}]
-BLANKS, AROUND_BREAK = re.compile(rb"[ \t]+"), re.compile(rb"[ \t]*[\r\n]+[ \t]*")
 
 
 def is_long(lines: Lines) -> bool:
@@ -66,7 +64,7 @@ def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndar
     from pyarrow import csv
 
     if delimiter == " ":
-        delimiter, text = "\t", BLANKS.sub(b"\t", AROUND_BREAK.sub(b"\n", text.strip(b" \t")))
+        text = _parted_by_one_blank(text)
     names = [str(k) for k in range(width)]
     types: dict[str, Any] = dict.fromkeys(names, pa.float64())
     try:
@@ -84,6 +82,16 @@ def _columns(text: bytes, delimiter: str, sign: str, width: int) -> list[np.ndar
         return None
     with np.errstate(invalid="ignore"):
         return [np.where(np.abs(column) <= LARGEST, column, np.inf) for column in columns]
+
+
+def _parted_by_one_blank(text: bytes) -> bytes:
+    """Return lines whose cells any number of blanks and tabs part, with one blank for these, and none at their ends."""
+    text = text.replace(b"\t", b" ")
+    while b"  " in text:
+        text = text.replace(b"  ", b" ")
+    for ending in (b"\r", b"\n"):
+        text = text.replace(b" " + ending, ending).replace(ending + b" ", ending)
+    return text.strip(b" ")
 
 
 def _decimal_sign(lines: Lines, delimiter: str) -> str | None:
