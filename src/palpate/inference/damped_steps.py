@@ -43,17 +43,16 @@ class Steps:
     def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
         """Return `count` places (k,) to try, and the lengths of the steps there.
 
-        For each length a linear step, and one with the second-order correction from the last step.
+        Each is half as long as the one before, and has the second-order correction from the last step, if there is one.
         """
-        lengths = search.length * 0.5 ** np.arange(count if search.last is None else -(-count // 2))
-        places = [(self.end(length), length) for length in lengths]
-        if search.last is None:
-            return places
-        step, departure = search.last
-        weighed = self.weights @ self.misfit.stacked(departure)
-        second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
-        corrected = [(self._corrected(second, step, end, length), length) for end, length in places]
-        return [trial for pair in zip(places, corrected, strict=True) for trial in pair]
+        lengths = search.length * 0.5 ** np.arange(count)
+        ends = [self.end(length) for length in lengths]
+        if search.last is not None:
+            step, departure = search.last
+            weighed = self.weights @ self.misfit.stacked(departure)
+            second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
+            ends = [self._corrected(second, step, end, length) for end, length in zip(ends, lengths, strict=True)]
+        return list(zip(ends, lengths, strict=True))
 
     def _corrected(self, second: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
         """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""

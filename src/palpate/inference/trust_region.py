@@ -5,13 +5,13 @@ About the coordinates u with the weighted residual r and its derivatives J, step
     (J^T J + m I) s = -J^T r,    each with the damping m that keeps max |s| to its length,
 
 and the best is taken (K. Levenberg, Quart. Appl. Math. 2 (1944) 164-168; D. Marquardt, J. SIAM 11 (1963) 431-441).
-Simulations in parallel lanes cost hardly more for several steps than for one. For each length there is also a step with
+Simulations in parallel lanes cost hardly more for several steps than for one. From the second iteration on, each has
 the second-order correction from the curvature along the last step (geodesic acceleration; Transtrum & Sethna,
 arXiv:1207.4999), because the valleys of chi^2 are curved. Exact derivatives cost more than several curves: after a step
 that lowers chi^2 by at least the part `LINEAR_ENOUGH` of the predicted decrease they are updated by its secant (C.G.
-Broyden, Math. Comp. 19 (1965) 577-593), else computed anew. A search has converged when the predicted decrease of every
-step is below the tolerance, or none of those tried exceeds it. Several searches advance together; one that falls behind
-is given up.
+Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else they are computed anew. A search has
+converged when the predicted decrease of every step is below the tolerance, or none of those tried exceeds it. Several
+searches advance together; one that falls behind is given up.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
-GROWTH = 2.0  # of the length of the next steps over that of the last
+GROWTH = 2.0  # of the length of the next steps over that of one that the slopes predicted well
 LEAST_STEPS = 2  # tried at once by each search
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
@@ -195,8 +195,8 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
                 outdated.append(search)
             continue
         u, curves, length = chosen
-        search.length = min(GROWTH * length, LARGEST_STEP)
         straight = here - best >= LINEAR_ENOUGH * steps.predicted_decrease(u)
+        search.length = min(GROWTH * length if straight else length, LARGEST_STEP)
         search.move(u, curves)
         search.converged = here - best < tolerance and (straight or not exact)
         search.active = not search.converged
