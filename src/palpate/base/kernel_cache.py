@@ -21,7 +21,7 @@ from palpate.errors import InputError
 
 PACKAGE = Path(__file__).parents[1]
 SOURCES = ("solver/axisymmetric", "solver/pyramid", "materials", "materials/flow")
-FORM = ("base/checked_kernels.py", "base/inner_kernel.py")
+FORM = tuple(Path(__file__).with_name(name) for name in ("checked_kernels.py", "inner_kernel.py"))
 VARIABLE, PREFIX = "NUMBA_CACHE_DIR", "kernels-"
 
 
@@ -32,7 +32,7 @@ def choose() -> None:
     """
     digest = hashlib.sha256()
     kernels = (file for folder in SOURCES for file in sorted((PACKAGE / folder).glob("*.py")))
-    for file in (*(PACKAGE / name for name in FORM), *kernels):
+    for file in (*FORM, *kernels):
         digest.update(file.read_bytes())
     name = f"{PREFIX}{digest.hexdigest()[:12]}"
     if given := os.environ.get(VARIABLE):
