@@ -51,26 +51,29 @@ def test_only_scripts_and_the_command_line_know_the_tracking_module():
     assert users == ["track.py"]
 
 
-def functions_of(file):
-    """Return the functions of a file with their decorators, and whether compiled code alone calls them."""
-    functions = [node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.FunctionDef)]
+def functions_of(tree):
+    """Return the functions of a file, each with its decorators as written."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     return {function: " ".join(map(ast.unparse, function.decorator_list)) for function in functions}
 
 
 def test_only_kernels_call_inner_kernels():
     """A call from Python ends the process."""
-    decorated = {file.stem: functions_of(file) for file in FILES}
-    inner = {(stem, f.name) for stem, found in decorated.items() for f in found if "inner_kernel" in found[f]}
+    files = (*FILES, *STUDIES, *(REPOSITORY / "tests").glob("*.py"))
+    trees = {file: ast.parse(file.read_text()) for file in files}
+    functions = {file: functions_of(tree) for file, tree in trees.items()}
+    inner = {(file.stem, f.name) for file in FILES for f, how in functions[file].items() if "inner_kernel" in how}
     assert len(inner) > 50
-    for file in (*FILES, *STUDIES, *(REPOSITORY / "tests").glob("*.py")):
-        own = {name: (file.stem, name) for stem, name in inner if stem == file.stem}
-        froms = [node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ImportFrom)]
-        imported = {a.name: (node.module.split(".")[-1], a.name) for node in froms if node.module for a in node.names}
-        for function, decorators in functions_of(file).items():
-            if not re.search("njit|inner_kernel|overload", decorators):
+    for file, tree in trees.items():
+        named = {name: (stem, name) for stem, name in inner if stem == file.stem}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                named |= {alias.name: (node.module.split(".")[-1], alias.name) for alias in node.names}
+        for function, how in functions[file].items():
+            if not re.search("njit|inner_kernel|overload", how):
                 calls = [ast.unparse(node.func) for node in ast.walk(function) if isinstance(node, ast.Call)]
-                named = {(imported | own).get(call, tuple(call.split("."))) for call in calls}
-                assert (function.name, named & inner) == (function.name, set()), file
+                called = {named.get(call, tuple(call.split("."))) for call in calls}
+                assert (function.name, called & inner) == (function.name, set()), file
 
 
 def test_files_hold_one_idea():

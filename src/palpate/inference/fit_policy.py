@@ -35,7 +35,8 @@ class FitPolicy:
         Largest number of steps with them; two suffice where the fit before ended five standard deviations away.
     first_order
         Decrease of chi-square, predicted for a step with them, below which it is taken with derivatives alone, and is
-        the last one. These err by 3 % at most, so that the estimate is off by 0.02 standard deviations.
+        the last one. These err by 3 % at most, which moves the estimate by 0.02 standard deviations. With a strong
+        adhesion it ended 0.2 from where simulated steps did, which themselves end within 0.14 (`tolerance`).
     """
 
     scattered: int = 16

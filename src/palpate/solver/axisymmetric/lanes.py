@@ -130,7 +130,10 @@ def splat(typing_context, scalar):
 
 
 def _typed(operation: Callable[..., Any], result: Callable[..., Any]) -> None:
-    """Give the type of an operation's result in compiled code, of those of its operands: None where it is not ours."""
+    """Give the type of an operation's result in compiled code, of those of its operands: None where it is not ours.
+
+    numba finds the number of operands in the signature of `result`.
+    """
     type_callable(operation)(lambda context: result)
 
 
