@@ -312,7 +312,7 @@ def test_contact_forces_have_a_potential(tip, work, large):
             share = 0.5 * (1.0 + node)
             u, depth = ((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))
             forces, trial = np.zeros_like(u), states.trial._replace(displacement=u, depth=depth)
-            contact_forces(march.setup, trial, forces, no_coupling(count), none)
+            contact_forces(march.setup, trial, forces, no_coupling(count))
             along = forces[:, 0] @ (end[0] - start[0])[:, 0] + trial.reaction[0] * (end[1] - start[1])[0]
             total += 0.5 * weight * along
         return total

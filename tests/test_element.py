@@ -148,7 +148,7 @@ def test_tangent_of_the_contact_is_its_derivative(indenter, friction, work):
     def evaluate(displacement):
         forces, coupling = np.zeros((body.size + 1, LANES)), no_coupling(count)
         trial = states.trial._replace(displacement=displacement, depth=depth)
-        contact_forces(march.setup, trial, forces, coupling, none)
+        contact_forces(march.setup, trial, forces, coupling)
         return forces[:, 0], coupling
 
     coupling = evaluate(u)[1]

@@ -227,7 +227,7 @@ def forces_of(march, states, displacement, depth):
     """Return the forces of the contact (size + 2, LANES) at other displacements; the load comes last."""
     trial = states.trial._replace(displacement=displacement, depth=depth, reaction=np.zeros(LANES))
     forces, coupling = np.zeros_like(displacement), no_coupling(len(march.setup.body.radial))
-    contact_forces(march.setup, trial, forces, coupling, np.zeros(LANES, dtype=bool))
+    contact_forces(march.setup, trial, forces, coupling)
     return np.vstack([forces, trial.reaction]), coupling.tangent
 
 

@@ -31,9 +31,10 @@ from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
-GROWTH = 2.0  # of the length of the next steps over that of one that the slopes predicted well
+GROWTH = 4.0  # of the length of the next steps over that of one that the slopes predicted well
 LEAST_STEPS = 2  # tried at once by each search
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
+SLOW = 0.1
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
@@ -167,10 +168,12 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
     count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
     tried: list[tuple[Descent, np.ndarray, float]] = []
     ways: dict[Descent, Steps] = {}
+    hoped: dict[Descent, float] = {}
     outdated: list[Descent] = []
     for search in searches:
         steps = Steps.of(misfit, search)
-        if steps.predicted_decrease(steps.end(LARGEST_STEP)) < tolerance:
+        hoped[search] = steps.predicted_decrease(steps.end(LARGEST_STEP))
+        if hoped[search] < tolerance:
             if exact and not search.exact:
                 outdated.append(search)
             else:
@@ -196,11 +199,12 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
             continue
         u, curves, length = chosen
         straight = here - best >= LINEAR_ENOUGH * steps.predicted_decrease(u)
+        slow = not search.exact and here - best < SLOW * hoped[search]
         search.length = min(GROWTH * length if straight else length, LARGEST_STEP)
         search.move(u, curves)
         search.converged = here - best < tolerance and (straight or not exact)
         search.active = not search.converged
-        if not (straight or search.converged):
+        if not search.converged and (slow or not straight):
             outdated.append(search)
     _renew(model, outdated)
 

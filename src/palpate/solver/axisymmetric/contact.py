@@ -30,7 +30,7 @@ Arguments of several functions:
 - `setup`, `trial`: see `palpate.solver.axisymmetric.trial_state`; at large strains the profile of the tip counts where
   a node has moved to
 - `contact`, `state`: `Contact` and `ContactState`
-- `k`, `lane`: number of a surface node, and of a lane
+- `k`: number of a surface node
 - `done` (LANES,): lanes that are left as they are
 """
 
@@ -44,7 +44,11 @@ from numba import njit
 
 from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.coulomb_friction import anchored, friction_ratio
-from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.lanes import (
+    exponential, larger, load, logarithm, root, smaller, splat, store, where_less,
+)  # fmt: skip
+from palpate.solver.axisymmetric.normal_lanes import normal_distribution
+from palpate.solver.axisymmetric.rows import as_vector
 from palpate.solver.axisymmetric.tip import Tip, profile_at
 
 FARTHEST = 4.0  # of the largest contact radius, beyond which the distance of nodes counts as no larger
@@ -57,6 +61,7 @@ LEAST_PRESSURE = 0.02  # of the pressure at the largest load, below which the co
 NARROWING = 0.5  # of the pressure at the largest load, below which the contact becomes narrower
 WIDER = 1e-6  # of the area, for derivatives by it
 FAR = -8.0  # widths, beyond which a node bears nothing
+WEAKEST = -700.0  # exponent of the attraction that counts
 
 
 class Contact(NamedTuple):
@@ -123,13 +128,7 @@ class ContactState(NamedTuple):
     place: np.ndarray
 
 
-@inner_kernel(cache=True)
-def normal_distribution(x):
-    """Return Phi(x), not below 1e-28, and phi(x)."""
-    return 0.5 * math.erfc(-math.sqrt(0.5) * max(x, -11.0)), math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-
-
-@njit(cache=True)
+@inner_kernel(cache=True, error_model="numpy")
 def touching(x):
     """Return which share of a node belongs to the area of the contact, and its derivative by x."""
     share, density = normal_distribution(STEEP * (x + BEFORE))
@@ -137,79 +136,68 @@ def touching(x):
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def width_of(contact, state, k, lane):
+def width_of(contact, state, k):
     """Return the width w over which the gap of a node closes."""
-    return contact.width[k, lane] * state.rise[lane]
+    return load(contact.width, k) * load(state.rise, 0)
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def penetration(setup, trial, k, lane):
+def penetration(setup, trial, k):
     """Return x = g / w of a node, its distance from the axis, and slope and curvature of the tip over it."""
-    r, z, distance = setup.body.radial[k], setup.body.vertical[k], setup.body.distance[k]
-    moved = trial.displacement[r, lane] if r >= 0 else 0.0
-    height, slope, curvature = profile_at(setup.large, setup.contact.tip, lane, distance, moved)
-    x = (trial.depth[lane] + trial.displacement[z, lane] - height) / width_of(setup.contact, trial.contact, k, lane)
-    return x, distance + moved, slope, curvature
+    r, z, distance = setup.body.radial[k], setup.body.vertical[k], splat(setup.body.distance[k])
+    moved = load(trial.displacement, r) if r >= 0 else splat(0.0)
+    height, slope, curvature = profile_at(setup.large, setup.contact.tip, distance, moved)
+    gap = load(trial.depth, 0) + load(trial.displacement, z) - height
+    return gap / width_of(setup.contact, trial.contact, k), distance + moved, slope, curvature
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def share_of(setup, trial, k, lane):
+def share_of(setup, trial, k):
     """Return which share of a node touches, and where it is."""
-    x, place, _, _ = penetration(setup, trial, k, lane)
+    x, place, _, _ = penetration(setup, trial, k)
     return touching(x)[0], place
 
 
 @inner_kernel(cache=True, error_model="numpy")
 def fit(contact, state, borne, done):
     """Let pressure, width and b be what they are at the state's area where the contact has `borne` (LANES,) so much."""
-    for lane in range(LANES):
-        if done[lane]:
-            continue
-        area = state.area[lane]
-        pressure, stiffness, rise, blend = fitted(contact, state, borne[lane], area, lane)
-        _, stiffer, steeper, blended = fitted(contact, state, borne[lane], area * (1.0 + WIDER), lane)
-        state.pressure[lane], state.stiffness[lane] = pressure, stiffness
-        state.rise[lane], state.blend[lane] = rise, blend
-        state.by_area[0, lane] = (stiffer / stiffness - 1.0) / (WIDER * area)
-        state.by_area[1, lane] = (steeper / rise - 1.0) / (WIDER * area)
-        state.by_area[2, lane] = (blended - blend) / (WIDER * area)
-
-
-@inner_kernel(cache=True)
-def pull_on(contact, area, lane):
-    """Return the attraction of a contact of some `area`."""
-    return contact.strength[lane] * area
+    kept, half, area = as_vector(done), splat(0.5), load(state.area, 0)
+    pressure, stiffness, rise, blend = fitted(contact, state, load(borne, 0), area)
+    _, stiffer, steeper, blended = fitted(contact, state, load(borne, 0), area * (1.0 + WIDER))
+    more = WIDER * area
+    for now, new in (
+        (state.pressure, pressure), (state.stiffness, stiffness), (state.rise, rise), (state.blend, blend),
+    ):  # fmt: skip
+        store(now, 0, where_less(half, kept, load(now, 0), new))
+    slopes = (stiffer / stiffness - 1.0) / more, (steeper / rise - 1.0) / more, (blended - blend) / more
+    for i, slope in enumerate(slopes):
+        store(state.by_area, i, where_less(half, kept, load(state.by_area, i), slope))
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def fitted(contact, state, borne, area, lane):
+def fitted(contact, state, borne, area):
     """Return p, C p, rise and b of a contact of some `area` under a load; attraction presses it as much as it pulls.
 
     Parameters
     ----------
-    borne
-        Load of the contact.
-    area
-        Area of the contact.
+    borne, area
+        Load and area of the contact, in each lane.
     """
-    pull = pull_on(contact, area, lane)
-    push = max(borne + pull, LEAST_PRESSURE * pull)
-    edge, widest = math.sqrt(area / math.pi), max(state.widest[lane], area)
-    height, slope, _ = profile_at(True, contact.tip, lane, edge, 0.0)
-    inner_height, inner_slope, _ = profile_at(True, contact.tip, lane, INSIDE * edge, 0.0)
-    n = min(1.0 + math.log(slope / inner_slope) / math.log(1.0 / INSIDE), STEEPEST)
+    pull = load(contact.strength, 0) * area
+    push = larger(borne + pull, LEAST_PRESSURE * pull)
+    edge, widest, none = root(area * (1.0 / math.pi)), larger(load(state.widest, 0), area), splat(0.0)
+    height, slope, _ = profile_at(True, contact.tip, edge, none)
+    inner_height, inner_slope, _ = profile_at(True, contact.tip, INSIDE * edge, none)
+    more = smaller(logarithm(slope / inner_slope) * (1.0 / math.log(1.0 / INSIDE)), splat(STEEPEST - 1.0))
     chord = (height - inner_height) / ((1.0 - INSIDE) * edge)
-    usual = max(state.strongest[lane], push) / widest
-    least = math.hypot(LEAST_AREA * widest, contact.area[0] + contact.area[1])
-    pressure = max(push / math.hypot(area, least), LEAST_PRESSURE * usual)
-    rise = (
-        chord
-        * (1.0 + (n - 1.0) * (1.0 - INSIDE) / (1.0 + INSIDE))
-        * math.sqrt(min(1.0, pressure / (NARROWING * usual)))
-    )
-    cone, sphere = contact.stiffness[0, lane], contact.stiffness[1, lane]
-    blend = contact.blend[0, lane] + (n - 1.0) * (contact.blend[1, lane] - contact.blend[0, lane])
-    return pressure, pressure * cone * (sphere / cone) ** (n - 1.0), rise, blend
+    usual = larger(load(state.strongest, 0), push) / widest
+    first, least = contact.area[0] + contact.area[1], LEAST_AREA * widest
+    pressure = larger(push / root(area * area + least * least + first * first), LEAST_PRESSURE * usual)
+    narrower = root(smaller(splat(1.0), pressure / (NARROWING * usual)))
+    rise = chord * (1.0 + more * ((1.0 - INSIDE) / (1.0 + INSIDE))) * narrower
+    cone, sphere = load(contact.stiffness, 0), load(contact.stiffness, 1)
+    blend = load(contact.blend, 0) + more * (load(contact.blend, 1) - load(contact.blend, 0))
+    return pressure, pressure * cone * exponential(more * logarithm(sphere / cone)), rise, blend
 
 
 @njit(cache=True, error_model="numpy")
@@ -218,82 +206,74 @@ def begin_step(setup, trial):
     if not np.any(setup.contact.friction > 0.0):
         return
     for k in range(setup.body.radial.shape[0]):
-        for lane in range(LANES):
-            share, place = share_of(setup, trial, k, lane)
-            trial.contact.share[k, lane], trial.contact.place[k, lane] = share, place
+        share, place = share_of(setup, trial, k)
+        store(trial.contact.share, k, share)
+        store(trial.contact.place, k, place)
 
 
 @njit(cache=True, error_model="numpy")
 def end_step(setup, trial):
     """Note how large force and area have been, and move the anchors of friction to where they are."""
     contact, state = setup.contact, trial.contact
-    for lane in range(LANES):
-        state.strongest[lane] = max(state.strongest[lane], state.pressure[lane] * state.area[lane])
-        state.widest[lane] = max(state.widest[lane], state.area[lane])
+    area = load(state.area, 0)
+    store(state.strongest, 0, larger(load(state.strongest, 0), load(state.pressure, 0) * area))
+    store(state.widest, 0, larger(load(state.widest, 0), area))
     if not np.any(contact.friction > 0.0):
         return
     for k in range(setup.body.radial.shape[0]):
-        for lane in range(LANES):
-            share, place = share_of(setup, trial, k, lane)
-            slip = 2.0 * contact.slip[k, lane]
-            state.anchor[k, lane] = min(max(anchored(state, place, share, k, lane), place - slip), place + slip)
+        share, place = share_of(setup, trial, k)
+        slip = 2.0 * load(contact.slip, k)
+        store(state.anchor, k, smaller(larger(anchored(state, place, share, k), place - slip), place + slip))
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def contact_forces(setup, trial, forces, coupling, done):
+def contact_forces(setup, trial, forces, coupling):
     """Add the contact to the residual `forces` (size + 1, LANES); write the reaction and the `coupling`."""
-    body, contact, state, load = setup.body, setup.contact, trial.contact, trial.reaction
-    for lane in range(LANES):
-        if not done[lane]:
-            load[lane], coupling.area[lane], coupling.feedback[lane] = 0.0, 0.0, 0.0
+    body, contact, state, none = setup.body, setup.contact, trial.contact, splat(0.0)
+    pressing, widening, blending = load(state.by_area, 0), load(state.by_area, 1), load(state.by_area, 2)
+    blend, reach, borne, area, feedback = load(state.blend, 0), load(contact.reach, 0), none, none, none
+    rough = np.any(contact.friction > 0.0)
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            if done[lane]:
-                continue
-            x, place, slope, curvature = penetration(setup, trial, k, lane)
-            if x < FAR and contact.attraction[k, lane] == 0.0:
-                coupling.tangent[k, :, :, lane] = 0.0
-                coupling.by_area[k, :, lane] = 0.0
-                coupling.touching[k, :, lane] = 0.0
-                continue
-            width = width_of(contact, state, k, lane)
-            pressing, widening, blending = state.by_area[0, lane], state.by_area[1, lane], state.by_area[2, lane]
-            share, density = normal_distribution(x)
-            blend, scale = state.blend[lane], state.stiffness[lane] * contact.area[k]
-            push, rate = scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
-            swell = push * pressing - rate * x * width * widening + scale * density * blending
-            if r < 0:
-                slope, curvature = 0.0, 0.0
-            net, net_rate, net_swell = push, rate, swell
-            if contact.attraction[k, lane] > 0.0:
-                gap, reach = width * (x * share + density - x), contact.reach[lane]
-                pull = contact.attraction[k, lane] * math.exp(-gap / reach)
-                net, net_rate = net - pull, net_rate - pull * (1.0 - share) / reach
-                net_swell += pull * width * widening * density / reach
-            if push <= 0.0:
-                push, rate, swell = 0.0, 0.0, 0.0
-            within, spreading = touching(x)
-            m, m_r, m_g = 0.0, 0.0, 0.0
-            if contact.friction[lane] > 0.0 and r >= 0:
-                m, m_r, m_g = friction_ratio(contact, state, place, within, spreading, width, k, lane)
-            along_swell = m * swell - m_g * push * x * width * widening
-            forces[z, lane] += net + m * push * slope
-            load[lane] += net + m * push * slope
-            coupling.by_area[k, 1, lane] = net_swell + along_swell * slope
-            coupling.area[lane] += contact.area[k] * within
-            coupling.feedback[lane] -= contact.area[k] * spreading * x * widening
-            coupling.touching[k, 1, lane] = contact.area[k] * spreading / width
-            if r >= 0:
-                forces[r, lane] += m * push - net * slope
-                coupling.by_area[k, 0, lane] = along_swell - net_swell * slope
-                coupling.touching[k, 0, lane] = -coupling.touching[k, 1, lane] * slope
-            for part in range(2):
-                if part == 1:
-                    net_rate, curvature = max(rate, 0.0), min(curvature, 0.0)
-                along = m * rate + m_g * push
-                by_gap, vertical = along - net_rate * slope, net_rate + along * slope
-                coupling.tangent[k, part, 0, lane] = m_r * push - by_gap * slope - net * curvature
-                coupling.tangent[k, part, 1, lane] = by_gap
-                coupling.tangent[k, part, 2, lane] = m_r * push * slope - vertical * slope + m * push * curvature
-                coupling.tangent[k, part, 3, lane] = vertical
+        x, place, slope, curvature = penetration(setup, trial, k)
+        width, scale = width_of(contact, state, k), load(state.stiffness, 0) * contact.area[k]
+        share, density = normal_distribution(x)
+        share, density = where_less(x, splat(FAR), none, share), where_less(x, splat(FAR), none, density)
+        within, spreading = touching(x)
+        if r < 0:
+            slope, curvature = none, none
+        push, rate = scale * (x * share + blend * density), scale * (share + (1.0 - blend) * x * density) / width
+        swell = push * pressing - rate * x * width * widening + scale * density * blending
+        hold, gap = load(contact.attraction, k), width * (x * share + density - x)
+        pull = hold * exponential(larger(none - gap / reach, splat(WEAKEST)))
+        net, net_rate = push - pull, rate - pull * (1.0 - share) / reach
+        net_swell = swell + pull * width * widening * density / reach
+        presses = where_less(none, push, splat(1.0), none)
+        push, rate, swell = presses * push, presses * rate, presses * swell
+        m, m_r, m_g = none, none, none
+        if rough and r >= 0:
+            m, m_r, m_g = friction_ratio(contact, state, place, within, spreading, width, k)
+        along_swell = m * swell - m_g * push * x * width * widening
+        vertical = net + m * push * slope
+        store(forces, z, load(forces, z) + vertical)
+        borne, area = borne + vertical, area + contact.area[k] * within
+        feedback = feedback - contact.area[k] * spreading * x * widening
+        spread = contact.area[k] * spreading / width
+        store(coupling.by_area, 2 * k + 1, net_swell + along_swell * slope)
+        store(coupling.touching, 2 * k + 1, spread)
+        if r >= 0:
+            store(forces, r, load(forces, r) + (m * push - net * slope))
+            store(coupling.by_area, 2 * k, along_swell - net_swell * slope)
+            store(coupling.touching, 2 * k, none - spread * slope)
+        for part in range(2):
+            if part == 1:
+                net_rate, curvature = larger(rate, none), smaller(curvature, none)
+            along, row = m * rate + m_g * push, 8 * k + 4 * part
+            by_gap, upright = along - net_rate * slope, net_rate + along * slope
+            store(coupling.tangent, row, m_r * push - by_gap * slope - net * curvature)
+            store(coupling.tangent, row + 1, by_gap)
+            store(coupling.tangent, row + 2, m_r * push * slope - upright * slope + m * push * curvature)
+            store(coupling.tangent, row + 3, upright)
+    store(trial.reaction, 0, borne)
+    store(coupling.area, 0, area)
+    store(coupling.feedback, 0, feedback)

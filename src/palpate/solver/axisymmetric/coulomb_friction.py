@@ -18,19 +18,20 @@ Source: return mapping after Wriggers, Computational Contact Mechanics, 2nd ed. 
 Arguments of the functions:
 
 - `contact`, `state`: see `palpate.solver.axisymmetric.contact`
-- `k`, `lane`: number of a surface node, and of a lane
-- `place`: distance R of the node from the axis
+- `k`: number of a surface node
+- `place`: distance R of the node from the axis, in each lane
 - `share`, `density`, `width`: share of the node that touches, its derivative by x = g / w, and the width w of
-  `palpate.solver.axisymmetric.contact`
+  `palpate.solver.axisymmetric.contact`, in each lane
 - `done` (LANES,): lanes that are left as they are
 """
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.lanes import LANES, exponential, load, magnitude, splat, store, where_less
+from palpate.solver.axisymmetric.rows import as_vector
 
 LEAST_SHARE = 1e-12  # of a node's area in contact, below which it knows no friction
 SLIPPING = 1.0  # slip in units of d from which a node counts as slipping
@@ -38,30 +39,28 @@ SATURATED = 20.0  # from which tanh is one
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def anchored(state, place, share, k, lane):
+def anchored(state, place, share, k):
     """Return the anchor of a node at a `place`, of which such a `share` touches."""
-    before = state.share[k, lane]
-    if share <= before:
-        return state.anchor[k, lane]
-    return (before * state.anchor[k, lane] + (share - before) * 0.5 * (state.place[k, lane] + place)) / share
+    before, anchor = load(state.share, k), load(state.anchor, k)
+    mean = (before * anchor + (share - before) * 0.5 * (load(state.place, k) + place)) / share
+    return where_less(before, share, mean, anchor)
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def friction_ratio(contact, state, place, share, density, width, k, lane):
+def friction_ratio(contact, state, place, share, density, width, k):
     """Return m with its derivatives by the distance from the axis, and by the gap."""
-    mu, slip_length, before = contact.friction[lane], contact.slip[k, lane], state.share[k, lane]
-    if share < LEAST_SHARE:
-        return 0.0, 0.0, 0.0
-    slip = (place - anchored(state, place, share, k, lane)) / slip_length
-    if abs(slip) > SATURATED:
-        return math.copysign(mu, slip), 0.0, 0.0
-    m = mu * math.tanh(slip)
-    rate = (mu - m * m / mu) / slip_length
-    if share <= before:
-        return m, rate, 0.0
-    midway = 0.5 * (state.place[k, lane] + place)
-    drag = before * (midway - state.anchor[k, lane]) / share**2 * density / width
-    return m, rate * (1.0 - 0.5 * (share - before) / share), -rate * drag
+    mu, slip_length, before, none = load(contact.friction, 0), load(contact.slip, k), load(state.share, k), splat(0.0)
+    mu = where_less(share, splat(LEAST_SHARE), none, mu)
+    slip = (place - anchored(state, place, share, k)) / slip_length
+    slip = where_less(slip, splat(-SATURATED), splat(-SATURATED), slip)
+    slip = where_less(splat(SATURATED), slip, splat(SATURATED), slip)
+    tanh = 1.0 - 2.0 / (exponential(2.0 * slip) + 1.0)
+    rate = mu * (1.0 - tanh * tanh) / slip_length
+    drag = before * (0.5 * (load(state.place, k) + place) - load(state.anchor, k)) / (share * share) * density / width
+    grown = where_less(before, share, rate * (1.0 - 0.5 * (share - before) / share), rate)
+    acting = where_less(none, mu, splat(1.0), none)
+    by_gap = where_less(before, share, none - rate * drag, none)
+    return mu * tanh, where_less(none, acting, grown, none), where_less(none, acting, by_gap, none)
 
 
 @inner_kernel(cache=True, error_model="numpy")
@@ -80,18 +79,23 @@ def turn_back(setup, trial, shares, slips, changed, done):
         Out: whether some node began or ceased to slip.
     """
     contact, state, displacement = setup.contact, trial.contact, trial.displacement
-    distance, radial = setup.body.distance, setup.body.radial
-    changed[:] = False
+    distance, radial, none, one = setup.body.distance, setup.body.radial, splat(0.0), splat(1.0)
+    rubs = where_less(as_vector(done), splat(0.5), where_less(none, load(contact.friction, 0), one, none), none)
+    some = none
     for k in range(1, len(distance)):
-        for lane in range(LANES):
-            if done[lane] or contact.friction[lane] == 0.0 or shares[k, lane] < LEAST_SHARE:
-                continue
-            place = distance[k] + displacement[radial[k], lane]
-            anchor = anchored(state, place, shares[k, lane], k, lane)
-            slip, past = (place - anchor) / contact.slip[k, lane], slips[k, lane]
-            if slip * past < 0.0 and min(abs(slip), abs(past)) > SLIPPING:
-                displacement[radial[k], lane] = anchor - distance[k]
-                slip = 0.0
-            if (abs(slip) > SLIPPING) != (abs(past) > SLIPPING):
-                changed[lane] = True
-            slips[k, lane] = slip
+        share, moved, past = load(shares, k), load(displacement, radial[k]), load(slips, k)
+        acts = where_less(share, splat(LEAST_SHARE), none, rubs)
+        anchor = anchored(state, distance[k] + moved, share, k)
+        slip = (distance[k] + moved - anchor) / load(contact.slip, k)
+        nearer = where_less(magnitude(slip), magnitude(past), magnitude(slip), magnitude(past))
+        turns = where_less(slip * past, none, where_less(splat(SLIPPING), nearer, acts, none), none)
+        slip = where_less(none, turns, none, slip)
+        slid = where_less(splat(SLIPPING), magnitude(past), one, none)
+        slides = where_less(splat(SLIPPING), magnitude(slip), one, none)
+        some = some + acts * magnitude(slides - slid)
+        store(displacement, radial[k], where_less(none, turns, anchor - distance[k], moved))
+        store(slips, k, where_less(none, acts, slip, past))
+    flags = np.empty(LANES)
+    store(flags, 0, some)
+    for lane in range(LANES):
+        changed[lane] = flags[lane] > 0.0

@@ -23,6 +23,7 @@ from palpate.materials.flow.arithmetic import (
     exponential,
     greatest,
     log_of_one_plus,
+    logarithm,
     magnitude,
     root,
     rough_log,
@@ -31,8 +32,8 @@ from palpate.materials.flow.arithmetic import (
 
 LANES = 8  # doubles of the widest registers in use
 __all__ = [
-    "LANES", "VECTOR", "Vector", "exponential", "greatest", "load", "log_of_one_plus", "magnitude", "root",
-    "rough_log", "splat", "store", "where_less",
+    "LANES", "VECTOR", "Vector", "exponential", "greatest", "larger", "load", "log_of_one_plus", "logarithm",
+    "magnitude", "root", "rough_log", "smaller", "splat", "store", "where_less",
 ]  # fmt: skip
 
 _DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
@@ -279,7 +280,7 @@ def _on_vectors(function: Callable[..., Any], own: Callable[..., Any]) -> None:
 
 _on_vectors(exponential, _exponential)
 _on_vectors(log_of_one_plus, _log_of_one_plus)
-_on_vectors(arithmetic.logarithm, _logarithm)
+_on_vectors(logarithm, _logarithm)
 
 
 @overload(arithmetic.entry)
@@ -290,3 +291,15 @@ def _entry(row, k):
 @overload(arithmetic.whole)
 def _whole(row, k):
     return (lambda row, k: int(row[k, 0])) if isinstance(row, types.Array) and row.ndim == 2 else None
+
+
+@njit(cache=True)
+def larger(a, b):
+    """Return the larger of two numbers in each lane, a where one of them is NaN."""
+    return where_less(a, b, b, a)
+
+
+@njit(cache=True)
+def smaller(a, b):
+    """Return the smaller of two numbers in each lane, a where one of them is NaN."""
+    return where_less(b, a, b, a)

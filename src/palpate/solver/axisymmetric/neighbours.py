@@ -157,7 +157,7 @@ def refactor(setup, material, trial, system):
     The reaction of the `trial` is written.
     """
     forces, coupling = np.zeros((setup.body.size + 1, LANES)), no_coupling(setup.body.radial.shape[0])
-    contact_forces(setup, trial, forces, coupling, np.zeros(LANES, dtype=np.bool_))
+    contact_forces(setup, trial, forces, coupling)
     factor(setup, material, trial, system, coupling, np.ones(LANES), forces, np.zeros_like(forces))
 
 

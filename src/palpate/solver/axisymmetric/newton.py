@@ -35,7 +35,7 @@ from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.assembly import internal_forces, stiffness
 from palpate.solver.axisymmetric.banded import solve, solve_again
 from palpate.solver.axisymmetric.bordered import copy_of, put_back
-from palpate.solver.axisymmetric.contact import contact_forces, fit, pull_on, share_of
+from palpate.solver.axisymmetric.contact import contact_forces, fit, share_of
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
 from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
@@ -170,7 +170,7 @@ def unbalance(setup, material, trial, prescribed, residual, coupling, done):
     """Write the residual, but for its limit, and the coupling in the lanes that are not `done`."""
     internal_forces(setup, material, trial.displacement, residual.forces)
     fit(setup.contact, trial.contact, load_borne(setup, trial.contact, residual.forces, prescribed), done)
-    contact_forces(setup, trial, residual.forces, coupling, done)
+    contact_forces(setup, trial, residual.forces, coupling)
     for lane in range(LANES):
         if not done[lane]:
             borne = trial.reaction[lane] * prescribed.force_weight[lane]
@@ -229,7 +229,7 @@ def load_borne(setup, state, forces, prescribed):
             for k in range(vertical.shape[0]):
                 borne[lane] -= forces[vertical[k], lane]
             push = state.pressure[lane] * state.area[lane]
-            pull = pull_on(setup.contact, state.area[lane], lane)
+            pull = setup.contact.strength[lane] * state.area[lane]
             borne[lane] = min(max(borne[lane], 0.5 * push - pull), 2.0 * push - pull)
     return borne
 
@@ -239,8 +239,7 @@ def shares_of(setup, trial):
     """Return the share (k, LANES) of each surface node that touches."""
     shares = np.zeros((setup.body.radial.shape[0], LANES))
     for k in range(setup.body.radial.shape[0]):
-        for lane in range(LANES):
-            shares[k, lane] = share_of(setup, trial, k, lane)[0]
+        store(shares, k, share_of(setup, trial, k)[0])
     return shares
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.lanes import LANES, load, root, splat, store, where_less
 from palpate.solver.axisymmetric.profile import Capped, Measured, Profile
 
 
@@ -71,9 +71,21 @@ def between_knots(knots, lane, place):
     return height, slope, curvature
 
 
-@inner_kernel(cache=True)
-def profile_at(large, tip, lane, distance, moved):
-    """Return height, slope and curvature of a tip over a node that moved outwards from its `distance`.
+@inner_kernel(cache=True, error_model="numpy")
+def measured_at(knots, place, height, slope, curvature):
+    """Return height, slope and curvature of tips at a `place`, those of measured ones in place of the given."""
+    rows = np.empty((4, LANES))
+    for i, row in enumerate((place, height, slope, curvature)):
+        store(rows, i, row)
+    for lane in range(LANES):
+        if knots[-1, 0, lane] > 0.0:
+            rows[1, lane], rows[2, lane], rows[3, lane] = between_knots(knots, lane, rows[0, lane])
+    return load(rows, 1), load(rows, 2), load(rows, 3)
+
+
+@inner_kernel(cache=True, error_model="numpy")
+def profile_at(large, tip, distance, moved):
+    """Return height, slope and curvature of the tips over nodes that moved outwards from their `distance`.
 
     At small strains along the tangent where the node was, f(r) + f'(r) u, linear in the displacement like all else.
 
@@ -81,20 +93,22 @@ def profile_at(large, tip, lane, distance, moved):
     ----------
     large
         Whether the profile is taken where the node has moved to.
-    tip, lane
-        The tips, and the number of the lane.
+    tip
+        The tips.
     distance, moved
-        Undeformed distance from the axis, and radial displacement.
+        Undeformed distance from the axis, and radial displacement, in each lane.
     """
-    radius, edge = tip.radius[lane], tip.edge[lane]
+    radius, edge, flank, none = load(tip.radius, 0), load(tip.edge, 0), load(tip.flank, 0), splat(0.0)
     place = distance + moved if large else distance
-    height, slope, curvature = tip.flank[lane] * place, tip.flank[lane], 0.0
-    if tip.knots.shape[0] > 0 and tip.knots[-1, 0, lane] > 0.0:
-        height, slope, curvature = between_knots(tip.knots, lane, place)
-    elif radius > 0.0:
-        root = np.sqrt(radius**2 - min(place, edge) ** 2)
-        height, slope = radius - root + max(place - edge, 0.0) * slope, min(place, edge) / root
-        curvature = radius**2 / root**3 if place < edge else 0.0
+    within = where_less(place, edge, place, edge)
+    length = root(radius * radius - within * within)
+    inclined = within / length
+    on_cap = where_less(place, edge, radius * radius / (length * length * length), none)
+    slope = where_less(none, radius, inclined, flank)
+    height = where_less(none, radius, radius - length + (place - within) * inclined, flank * place)
+    curvature = where_less(none, radius, on_cap, none)
+    if tip.knots.shape[0] > 0:
+        height, slope, curvature = measured_at(tip.knots, place, height, slope, curvature)
     if large:
         return height, slope, curvature
-    return height + slope * moved, slope, 0.0
+    return height + slope * moved, slope, none
