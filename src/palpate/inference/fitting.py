@@ -38,7 +38,7 @@ class Fitter:
     Parameters
     ----------
     problem
-        The recordings, and a forward model: that of record from the first fit of the base model on.
+        The recordings, and a forward model: from the first fit of the base model on that of record, near that fit.
     site_scatter
         Assumed standard deviation of the depth factor between sites, where no replicates give it [-].
     solver_error
@@ -75,9 +75,12 @@ class Fitter:
         for place in self._places(starts):
             self.problem = replace(problem, forward=problem.forward.of_record(place))
             try:
-                return self.fitted((), [place], problem.mean)
+                fit = self.fitted((), [place], problem.mean)
             except PalpateError as error:
                 self.problem, failed = problem, str(error)
+                continue
+            self.problem = replace(problem, forward=fit.model)
+            return replace(fit, problem=self.problem)
         raise PalpateError(failed)
 
     def scattered(self, rng: np.random.Generator) -> list[np.ndarray]:

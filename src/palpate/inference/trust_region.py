@@ -9,7 +9,9 @@ Simulations in parallel lanes cost hardly more for several steps than for one. F
 the second-order correction from the curvature along the last step (geodesic acceleration; Transtrum & Sethna,
 arXiv:1207.4999), because the valleys of chi^2 are curved. Exact derivatives cost more than several curves: after a step
 that lowers chi^2 by at least the part `LINEAR_ENOUGH` of the predicted decrease they are updated by its secant (C.G.
-Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else they are computed anew. A search has
+Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else they are computed anew. So they are
+where short steps go on as predicted while a whole step promises far more (`SLOW`), which slopes do that a few secants
+have spoilt. A search has
 converged when the predicted decrease of every step is below the tolerance, or none of those tried exceeds it. Several
 searches advance together; one that falls behind is given up.
 """
@@ -31,10 +33,10 @@ from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
-GROWTH = 4.0  # of the length of the next steps over that of one that the slopes predicted well
+GROWTH = 4.0  # of the next steps' length over one that the slopes predicted well, which is still among those tried
 LEAST_STEPS = 2  # tried at once by each search
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
-SLOW = 0.1
+SLOW = 0.1  # part of the decrease that a whole step promises, below which slopes that are not exact are not trusted
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
@@ -166,14 +168,15 @@ def _check(stop: Event | None) -> None:
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
     """Move all searches by one iteration."""
     count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
+    longer = min(GROWTH, 2.0 ** (count - 1))
     tried: list[tuple[Descent, np.ndarray, float]] = []
     ways: dict[Descent, Steps] = {}
-    hoped: dict[Descent, float] = {}
+    promised: dict[Descent, float] = {}
     outdated: list[Descent] = []
     for search in searches:
         steps = Steps.of(misfit, search)
-        hoped[search] = steps.predicted_decrease(steps.end(LARGEST_STEP))
-        if hoped[search] < tolerance:
+        promised[search] = steps.predicted_decrease(steps.end(LARGEST_STEP))
+        if promised[search] < tolerance:
             if exact and not search.exact:
                 outdated.append(search)
             else:
@@ -199,8 +202,8 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
             continue
         u, curves, length = chosen
         straight = here - best >= LINEAR_ENOUGH * steps.predicted_decrease(u)
-        slow = not search.exact and here - best < SLOW * hoped[search]
-        search.length = min(GROWTH * length if straight else length, LARGEST_STEP)
+        slow = not search.exact and here - best < SLOW * promised[search]
+        search.length = min(longer * length if straight else length, LARGEST_STEP)
         search.move(u, curves)
         search.converged = here - best < tolerance and (straight or not exact)
         search.active = not search.converged

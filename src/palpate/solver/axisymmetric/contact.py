@@ -45,8 +45,16 @@ from numba import njit
 from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.coulomb_friction import anchored, friction_ratio
 from palpate.solver.axisymmetric.lanes import (
-    exponential, larger, load, logarithm, root, smaller, splat, store, where_less,
-)  # fmt: skip
+    exponential,
+    larger,
+    load,
+    logarithm,
+    root,
+    smaller,
+    splat,
+    store,
+    where_less,
+)
 from palpate.solver.axisymmetric.normal_lanes import normal_distribution
 from palpate.solver.axisymmetric.rows import as_vector
 from palpate.solver.axisymmetric.tip import Tip, profile_at

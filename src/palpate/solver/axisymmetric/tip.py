@@ -73,7 +73,7 @@ def between_knots(knots, lane, place):
 
 @inner_kernel(cache=True, error_model="numpy")
 def measured_at(knots, place, height, slope, curvature):
-    """Return height, slope and curvature of tips at a `place`, those of measured ones in place of the given."""
+    """Return height, slope and curvature of tips at a `place`: by `knots` where measured, as given elsewhere."""
     rows = np.empty((4, LANES))
     for i, row in enumerate((place, height, slope, curvature)):
         store(rows, i, row)
