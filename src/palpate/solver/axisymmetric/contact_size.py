@@ -28,8 +28,16 @@ def mean_pressure(coefficients: np.ndarray, slope: float, duration: float) -> fl
 
     A cone of slope cot(alpha) strains what lies under it by about 0.2 cot(alpha) (Johnson, Contact Mechanics, 1985,
     section 6.3); the secant modulus of the law at that strain after `duration` [s] then takes the place of Young's
-    modulus in the elastic p_m = E slope / (2 (1 - nu^2)).
+    modulus in the elastic p_m = E slope / (2 (1 - nu^2)). Meshes, tips and first steps of one indentation ask for the
+    same.
     """
+    return _mean_pressure(coefficients.tobytes(), slope, duration)
+
+
+@lru_cache(maxsize=256)
+def _mean_pressure(law: bytes, slope: float, duration: float) -> float:
+    """Return the `mean_pressure` under a law given by its bytes, which are known by their value."""
+    coefficients = np.frombuffer(law)
     elastic = 0.5 * slope * plane_strain_modulus(coefficients)
 
     def too_stiff(share: float) -> float:
