@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.lanes import LANES, larger, load, splat, store, where_less
 from palpate.solver.axisymmetric.rows import copy_rows
 
 LEAST_RESPONSE = 0.2  # of the area to what makes it larger, in which it takes part itself
@@ -65,20 +65,23 @@ def spread(body, coupling, widening, swelling, growth):
     growth : ndarray, shape (LANES,)
         Out: derivative of the load by the area.
     """
-    size = widening.shape[0] - 1
-    widening[:], swelling[:], growth[:] = 0.0, 0.0, 0.0
+    size, none = widening.shape[0] - 1, splat(0.0)
+    for i in range(size + 1):
+        store(widening, i, none)
+        store(swelling, i, none)
+    response = larger(1.0 - load(coupling.feedback, 0), splat(LEAST_RESPONSE))
+    deeper, together = none, none
     for k in range(body.radial.shape[0]):
         r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            response = max(1.0 - coupling.feedback[lane], LEAST_RESPONSE)
-            rate = coupling.touching[k, 1, lane] / response
-            widening[z, lane] += rate
-            widening[size, lane] += rate
-            swelling[z, lane] += coupling.by_area[k, 1, lane]
-            growth[lane] += coupling.by_area[k, 1, lane]
-            if r >= 0:
-                widening[r, lane] += coupling.touching[k, 0, lane] / response
-                swelling[r, lane] += coupling.by_area[k, 0, lane]
+        rate, push = load(coupling.touching, 2 * k + 1) / response, load(coupling.by_area, 2 * k + 1)
+        store(widening, z, rate)
+        store(swelling, z, push)
+        deeper, together = deeper + rate, together + push
+        if r >= 0:
+            store(widening, r, load(coupling.touching, 2 * k) / response)
+            store(swelling, r, load(coupling.by_area, 2 * k))
+    store(widening, size, deeper)
+    store(growth, 0, together)
 
 
 @inner_kernel(cache=True)
@@ -99,30 +102,38 @@ def add_tangent(body, tangent, geometric, lower, upper, column, row, corner):
     corner : ndarray, shape (LANES,)
         Out: diagonal entry of the depth.
     """
-    symmetric = len(upper) == 0
-    column[:] = 0.0
-    corner[:] = 0.0
+    symmetric, none, half, whole = len(upper) == 0, splat(0.0), splat(0.5), splat(0.0)
+    kept = load(geometric, 0)
     if not symmetric:
         copy_rows(lower, upper)
-        row[:] = 0.0
+    for i in range(column.shape[0]):
+        store(column, i, none)
+        if not symmetric:
+            store(row, i, none)
     for k in range(body.radial.shape[0]):
-        r, z = body.radial[k], body.vertical[k]
-        for lane in range(LANES):
-            part = 0 if geometric[lane] > 0.0 else 1
-            vertical = tangent[k, part, 3, lane]
-            lower[entry(z, z, body.width), lane] += vertical
-            column[z, lane] += vertical
-            corner[lane] += vertical
+        r, z, at = body.radial[k], body.vertical[k], 8 * k
+        upright = where_less(half, kept, load(tangent, at + 3), load(tangent, at + 7))
+        add_to(lower, entry(z, z, body.width), upright)
+        store(column, z, upright)
+        whole = whole + upright
+        if not symmetric:
+            store(row, z, upright)
+        if r >= 0:
+            by_gap = where_less(half, kept, load(tangent, at + 1), load(tangent, at + 5))
+            add_to(lower, entry(r, r, body.width), where_less(half, kept, load(tangent, at), load(tangent, at + 4)))
+            add_to(lower, entry(z, r, body.width), by_gap)
+            store(column, r, by_gap)
             if not symmetric:
-                row[z, lane] += vertical
-            if r >= 0:
-                by_gap, across = tangent[k, part, 1, lane], tangent[k, part, 2, lane]
-                lower[entry(r, r, body.width), lane] += tangent[k, part, 0, lane]
-                lower[entry(z, r, body.width), lane] += by_gap
-                column[r, lane] += by_gap
-                if not symmetric:
-                    upper[entry(z, r, body.width), lane] += across
-                    row[r, lane] += across
+                across = where_less(half, kept, load(tangent, at + 2), load(tangent, at + 6))
+                add_to(upper, entry(z, r, body.width), across)
+                store(row, r, across)
+    store(corner, 0, whole)
+
+
+@inner_kernel(cache=True)
+def add_to(rows, i, value):
+    """Add a vector to row `i` of `rows` (n, LANES)."""
+    store(rows, i, load(rows, i) + value)
 
 
 @inner_kernel(cache=True, inline="always")

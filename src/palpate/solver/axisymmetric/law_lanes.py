@@ -38,6 +38,7 @@ from palpate.materials.flow.row import (
     YIELD,
 )
 from palpate.solver.axisymmetric.lanes import LANES, greatest, load, magnitude, splat, store, where_less
+from palpate.solver.axisymmetric.rows import put_rows
 
 STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
 FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
@@ -88,21 +89,27 @@ class Points(NamedTuple):
 
 
 @inner_kernel(cache=True)
-def save_solution(points, solved, lane):
-    """Note the solution of the radial equation in one lane: it is found again while others go on, but for rounding."""
-    for p in range(points.log_q.shape[0]):
-        solved[0, p, lane], solved[1, p, lane] = points.log_q[p, lane], points.secant[p, lane]
-        solved[2, p, lane], solved[3, p, lane] = points.order[p, lane], points.push[p, lane]
+def save_solution(points, solved, lanes):
+    """Note the solution of the radial equation in some lanes: it is found again while others go on, but for rounding.
+
+    Parameters
+    ----------
+    points
+        See `Points`.
+    solved : ndarray, shape (4, p, LANES)
+        In and out: what is noted.
+    lanes : ndarray of bool, shape (LANES,)
+        Which lanes.
+    """
+    for k, rows in enumerate((points.log_q, points.secant, points.order, points.push)):
+        put_rows(rows, solved[k], lanes)
 
 
 @inner_kernel(cache=True)
 def restore_solution(points, solved, lanes):
-    """Write to the points what `save_solution` noted of some lanes (LANES,)."""
-    for lane in range(LANES):
-        if lanes[lane]:
-            for p in range(points.log_q.shape[0]):
-                points.log_q[p, lane], points.secant[p, lane] = solved[0, p, lane], solved[1, p, lane]
-                points.order[p, lane], points.push[p, lane] = solved[2, p, lane], solved[3, p, lane]
+    """Write to the points what `save_solution` noted of some lanes; the parameters are the same."""
+    for k, rows in enumerate((points.log_q, points.secant, points.order, points.push)):
+        put_rows(solved[k], rows, lanes)
 
 
 @inner_kernel(cache=True, inline="always")

@@ -38,7 +38,16 @@ from palpate.solver.axisymmetric.bordered import copy_of, put_back
 from palpate.solver.axisymmetric.contact import contact_forces, fit, share_of
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
 from palpate.solver.axisymmetric.coulomb_friction import turn_back
-from palpate.solver.axisymmetric.lanes import LANES, load, magnitude, splat, store, where_less
+from palpate.solver.axisymmetric.lanes import (
+    LANES,
+    exponential,
+    larger,
+    load,
+    magnitude,
+    splat,
+    store,
+    where_less,
+)
 from palpate.solver.axisymmetric.law_lanes import restore_solution, save_solution
 from palpate.solver.axisymmetric.rows import as_vector, copy_rows
 from palpate.solver.axisymmetric.trial_state import Direction, Residual
@@ -85,6 +94,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
     norm, work, coupling = np.zeros(LANES), np.zeros(LANES), no_coupling(count)
     slips, changed = np.zeros((count, LANES)), np.zeros(LANES, dtype=np.bool_)
     fraction, tries, geometric = np.ones(LANES), np.zeros(LANES, dtype=np.int64), np.ones(LANES)
+    distance, found = np.zeros(LANES), np.zeros(LANES, dtype=np.bool_)
     searching, solving = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.bool_)
     indefinite, done, rough = np.zeros(LANES, dtype=np.bool_), ~alive, np.any(setup.contact.friction > 0.0)
     solved = np.empty((4, *points.log_q.shape))
@@ -96,7 +106,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
         unbalance(setup, material, trial, prescribed, residual, coupling, done)
         measure(residual.forces, direction.displacement, size, norm, work)
         for lane in range(LANES):
-            solving[lane] = False
+            solving[lane], found[lane], distance[lane] = False, False, 0.0
             if done[lane]:
                 continue
             excess = residual.excess[lane]
@@ -110,10 +120,9 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
                 alive[lane], done[lane] = False, True
             elif broken:
                 fraction[lane] *= 0.5
-                move(trial, direction, lane, -fraction[lane])
+                distance[lane] = -fraction[lane]
             elif imbalance(state, prescribed, residual, coupling, norm, lane) < prescribed.tolerance:
-                done[lane] = True
-                save_solution(points, solved, lane)
+                done[lane] = found[lane] = True
             elif (
                 searching[lane]
                 and not (calm and unlike > APART)
@@ -123,12 +132,16 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
             ):
                 tries[lane] += 1
                 shorter = fraction[lane] * max(0.1, direction.work[lane] / (direction.work[lane] - work[lane]))
-                move(trial, direction, lane, shorter - fraction[lane])
+                distance[lane] = shorter - fraction[lane]
                 fraction[lane] = shorter
             else:
                 solving[lane] = True
+        if np.any(found):
+            save_solution(points, solved, found)
         if np.all(done):
             break
+        if np.any(distance != 0.0):
+            move(trial, direction, distance)
         if fresh:
             factor(setup, material, trial, system, coupling, geometric, residual.forces, forward)
         elif np.any(solving):
@@ -144,11 +157,13 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
             geometric[:] = 1.0
             put_back(system, before, indefinite)
         for lane in range(LANES):
+            distance[lane] = 0.0
             if solving[lane]:
-                searching[lane], fraction[lane], tries[lane] = True, 1.0, 0
+                searching[lane], fraction[lane], tries[lane], distance[lane] = True, 1.0, 0, 1.0
                 direction.area[lane] /= state.area[lane]
-                shorten(direction, lane, farthest[lane])
-                move(trial, direction, lane, 1.0)
+        if np.any(solving):
+            shorten(direction, farthest, solving)
+            move(trial, direction, distance)
     alive &= done
     restore_solution(points, solved, alive)
 
@@ -258,38 +273,44 @@ def unbalanced(work, start, tries, share):
 
 
 @inner_kernel(cache=True)
-def move(trial, direction, lane, distance):
-    """Move one lane along its direction, in which the area is relative.
+def move(trial, direction, distance):
+    """Move lanes along their directions, in which the area is relative.
 
     Parameters
     ----------
-    distance
-        In units of the direction.
+    distance : ndarray, shape (LANES,)
+        In units of the direction; lanes stay where it is zero.
     """
+    far, none = load(distance, 0), splat(0.0)
+    square = far * far
     for i in range(trial.displacement.shape[0] - 1):
-        trial.displacement[i, lane] += distance * direction.displacement[i, lane]
-    trial.depth[lane] += distance * direction.depth[lane]
-    trial.contact.area[lane] *= math.exp(distance * direction.area[lane])
+        before = load(trial.displacement, i)
+        store(trial.displacement, i, where_less(none, square, before + far * load(direction.displacement, i), before))
+    depth, area = load(trial.depth, 0), load(trial.contact.area, 0)
+    store(trial.depth, 0, where_less(none, square, depth + far * load(direction.depth, 0), depth))
+    wider = area * exponential(far * load(direction.area, 0))
+    store(trial.contact.area, 0, where_less(none, square, wider, area))
 
 
 @inner_kernel(cache=True)
-def shorten(direction, lane, farthest):
-    """Shorten the direction of one lane, and with it the work along it, so that nothing moves farther than that.
+def shorten(direction, farthest, lanes):
+    """Shorten the direction of some lanes, and with it the work along it, so that nothing moves farther than that.
 
     Parameters
     ----------
-    farthest
+    farthest : ndarray, shape (LANES,)
         Largest displacement of any node.
+    lanes : ndarray of bool, shape (LANES,)
+        Which lanes.
     """
-    largest = abs(direction.depth[lane])
+    largest, most, one = magnitude(load(direction.depth, 0)), load(farthest, 0), splat(1.0)
     for i in range(direction.displacement.shape[0]):
-        largest = max(largest, abs(direction.displacement[i, lane]))
-    if largest > farthest:
-        for i in range(direction.displacement.shape[0]):
-            direction.displacement[i, lane] *= farthest / largest
-        direction.depth[lane] *= farthest / largest
-        direction.area[lane] *= farthest / largest
-        direction.work[lane] *= farthest / largest
+        largest = larger(largest, magnitude(load(direction.displacement, i)))
+    share = where_less(splat(0.5), as_vector(lanes), where_less(most, largest, most / largest, one), one)
+    for i in range(direction.displacement.shape[0]):
+        store(direction.displacement, i, share * load(direction.displacement, i))
+    for row in (direction.depth, direction.area, direction.work):
+        store(row, 0, share * load(row, 0))
 
 
 @inner_kernel(cache=True)

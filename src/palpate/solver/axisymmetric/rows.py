@@ -20,6 +20,14 @@ def copy_rows(source, target):
 
 
 @inner_kernel(cache=True)
+def put_rows(source, target, lanes):
+    """Copy rows (n, LANES) in some `lanes` (LANES,)."""
+    mask = as_vector(lanes)
+    for i in range(source.shape[0]):
+        store(target, i, where_less(splat(0.5), mask, load(source, i), load(target, i)))
+
+
+@inner_kernel(cache=True)
 def restore_rows(target, before, changed):
     """Make rows (n, LANES) what they were before in the lanes that have not `changed`, a vector of ones and zeros."""
     for i in range(target.shape[0]):
