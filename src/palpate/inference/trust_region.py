@@ -10,10 +10,10 @@ the second-order correction from the curvature along the last step (geodesic acc
 arXiv:1207.4999), because the valleys of chi^2 are curved. Exact derivatives cost more than several curves: after a step
 that lowers chi^2 by at least the part `LINEAR_ENOUGH` of the predicted decrease they are updated by its secant (C.G.
 Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else they are computed anew. So they are
-where short steps go on as predicted while a whole step promises far more (`SLOW`), which slopes do that a few secants
-have spoilt. A search has
-converged when the predicted decrease of every step is below the tolerance, or none of those tried exceeds it. Several
-searches advance together; one that falls behind is given up.
+where short steps go on as predicted while a whole step promises far more (`SLOW`): a few secants have spoilt the slopes
+along the valley. A search has converged when the predicted decrease of every step is below the tolerance, or none of
+those tried exceeds it and a whole step promises little more. Several searches advance together; one that falls behind
+is given up.
 """
 
 from __future__ import annotations
@@ -205,7 +205,8 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
         slow = not search.exact and here - best < SLOW * promised[search]
         search.length = min(longer * length if straight else length, LARGEST_STEP)
         search.move(u, curves)
-        search.converged = here - best < tolerance and (straight or not exact)
+        little = max(here - best, SLOW * promised[search]) < tolerance
+        search.converged = little and (straight or not exact)
         search.active = not search.converged
         if not search.converged and (slow or not straight):
             outdated.append(search)
