@@ -9,7 +9,7 @@ import numpy as np
 from palpate.base.inner_kernel import inner_kernel
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.lanes import LANES
-from palpate.solver.axisymmetric.rows import as_vector, restore_rows
+from palpate.solver.axisymmetric.rows import put_rows
 
 
 class System(NamedTuple):
@@ -64,13 +64,13 @@ def copy_of(system):
 @inner_kernel(cache=True)
 def put_back(system, before, changed):
     """Make the system what it was before in the lanes that have not `changed` (LANES,): their factor serves on."""
-    mask = as_vector(changed)
+    kept = ~changed
     for now, then in (
         (system.band, before.band), (system.upper, before.upper), (system.border, before.border),
         (system.row, before.row), (system.sideways, before.sideways), (system.widening, before.widening),
         (system.swelling, before.swelling),
     ):  # fmt: skip
-        restore_rows(now, then, mask)
+        put_rows(then, now, kept)
     for lane in range(LANES):
         if not changed[lane]:
             system.corner[lane], system.growth[lane] = before.corner[lane], before.growth[lane]

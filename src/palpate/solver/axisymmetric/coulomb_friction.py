@@ -30,7 +30,17 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import LANES, exponential, load, magnitude, splat, store, where_less
+from palpate.solver.axisymmetric.lanes import (
+    LANES,
+    exponential,
+    larger,
+    load,
+    magnitude,
+    smaller,
+    splat,
+    store,
+    where_less,
+)
 from palpate.solver.axisymmetric.rows import as_vector
 
 LEAST_SHARE = 1e-12  # of a node's area in contact, below which it knows no friction
@@ -52,8 +62,7 @@ def friction_ratio(contact, state, place, share, density, width, k):
     mu, slip_length, before, none = load(contact.friction, 0), load(contact.slip, k), load(state.share, k), splat(0.0)
     mu = where_less(share, splat(LEAST_SHARE), none, mu)
     slip = (place - anchored(state, place, share, k)) / slip_length
-    slip = where_less(slip, splat(-SATURATED), splat(-SATURATED), slip)
-    slip = where_less(splat(SATURATED), slip, splat(SATURATED), slip)
+    slip = smaller(larger(slip, splat(-SATURATED)), splat(SATURATED))
     tanh = 1.0 - 2.0 / (exponential(2.0 * slip) + 1.0)
     rate = mu * (1.0 - tanh * tanh) / slip_length
     drag = before * (0.5 * (load(state.place, k) + place) - load(state.anchor, k)) / (share * share) * density / width
@@ -87,7 +96,7 @@ def turn_back(setup, trial, shares, slips, changed, done):
         acts = where_less(share, splat(LEAST_SHARE), none, rubs)
         anchor = anchored(state, distance[k] + moved, share, k)
         slip = (distance[k] + moved - anchor) / load(contact.slip, k)
-        nearer = where_less(magnitude(slip), magnitude(past), magnitude(slip), magnitude(past))
+        nearer = smaller(magnitude(past), magnitude(slip))
         turns = where_less(slip * past, none, where_less(splat(SLIPPING), nearer, acts, none), none)
         slip = where_less(none, turns, none, slip)
         slid = where_less(splat(SLIPPING), magnitude(past), one, none)

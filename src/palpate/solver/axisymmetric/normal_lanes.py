@@ -14,7 +14,7 @@ from numpy.polynomial.chebyshev import chebinterpolate
 from scipy.special import erfcx
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import exponential, magnitude, splat, where_less
+from palpate.solver.axisymmetric.lanes import exponential, magnitude, smaller, splat, where_less
 
 FARTHEST = 11.0  # standard deviations that x counts at most
 MIDDLE, DEGREE = 3.0, 18  # of the polynomial; with these the tail errs by 3e-15 of itself
@@ -34,8 +34,7 @@ _COEFFICIENTS = tuple(map(float, chebinterpolate(_slow_factor, DEGREE)))
 @inner_kernel(cache=True, error_model="numpy")
 def normal_distribution(x):
     """Return Phi(x) and its density phi(x), at `FARTHEST` where x lies farther out."""
-    far = magnitude(x)
-    z = math.sqrt(0.5) * where_less(far, splat(FARTHEST), far, splat(FARTHEST))
+    z = math.sqrt(0.5) * smaller(magnitude(x), splat(FARTHEST))
     part = (z - MIDDLE) / (z + MIDDLE)
     t = (part + 1.0) * (1.0 / _HALF_SPAN) - 1.0
     last, before = splat(_COEFFICIENTS[DEGREE]), splat(0.0)

@@ -28,13 +28,6 @@ def put_rows(source, target, lanes):
 
 
 @inner_kernel(cache=True)
-def restore_rows(target, before, changed):
-    """Make rows (n, LANES) what they were before in the lanes that have not `changed`, a vector of ones and zeros."""
-    for i in range(target.shape[0]):
-        store(target, i, where_less(splat(0.5), changed, load(target, i), load(before, i)))
-
-
-@inner_kernel(cache=True)
 def as_vector(mask):
     """Return one for each lane that a `mask` (LANES,) selects, and zero for the others."""
     numbers = np.zeros(LANES)

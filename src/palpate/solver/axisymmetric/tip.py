@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.solver.axisymmetric.lanes import LANES, load, root, splat, store, where_less
+from palpate.solver.axisymmetric.lanes import LANES, load, root, smaller, splat, store, where_less
 from palpate.solver.axisymmetric.profile import Capped, Measured, Profile
 
 
@@ -100,7 +100,7 @@ def profile_at(large, tip, distance, moved):
     """
     radius, edge, flank, none = load(tip.radius, 0), load(tip.edge, 0), load(tip.flank, 0), splat(0.0)
     place = distance + moved if large else distance
-    within = where_less(place, edge, place, edge)
+    within = smaller(edge, place)
     length = root(radius * radius - within * within)
     inclined = within / length
     on_cap = where_less(place, edge, radius * radius / (length * length * length), none)
