@@ -63,7 +63,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
     tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, the
-    likeliest is tested once more on finer meshes, see `Search.on_finer_meshes`. As long as none is accepted, sets with
+    likeliest is fitted to its end and tested once more, see `Search.finished`. As long as none is accepted, sets with
     one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the
     accepted ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an
     accepted mechanism in its place, also where it is about as large. One that contradicts an exact law is never
@@ -102,39 +102,59 @@ def _accepted(
         Called with one line on the progress.
     """
     search = side_by_side.search
-    policy, settings = search.policy, search.study.diagnosis
-    level, largest = settings["significance"], settings["largest_set"]
+    level, largest = search.study.diagnosis["significance"], search.study.diagnosis["largest_set"]
     tried, found = [search.base], [search.base]
     for number in range(largest):
-        found = _fitted(side_by_side, found, policy.most_sets if number else policy.most, failed, report)
-        if not any(each.adequate(level) for each in found):  # the error of the mesh may be all that the best one leaves
-            found = best_first([*_on_finer_meshes(search, found[:1], report), *found[1:]])
+        most = search.policy.most_sets if number else search.policy.most
+        found = _fitted(side_by_side, found, most, failed, report)
+        if found and not any(each.adequate(level) for each in found) and search.explains(found[0].fit):
+            found = best_first([*_finished(search, found[:1], report), *found[1:]])
         tried = best_first(found + tried)
         if accepted := accepted_of(found, tried, level):
             special = _special_cases(search, accepted[0], tried, report)
-            larger: list[Candidate] = []
-            if number + 1 < largest:
-                best = max(each.fit.log_evidence for each in special + accepted)
-                likelier, as_likely = best + policy.behind_adequate, best - CLOSE
-                larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
-                included = included_in(accepted, tried)
-                larger += _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
+            larger = _larger(side_by_side, accepted, special, tried, failed, report) if number + 1 < largest else []
             tried = likeliest_of_each(larger + special + tried)
             chosen = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
-            ended = _on_finer_meshes(search, chosen, report)
-            tried = likeliest_of_each([*ended, *(each for each in tried if each not in chosen)])
-            return [each for each in ended if each.adequate(level)], tried
-    return [], closest_first(tried)
+            found = _finished(search, chosen, report)
+            tried = likeliest_of_each([*found, *(each for each in tried if each not in chosen)])
+            if ended := [each for each in found if each.adequate(level)]:
+                return ended, tried
+    closest, *others = closest_first(tried)
+    tried = closest_first([*_finished(search, [closest], report), *others])
+    return accepted_of(tried[:1], tried, level), tried
 
 
-def _on_finer_meshes(
-    search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]
+def _larger(
+    side_by_side: SideBySide,
+    accepted: list[Candidate],
+    special: list[Candidate],
+    tried: list[Candidate],
+    failed: dict[str, str],
+    report: Callable[[str], None],
 ) -> list[Candidate]:
-    """Return explanations after the last steps of their fits, best first, see `Search.on_finer_meshes`."""
-    found = [search.on_finer_meshes(each) for each in explanations]
+    """Return sets with one mechanism more than accepted ones, and than some with a special case, that may be likely.
+
+    Parameters
+    ----------
+    special
+        Special cases of the accepted ones, refitted.
+    side_by_side, accepted, tried, failed, report
+        See `_accepted`.
+    """
+    policy = side_by_side.search.policy
+    best = max(each.fit.log_evidence for each in special + accepted)
+    likelier, as_likely = best + policy.behind_adequate, best - CLOSE
+    larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
+    included = included_in(accepted, tried)
+    return larger + _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
+
+
+def _finished(search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]) -> list[Candidate]:
+    """Return explanations whose fits went to their ends, best first, see `Search.finished`."""
+    found = [search.finished(each) for each in explanations]
     for each in [each for each in found if each not in explanations]:
         name = "+".join(each.fit.explanation)
-        report(f"{name} on finer meshes: log evidence {each.fit.log_evidence:.1f}, p = {each.p_value:.3g}")
+        report(f"{name} in the end: log evidence {each.fit.log_evidence:.1f}, p = {each.p_value:.3g}")
     return best_first(found)
 
 
@@ -206,7 +226,8 @@ def _fitted(
 
     None is fitted whose optimistic log evidence lies below the `floor`.
 
-    Sets far behind the best are left out; once a set is adequate, also those that could not be accepted beside it. A
+    Sets far behind the best are left out, once there are some or one that leaves about as much as noise; once a set is
+    adequate, also those that could not be accepted beside it. A
     linearisation holds near one point only: where the residual of a set is close to noise, sets with another mechanism
     in place of one of its own are estimated again from there, and their search starts there.
     """
@@ -216,7 +237,7 @@ def _fitted(
     for _ in range(min(most, len(ways))):
         way, *likely = sorted(ways.values(), key=lambda way: -way.optimistic)
         del ways[way.members]
-        enough = len(done) >= policy.least or any(candidate.adequate(level) for candidate in done)
+        enough = len(done) >= policy.least or any(each.adequate(level) or search.explains(each.fit) for each in done)
         if way.optimistic < floor or (enough and way.optimistic < behind):
             break
         name = "+".join([*way.fit.explanation, way.key])

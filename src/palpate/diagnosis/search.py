@@ -103,27 +103,48 @@ class Search:
         """Fit an explanation and one more mechanism, with the references of the smaller one, see `fitted`.
 
         A model without an effect that is there may have its optimum far outside the ranges, and so lead its successors
-        there. Where this one ends there, it is fitted once more from within them, and the likelier of both is taken.
+        there. Where such a smaller one ended there, the search begins within them; where this one ends there or far
+        from the recordings, it is fitted once more from the other places, and the likelier of both is taken.
         """
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
-
-        def fitted(starts: Sequence[np.ndarray]) -> Fit:
-            return self._fitter.fitted((*fit.explanation, key), starts, fit.curve, model, stop)
-
-        found = fitted(self.screen.starts(fit, key))
-        if np.abs(found.coordinates.beyond(found.z)).max() <= self.policy.outside:
-            return found
         middle = np.where(fit.coordinates.beyond(fit.z) == 0.0, fit.z, 0.5)
-        try:
-            again = fitted([np.append(middle, self.screen.place_shown(key))])
-        except PalpateError:
-            return found
-        return max(found, again, key=lambda each: each.log_evidence)
+        places, outside = [self.screen.starts(fit, key)], self._ends_outside(fit)
+        if not self.explains(fit):
+            places.insert(0 if outside else 1, [np.append(middle, self.screen.place_shown(key))])
+        found, failed = list[Fit](), ""
+        for starts in places:
+            try:
+                found.append(self._fitter.fitted((*fit.explanation, key), starts, fit.curve, model, stop))
+            except PalpateError as error:
+                failed = str(error)
+                if not outside:
+                    break
+                continue
+            far = outside and found[-1].misfit_ratio > self._fitter.policy.refined
+            if not (far or self._ends_outside(found[-1])):
+                break
+        if not found:
+            raise PalpateError(failed)
+        return max(found, key=lambda each: each.log_evidence)
 
-    def on_finer_meshes(self, candidate: Candidate) -> Candidate:
-        """Return an explanation after its last steps on finer meshes, see `Fitter.on_finer_meshes`."""
-        fit = self._fitter.on_finer_meshes(candidate.fit)
+    def _ends_outside(self, fit: Fit) -> bool:
+        """Return whether a fit ended far outside the ranges."""
+        return bool(np.abs(fit.coordinates.beyond(fit.z)).max() > self.policy.outside)
+
+    def finished(self, candidate: Candidate) -> Candidate:
+        """Return an explanation whose fit went to its end, on finer meshes where these are needed.
+
+        A fit that was given up goes on, see `palpate.inference.fitting.Fitter.fitted`.
+        """
+        fit = candidate.fit
+        if fit.explanation and not fit.converged:
+            fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, to_the_end=True)
+        fit = self._fitter.on_finer_meshes(fit)
         return candidate if fit is candidate.fit else self.examined(fit)
+
+    def explains(self, fit: Fit) -> bool:
+        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
+        return fit.misfit_ratio <= self._fitter.policy.finer_meshes
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

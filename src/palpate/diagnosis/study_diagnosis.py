@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from palpate.base.threads import on_one_thread
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import zero_points
@@ -57,6 +58,7 @@ def run_diagnosis(
     return content | {"recordings": recordings}, curves
 
 
+@on_one_thread
 def diagnosed(
     study: Study,
     recorded: Mapping[str, list[Recording]],

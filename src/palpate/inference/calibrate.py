@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
+from palpate.base.threads import on_one_thread
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, Calibration
 from palpate.inference.estimates import condition_errors, estimates, intervals, named_matrix, noise_table
@@ -56,6 +57,7 @@ class CalibrationSettings:
                 raise InputError(f"{name} is negative", remedy="give zero or more", place=name)
 
 
+@on_one_thread
 def calibrate(
     problem: Problem,
     surrogates: Mapping[str, Predictor],

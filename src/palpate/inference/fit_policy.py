@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -26,6 +27,10 @@ class FitPolicy:
         estimate. Chi-square of an explanation counts over its ratio to the degrees of freedom, where that exceeds one.
     poor_fit
         Chi-square per sample above which the base model leaves far more than noise, whatever the error of the mesh.
+    unlikely
+        Standard deviations of chi-square above its mean, beyond which noise does not leave it: an explanation that is
+        not expected to come there is not followed to its end. In the blind trial, where four are 1.3 per sample, those
+        that leave noise in the end begin their refinement within them.
     refined
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
@@ -47,7 +52,12 @@ class FitPolicy:
     first_tolerance: float = 0.5
     tolerance: float = 0.02
     poor_fit: float = 50.0
+    unlikely: float = 4.0
     refined: float = 10.0
     finer_meshes: float = 1.5
     finer_steps: int = 3
     first_order: float = 0.5
+
+    def likely_chi_square(self, count: int) -> float:
+        """Return chi-square of a number of samples up to which noise may leave it, see `unlikely`."""
+        return count + self.unlikely * math.sqrt(2.0 * count)

@@ -94,8 +94,9 @@ class Fitter:
         depth: np.ndarray,
         model: Forward | None = None,
         stop: Event | None = None,
+        to_the_end: bool = False,
     ) -> Fit:
-        """Fit an explanation.
+        """Fit an explanation; a search that is not expected to explain the recordings is given up, unless told so.
 
         Parameters
         ----------
@@ -107,6 +108,8 @@ class Fitter:
             Forward model of the explanation; by default with the references of the base model.
         stop
             Ends the fit once it is set.
+        to_the_end
+            Whether a search goes on that is not expected to explain the recordings; the base model's always does.
 
         Raises
         ------
@@ -118,10 +121,11 @@ class Fitter:
         problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
+        reach = policy.likely_chi_square(len(problem.mean)) if explanation and not to_the_end else np.inf
         begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
-            end = self._searched(misfit, model, begun, depth, limit, stop)
+            end = self._searched(misfit, model, begun, depth, limit, stop, reach)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
         fit = with_own_values(self._fit(explanation, model, end, weighed))
@@ -129,16 +133,17 @@ class Fitter:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], limit, tolerance, exact=False, stop=stop)
+            goal = self._without_discrepancy(fit)
+            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop, reach=reach)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         if record is model:
             fit, goal = self._weighed_by(fit, model, misfit)
-            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop)
+            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop, reach=reach)
             record = model.of_record(end.u)
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
-            end = resumed(goal, record, end, limit, tolerance, stop)
+            end = resumed(goal, record, end, limit, tolerance, stop, reach)
         return self._fit(explanation, record, end, fit.errors)
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
@@ -226,6 +231,7 @@ class Fitter:
         depth: np.ndarray,
         limit: int,
         stop: Event | None,
+        reach: float,
     ) -> Descent:
         """Return the best end of searches from some coordinates (k,).
 
@@ -240,17 +246,8 @@ class Fitter:
             That of least expected misfit first.
         depth : ndarray, shape (n_all,)
             Curves of the smaller explanation [nm].
-        limit
-            Largest number of iterations.
-        stop
-            Ends the search once it is set.
-
-        Raises
-        ------
-        PalpateError
-            When the forward model fails at all of them.
-        CancelledError
-            When the search was stopped.
+        limit, stop, reach
+            See `palpate.inference.trust_region.descend`, as the errors that are raised.
         """
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
         room = model.together(places[0]) if len(places) > 1 else 1
@@ -263,7 +260,7 @@ class Fitter:
             if len(some) > most:
                 some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
             try:
-                end = descend(misfit, model, some, limit, self.policy.first_tolerance, stop=stop)
+                end = descend(misfit, model, some, limit, self.policy.first_tolerance, stop=stop, reach=reach)
             except PalpateError as error:
                 failed = str(error)
                 continue

@@ -13,7 +13,7 @@ Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else 
 where short steps go on as predicted while a whole step promises far more (`SLOW`): a few secants have spoilt the slopes
 along the valley. A search has converged when the predicted decrease of every step is below the tolerance, or none of
 those tried exceeds it and a whole step promises little more. Several searches advance together; one that falls behind
-is given up.
+is given up, and so is one that, by the known errors, several whole steps would not bring to what it must reach.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ LEAST_STEPS = 2  # tried at once by each search
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
 SLOW = 0.1  # part of the decrease that a whole step promises, below which slopes that are not exact are not trusted
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
+GENEROUS = 4.0  # times the decrease that a whole step promises, beyond which a search is not expected to come
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
 
@@ -49,6 +50,7 @@ def descend(
     tolerance: float,
     exact: bool = True,
     stop: Event | None = None,
+    reach: float = np.inf,
 ) -> Descent:
     """Return the search that ends at the least misfit.
 
@@ -68,6 +70,8 @@ def descend(
         Whether it converges only with exact derivatives.
     stop
         Ends the search once it is set.
+    reach
+        Chi-square by the known errors alone which a search must be able to reach, or else is given up.
 
     Raises
     ------
@@ -89,7 +93,9 @@ def descend(
         if not going or (iteration >= iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
             break
         _check(stop)
-        _advance(misfit, model, going, tolerance, exact)
+        for search in going:
+            search.active = reach == np.inf or not _hopeless(misfit, search, reach)
+        _advance(misfit, model, [search for search in going if search.active], tolerance, exact)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least.append(min(rms.values()))
         for search in searches:
@@ -99,7 +105,13 @@ def descend(
 
 
 def resumed(
-    misfit: Misfit, model: Forward, way: Descent, iterations: int, tolerance: float, stop: Event | None = None
+    misfit: Misfit,
+    model: Forward,
+    way: Descent,
+    iterations: int,
+    tolerance: float,
+    stop: Event | None = None,
+    reach: float = np.inf,
 ) -> Descent:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
@@ -109,18 +121,20 @@ def resumed(
     ----------
     way
         The search that ended.
-    misfit, model, iterations, tolerance, stop
+    misfit, model, iterations, tolerance, stop, reach
         See `descend`, as the errors that are raised.
     """
+
+    def continued(start: np.ndarray | Descent) -> Descent:
+        return descend(misfit, model, [start], iterations, tolerance, exact=False, stop=stop, reach=reach)
+
     (outcome,) = model.curves([way.u])
     if not isinstance(outcome, str):
-        return descend(
-            misfit, model, [replace(way, curves=outcome, exact=False)], iterations, tolerance, exact=False, stop=stop
-        )
+        return continued(replace(way, curves=outcome, exact=False))
     failed = outcome
     for start in reversed(way.path):
         try:
-            return descend(misfit, model, [start], iterations, tolerance, exact=False, stop=stop)
+            return continued(start)
         except PalpateError as error:
             failed = str(error)
     raise PalpateError(failed)
@@ -165,8 +179,17 @@ def _check(stop: Event | None) -> None:
         raise CancelledError
 
 
+def _hopeless(misfit: Misfit, search: Descent, reach: float) -> bool:
+    """Return whether a search is not expected to reach a chi-square by the known errors, see `GENEROUS`."""
+    steps = Steps.of(misfit, search, discrepancy=0.0)
+    promised = steps.predicted_decrease(steps.end(LARGEST_STEP))
+    return float(steps.residual @ steps.residual) - GENEROUS * promised > reach
+
+
 def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
     """Move all searches by one iteration."""
+    if not searches:
+        return
     count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
     longer = min(GROWTH, 2.0 ** (count - 1))
     tried: list[tuple[Descent, np.ndarray, float]] = []

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from palpate.base.threads import on_one_thread
 from palpate.errors import ConvergenceError
 from palpate.solver.axisymmetric.adhesive_traction import attraction
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range
@@ -34,6 +35,7 @@ RESOLUTIONS = {
 }
 
 
+@on_one_thread
 def indent_3d(
     specimen: Specimen,
     indenter: Indenter,
