@@ -28,6 +28,8 @@ def candidate(keys, evidence, p_value=0.5, occam=0.0, contradicts=()):
     fit = SimpleNamespace(
         explanation=tuple(filter(None, keys.split("+"))),
         log_evidence=evidence,
+        optimistic_log_evidence=evidence,
+        misfit_ratio=10.0,
         log_likelihood=evidence + occam,
         laws=(),
         z=None,
@@ -257,6 +259,11 @@ def test_a_rival_is_looked_at_again_from_where_one_that_explains_lies():
     asked, found, _ = tried(promises, proves, neighbours=lambda fit: [there])
     assert asked == ["frame_compliance", "film_on_substrate", "friction"]
     assert found[:2] == ["frame_compliance", "film_on_substrate"]
+
+
+def test_what_joins_a_fit_near_the_recordings_is_left_out_at_once_where_it_falls_far_behind():
+    policy = replace(POLICY, least=4, trusted=10.0)
+    assert tried(FAR, policy=policy)[0] == [key for key in FAR if FAR[key] >= 100.0 - policy.behind_best]
 
 
 def test_what_would_not_stand_beside_one_that_leaves_only_noise_is_left_out():

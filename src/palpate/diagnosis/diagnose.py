@@ -208,7 +208,7 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
                 continue
             own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
             of_laws = sum(misfit for law, misfit in misfits if law.key in own or not law.holds_under(joined))
-            way = Prospect(fit, key, fit.log_evidence + 0.5 * (search.screen.gain(fit, key) + of_laws))
+            way = Prospect(fit, key, fit.optimistic_log_evidence + 0.5 * (search.screen.gain(fit, key) + of_laws))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way
     return ways
@@ -226,10 +226,11 @@ def _fitted(
 
     None is fitted whose optimistic log evidence lies below the `floor`.
 
-    Sets far behind the best are left out, once there are some or one that leaves about as much as noise; once a set is
-    adequate, also those that could not be accepted beside it. A
-    linearisation holds near one point only: where the residual of a set is close to noise, sets with another mechanism
-    in place of one of its own are estimated again from there, and their search starts there.
+    Sets far behind the best are left out where the estimate is trusted: that from a fit not far from the recordings,
+    and any once some are fitted or one leaves about as much as noise. Once a set is adequate, those that could not be
+    accepted beside it are left out, too. A linearisation holds near one point only: where the residual of a set is
+    close to noise, sets with another mechanism in place of one of its own are estimated again from there, and their
+    search starts there.
     """
     search, done = side_by_side.search, list[Candidate]()
     policy, level = search.policy, search.study.diagnosis["significance"]
@@ -237,8 +238,9 @@ def _fitted(
     for _ in range(min(most, len(ways))):
         way, *likely = sorted(ways.values(), key=lambda way: -way.optimistic)
         del ways[way.members]
-        enough = len(done) >= policy.least or any(each.adequate(level) or search.explains(each.fit) for each in done)
-        if way.optimistic < floor or (enough and way.optimistic < behind):
+        explained = any(each.adequate(level) or search.explains(each.fit) for each in done)
+        trusted = explained or len(done) >= policy.least or way.fit.misfit_ratio <= policy.trusted
+        if way.optimistic < floor or (trusted and way.optimistic < behind):
             break
         name = "+".join([*way.fit.explanation, way.key])
         try:

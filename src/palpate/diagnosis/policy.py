@@ -25,6 +25,9 @@ class SearchPolicy:
         By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
         the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
         Schwarz's.
+    trusted
+        Chi-square per degree of freedom of an explanation up to which the optimistic evidence of larger ones is trusted
+        before `least` are fitted.
     outside
         By how many of its ranges a parameter may lie outside before the explanation is fitted once more from within.
     threads
@@ -38,5 +41,6 @@ class SearchPolicy:
     most: int = 8
     most_sets: int = 5
     mechanism_penalty: float = 2.0
+    trusted: float = 3.0
     outside: float = 1.0
     threads: int = 1
