@@ -81,8 +81,7 @@ def test_at_the_place_curves_are_those_of_the_model_of_record(study, plain, reco
     """Under the test that takes part, and under the one that was held out."""
     u = plain.coordinates.scaled(middle(study))
     for condition in study.conditions:
-        models = [plain.under([condition.name]), record.under([condition.name]).of_record(u)]
-        usual, found = (model.curves([u])[0][condition.name] for model in models)
+        usual, found = (model.under([condition.name]).curves([u])[0][condition.name] for model in (plain, record))
         true = on_fine_mesh(plain, u, condition)
         assert found == pytest.approx(true, rel=1e-9, abs=1e-4)
         assert off_where_loaded(usual, true, condition) > 5e-4, "the usual mesh errs"
@@ -244,11 +243,10 @@ def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_
 
     u, simulate_batch = plain.coordinates.scaled(middle(study)), space_mapping.simulate_batch
     monkeypatch.setattr(space_mapping, "simulate_batch", failing)
-    both = plain.under(["T010", "V010"])
-    found = both.of_record(u)
-    usual, same = (model.curves([u])[0]["V010"] for model in (both, found))
+    found = plain.of_record(u)
+    usual, same = (model.under(["V010"]).curves([u])[0]["V010"] for model in (plain, found))
     assert same == pytest.approx(usual)
-    better = found.curves([u])[0]["T010"]
+    better = found.under(["T010"]).curves([u])[0]["T010"]
     assert better == pytest.approx(on_fine_mesh(plain, u, plain.conditions[0]), rel=1e-9, abs=1e-4)
 
 

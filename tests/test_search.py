@@ -28,7 +28,7 @@ def candidate(keys, evidence, p_value=0.5, occam=0.0, contradicts=()):
     fit = SimpleNamespace(
         explanation=tuple(filter(None, keys.split("+"))),
         log_evidence=evidence,
-        optimistic_log_evidence=evidence,
+        converged=True,
         misfit_ratio=10.0,
         log_likelihood=evidence + occam,
         laws=(),

@@ -196,9 +196,9 @@ def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]
 def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
     """Return the sets with one mechanism more than `fits`, by their mechanisms; of each the most optimistic way to it.
 
-    Its optimistic log evidence is that of the smaller set, plus the largest gain that the effects on curves and the
-    exact laws, those about the mechanism that joins and those that it breaks, allow for it. A mechanism and one that it
-    includes do not act together.
+    Its optimistic log evidence is that of the smaller set, which is an optimistic one itself where that fit was given
+    up, plus the largest gain that the effects on curves and the exact laws, those about the mechanism that joins and
+    those that it breaks, allow for it. A mechanism and one that it includes do not act together.
     """
     ways: dict[frozenset[str], Prospect] = {}
     for fit in fits:
@@ -208,7 +208,8 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
                 continue
             own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
             of_laws = sum(misfit for law, misfit in misfits if law.key in own or not law.holds_under(joined))
-            way = Prospect(fit, key, fit.optimistic_log_evidence + 0.5 * (search.screen.gain(fit, key) + of_laws))
+            begun = fit.log_evidence if fit.converged else fit.optimistic_log_evidence
+            way = Prospect(fit, key, begun + 0.5 * (search.screen.gain(fit, key) + of_laws))
             if way.members not in ways or way.optimistic > ways[way.members].optimistic:
                 ways[way.members] = way
     return ways

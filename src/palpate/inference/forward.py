@@ -213,10 +213,10 @@ class FiniteElements:
 
 
 def under_each(model: Forward, names: Sequence[str], u: np.ndarray) -> dict[str, np.ndarray | str]:
-    """Return the record's curve (n_points,) at coordinates u (k,) under each condition, or why a model failed there."""
+    """Return the curve (n_points,) at coordinates u (k,) under each condition, or why the model failed there."""
     if not names:
         return {}
-    (together,) = model.under(names).of_record(u).curves([u])
+    (together,) = model.under(names).curves([u])
     if not isinstance(together, str):
         return dict(together)
     if len(names) == 1:

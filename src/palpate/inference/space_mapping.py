@@ -97,13 +97,14 @@ class SpaceMapped:
 
     @classmethod
     def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
-        """Return the model of record, with references at coordinates u (k,).
+        """Return the model of record, with references at coordinates u (k,) under every condition of the study.
 
         That is a finer mesh, or the pyramid in place of the equivalent cone, of which few samples are simulated. A
         condition under which a model fails there has none.
         """
-        few, keep = full.thinned()
-        fast, usual = ([each.specification(u, c) for c in each.conditions] for each in (few, full))
+        every = replace(full, conditions=full.study.conditions)
+        few, keep = every.thinned()
+        fast, usual = ([each.specification(u, c) for c in each.conditions] for each in (few, every))
         if full.study.indenter.of_revolution:
             outcomes = simulate_batch([*fast, *(replace(each, accuracy=finer(each.accuracy)) for each in usual)])
             pyramids: Sequence[Simulation | None] = [None] * len(fast)
@@ -112,7 +113,7 @@ class SpaceMapped:
             pyramids = simulate_batch([few.of_study(u, condition) for condition in few.conditions])
         references = {}
         for condition, thin, whole, pyramid in zip(
-            full.conditions, outcomes, outcomes[len(fast) :], pyramids, strict=False
+            every.conditions, outcomes, outcomes[len(fast) :], pyramids, strict=False
         ):
             if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
                 continue
@@ -130,7 +131,7 @@ class SpaceMapped:
         return self.full.coordinates
 
     def under(self, names: Sequence[str]) -> SpaceMapped:
-        """See `Forward`; conditions without a reference gain one by `of_record`."""
+        """See `Forward`."""
         return replace(self, full=self.full.under(names))
 
     def at_one_load(
@@ -153,7 +154,7 @@ class SpaceMapped:
         return self.full.amplitudes(u)
 
     def of_record(self, u: np.ndarray) -> SpaceMapped:
-        """See `Forward`; the same where all references lie near, and no mechanism has joined that acts on the body.
+        """See `Forward`; the same where the references lie near, and no mechanism has joined that acts on the body.
 
         Where one has joined that only adds to the depth, the references of a pyramid, whose curves cost as much as
         fifty of the cone, are kept from farther away. Friction and rounded tips change the ratio of pyramid and cone by
@@ -162,8 +163,7 @@ class SpaceMapped:
         joined = [mechanism for mechanism in self.full.mechanisms if mechanism not in self.acting]
         near = PYRAMID_NEAR if joined and not self.full.study.indenter.of_revolution else CLOSE
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
-        known = all(condition.name in self.references for condition in self._conditions)
-        if known and moved < near and not any(mechanism.acts_on_body for mechanism in joined):
+        if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
             return self
         return SpaceMapped.of(self.full, u)
 
