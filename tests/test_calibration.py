@@ -9,6 +9,7 @@ from palpate.configuration.study_file import Condition
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.coordinates import Coordinate, Coordinates
+from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
@@ -228,7 +229,9 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough()
     measured = {name: item.mean for name, item in data.items()}
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
-    found = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, 0.02)
+    found = descend(
+        misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], Until(40, 0.02, exact=True)
+    )
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
     assert found.converged
 
@@ -239,9 +242,11 @@ def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     measured = {name: item.mean for name, item in data.items()}
     model = Forward()
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
-    way = descend(misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], 40, 0.02)
+    way = descend(
+        misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], Until(40, 0.02, exact=True)
+    )
     assert model.coordinates.named(way.u)["a"] > 1.05
-    found = resumed(misfit, Forward(edge=1.05), way, 40, 0.02)
+    found = resumed(misfit, Forward(edge=1.05), way, Until(40, 0.02))
     assert 0.9 < model.coordinates.named(found.u)["a"] <= 1.05
 
 

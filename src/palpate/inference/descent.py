@@ -1,14 +1,40 @@
-"""The state of one search for the least misfit."""
+"""The state of one search for the least misfit, and when it ends."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from threading import Event
 
 import numpy as np
 
 from palpate.inference.forward import Curves
 
 LARGEST_STEP = 1.0  # of the range of a parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Until:
+    """When a search ends.
+
+    Parameters
+    ----------
+    iterations
+        After how many at most, but for those that lower the residual by much.
+    tolerance
+        Change of chi^2 below which it has converged.
+    exact
+        Whether it converges only with exact derivatives.
+    stop
+        Ends it once it is set.
+    reach
+        Chi-square by the known errors alone which it must be able to reach, or else is given up.
+    """
+
+    iterations: int
+    tolerance: float
+    exact: bool = False
+    stop: Event | None = None
+    reach: float = np.inf
 
 
 @dataclass(eq=False)

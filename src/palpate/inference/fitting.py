@@ -20,7 +20,7 @@ from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.between_conditions import with_own_values
 from palpate.inference.covariance import Errors, errors, noise_of
-from palpate.inference.descent import Descent
+from palpate.inference.descent import Descent, Until
 from palpate.inference.effects import effects_at
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
@@ -122,28 +122,29 @@ class Fitter:
         misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
         reach = policy.likely_chi_square(len(problem.mean)) if explanation and not to_the_end else np.inf
+        until = Until(limit, policy.first_tolerance, True, stop, reach)
         begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
-            end = self._searched(misfit, model, begun, depth, limit, stop, reach)
+            end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
         fit = with_own_values(self._fit(explanation, model, end, weighed))
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
+        until = replace(until, tolerance=tolerance, exact=False)
         if any(fit.errors.between.values()):
-            goal = self._without_discrepancy(fit)
-            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop, reach=reach)
+            end = descend(self._without_discrepancy(fit), model, [end], until)
             fit = self._fit(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         if record is model:
             fit, goal = self._weighed_by(fit, model, misfit)
-            end = descend(goal, model, [end], limit, tolerance, exact=False, stop=stop, reach=reach)
+            end = descend(goal, model, [end], until)
             record = model.of_record(end.u)
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
-            end = resumed(goal, record, end, limit, tolerance, stop, reach)
+            end = resumed(goal, record, end, until)
         return self._fit(explanation, record, end, fit.errors)
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
@@ -221,7 +222,7 @@ class Fitter:
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
         places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
-        return descend(misfit, cheaper, places, policy.base_iterations, policy.first_tolerance, exact=False)
+        return descend(misfit, cheaper, places, Until(policy.base_iterations, policy.first_tolerance))
 
     def _searched(
         self,
@@ -229,9 +230,7 @@ class Fitter:
         model: Forward,
         starts: Sequence[np.ndarray | Descent],
         depth: np.ndarray,
-        limit: int,
-        stop: Event | None,
-        reach: float,
+        until: Until,
     ) -> Descent:
         """Return the best end of searches from some coordinates (k,).
 
@@ -246,7 +245,7 @@ class Fitter:
             That of least expected misfit first.
         depth : ndarray, shape (n_all,)
             Curves of the smaller explanation [nm].
-        limit, stop, reach
+        until
             See `palpate.inference.trust_region.descend`, as the errors that are raised.
         """
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
@@ -260,7 +259,7 @@ class Fitter:
             if len(some) > most:
                 some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
             try:
-                end = descend(misfit, model, some, limit, self.policy.first_tolerance, stop=stop, reach=reach)
+                end = descend(misfit, model, some, until)
             except PalpateError as error:
                 failed = str(error)
                 continue

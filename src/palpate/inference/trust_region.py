@@ -21,13 +21,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
-from threading import Event
 
 import numpy as np
 
 from palpate.errors import PalpateError
 from palpate.inference.damped_steps import Steps
-from palpate.inference.descent import LARGEST_STEP, Descent
+from palpate.inference.descent import LARGEST_STEP, Descent, Until
 from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
@@ -42,16 +41,7 @@ GENEROUS = 4.0  # times the decrease that a whole step promises, beyond which a 
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
 
-def descend(
-    misfit: Misfit,
-    model: Forward,
-    starts: Sequence[np.ndarray | Descent],
-    iterations: int,
-    tolerance: float,
-    exact: bool = True,
-    stop: Event | None = None,
-    reach: float = np.inf,
-) -> Descent:
+def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descent], until: Until) -> Descent:
     """Return the search that ends at the least misfit.
 
     Parameters
@@ -62,16 +52,8 @@ def descend(
         Gives curves and derivatives.
     starts
         Coordinates (k,), or searches that have ended.
-    iterations
-        Largest number of iterations, but for those that lower the residual by much (`FALLING`).
-    tolerance
-        Change of chi^2 below which a search has converged.
-    exact
-        Whether it converges only with exact derivatives.
-    stop
-        Ends the search once it is set.
-    reach
-        Chi-square by the known errors alone which a search must be able to reach, or else is given up.
+    until
+        When they end.
 
     Raises
     ------
@@ -81,21 +63,21 @@ def descend(
         When the search was stopped.
     """
     searches = [replace(s, length=LARGEST_STEP, converged=False, active=True) for s in starts if isinstance(s, Descent)]
-    _check(stop)
+    _check(until)
     points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
     outcomes = model.tangents(points) if points else []
     searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
     if not searches:
         raise PalpateError(str(outcomes[0]))
     least = [np.inf]
-    for iteration in range(LONGER * iterations):
+    for iteration in range(LONGER * until.iterations):
         going = [search for search in searches if search.active]
-        if not going or (iteration >= iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
+        if not going or (iteration >= until.iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
             break
-        _check(stop)
+        _check(until)
         for search in going:
-            search.active = reach == np.inf or not _hopeless(misfit, search, reach)
-        _advance(misfit, model, [search for search in going if search.active], tolerance, exact)
+            search.active = until.reach == np.inf or not _hopeless(misfit, search, until.reach)
+        _advance(misfit, model, [search for search in going if search.active], until)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least.append(min(rms.values()))
         for search in searches:
@@ -104,37 +86,25 @@ def descend(
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
-def resumed(
-    misfit: Misfit,
-    model: Forward,
-    way: Descent,
-    iterations: int,
-    tolerance: float,
-    stop: Event | None = None,
-    reach: float = np.inf,
-) -> Descent:
+def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Descent:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
-    At its end it goes on with the derivatives of the model before; it may converge with derivatives that are not exact.
+    At its end it goes on with the derivatives of the model before.
 
     Parameters
     ----------
     way
         The search that ended.
-    misfit, model, iterations, tolerance, stop, reach
+    misfit, model, until
         See `descend`, as the errors that are raised.
     """
-
-    def continued(start: np.ndarray | Descent) -> Descent:
-        return descend(misfit, model, [start], iterations, tolerance, exact=False, stop=stop, reach=reach)
-
     (outcome,) = model.curves([way.u])
     if not isinstance(outcome, str):
-        return continued(replace(way, curves=outcome, exact=False))
+        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], until)
     failed = outcome
     for start in reversed(way.path):
         try:
-            return continued(start)
+            return descend(misfit, model, [start], until)
         except PalpateError as error:
             failed = str(error)
     raise PalpateError(failed)
@@ -173,9 +143,9 @@ def gauss_newton(
     return way
 
 
-def _check(stop: Event | None) -> None:
+def _check(until: Until) -> None:
     """Raise `CancelledError` once a search is to end; as no `PalpateError`, it is not taken for a failure."""
-    if stop and stop.is_set():
+    if until.stop and until.stop.is_set():
         raise CancelledError
 
 
@@ -186,7 +156,7 @@ def _hopeless(misfit: Misfit, search: Descent, reach: float) -> bool:
     return float(steps.residual @ steps.residual) - GENEROUS * promised > reach
 
 
-def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolerance: float, exact: bool) -> None:
+def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until: Until) -> None:
     """Move all searches by one iteration."""
     if not searches:
         return
@@ -199,8 +169,8 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
     for search in searches:
         steps = Steps.of(misfit, search)
         promised[search] = steps.predicted_decrease(steps.end(LARGEST_STEP))
-        if promised[search] < tolerance:
-            if exact and not search.exact:
+        if promised[search] < until.tolerance:
+            if until.exact and not search.exact:
                 outdated.append(search)
             else:
                 search.converged, search.active = True, False
@@ -228,8 +198,8 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], tolera
         slow = not search.exact and here - best < SLOW * promised[search]
         search.length = min(longer * length if straight else length, LARGEST_STEP)
         search.move(u, curves)
-        little = max(here - best, SLOW * promised[search]) < tolerance
-        search.converged = little and (straight or not exact)
+        little = max(here - best, SLOW * promised[search]) < until.tolerance
+        search.converged = little and (straight or not until.exact)
         search.active = not search.converged
         if not search.converged and (slow or not straight):
             outdated.append(search)
