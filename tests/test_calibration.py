@@ -236,6 +236,19 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     assert found.converged
 
 
+@pytest.mark.parametrize(("departure", "explained"), [(0.0, True), (3.0, False)])
+def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained):
+    """By curves that depart in a shape that no parameter has; else it ends where it would without the limit."""
+    data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Forward()
+    measured = {name: item.mean + departure * np.sin(9.0 * T) for name, item in data.items()}
+    misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
+    limited, free = (descend(misfit, model, [begun], Until(40, 0.02, reach=r)) for r in (3.0 * len(T), np.inf))
+    assert limited.converged == explained
+    assert free.converged
+    assert (len(limited.path) == len(free.path)) == explained
+
+
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     """The last place of the search with few samples is one at which the other model fails."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
