@@ -13,7 +13,8 @@ Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else 
 where short steps go on as predicted while a whole step promises far more (`SLOW`): a few secants have spoilt the slopes
 along the valley. A search has converged when the predicted decrease of every step is below the tolerance, or none of
 those tried exceeds it and a whole step promises little more. Several searches advance together; one that falls behind
-is given up, and so is one that, by the known errors, several whole steps would not bring to what it must reach.
+is given up, and so is one that, after its first iteration and by the known errors, several whole steps would not bring
+to what it must reach.
 """
 
 from __future__ import annotations
@@ -75,8 +76,9 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
         if not going or (iteration >= until.iterations and least[-1] > FALLING * least[-1 - PATIENCE]):
             break
         _check(until)
-        for search in going:
-            search.active = until.reach == np.inf or not _hopeless(misfit, search, until.reach)
+        if iteration and until.reach < np.inf:
+            for search in going:
+                search.active = not _hopeless(misfit, search, until.reach)
         _advance(misfit, model, [search for search in going if search.active], until)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least.append(min(rms.values()))
