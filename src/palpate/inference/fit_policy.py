@@ -29,8 +29,10 @@ class FitPolicy:
         Chi-square per sample above which the base model leaves far more than noise, whatever the error of the mesh.
     unlikely
         Standard deviations of chi-square above its mean, beyond which noise does not leave it: an explanation that is
-        not expected to come there is not followed to its end. In the blind trial, where four are 1.3 per sample, those
-        that leave noise in the end begin their refinement within them.
+        not expected to come there is not followed to its end.
+    noise_error
+        The same by the relative error of the noise's variance, which is estimated from few recordings; the larger bound
+        counts. In cases of the blind trial explanations that leave noise in the end begin their refinement within it.
     refined
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
@@ -53,6 +55,7 @@ class FitPolicy:
     tolerance: float = 0.02
     poor_fit: float = 50.0
     unlikely: float = 4.0
+    noise_error: float = 0.3
     refined: float = 10.0
     finer_meshes: float = 1.5
     finer_steps: int = 3
@@ -60,4 +63,4 @@ class FitPolicy:
 
     def likely_chi_square(self, count: int) -> float:
         """Return chi-square of a number of samples up to which noise may leave it, see `unlikely`."""
-        return count + self.unlikely * math.sqrt(2.0 * count)
+        return count * (1.0 + max(self.noise_error, self.unlikely * math.sqrt(2.0 / count)))
