@@ -10,6 +10,7 @@ import pytest
 from closed_forms import MATERIAL
 from test_diagnosis import problem, recordings, search_of
 
+from palpate.diagnosis import diagnose
 from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_of, without_redundant
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases
 from palpate.diagnosis.policy import SearchPolicy
@@ -223,6 +224,27 @@ def test_a_fit_that_begins_or_ends_far_outside_the_ranges_is_tried_from_within(b
     assert len(asked) == len(evidences)
     within = 0 if begun == -3.0 else 1
     assert len(asked) <= within or asked[within][0][:2] == pytest.approx([0.5, 0.3])
+
+
+def test_larger_sets_follow_where_what_explained_does_not_in_the_end(monkeypatch):
+    """The drift leaves more than noise after its last steps, so friction beside it is tried; the drift is its base."""
+    drift, ended = candidate("thermal_drift", 10.0), candidate("thermal_drift", 11.0, 0.001)
+    both = candidate("thermal_drift+friction", 20.0)
+    rounds, asked = iter([[drift], [both]]), []
+
+    def fitted(side_by_side, smaller, *others):
+        asked.append(named(smaller))
+        return next(rounds)
+
+    replaced = {"_fitted": fitted, "_larger": lambda *given: [], "_special_cases": lambda *given: []}
+    replaced["_finished"] = lambda search, chosen, report: [ended if each is drift else each for each in chosen]
+    for name, function in replaced.items():
+        monkeypatch.setattr(diagnose, name, function)
+    study = SimpleNamespace(diagnosis={"significance": LEVEL, "largest_set": 2})
+    search = SimpleNamespace(study=study, policy=POLICY, base=candidate("", 0.0, 0.0), explains=lambda fit: False)
+    accepted, _ = diagnose._accepted(SimpleNamespace(search=search), {}, print)
+    assert named(accepted) == ["thermal_drift+friction"]
+    assert asked == [[""], ["thermal_drift"]]
 
 
 FAR = {"tip_angle": 100.0, "tip_rounding": 90.0, "friction": 80.0, "adhesion": 70.0, "thermal_drift": 50.0}

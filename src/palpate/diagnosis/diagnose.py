@@ -115,10 +115,11 @@ def _accepted(
             larger = _larger(side_by_side, accepted, special, tried, failed, report) if number + 1 < largest else []
             tried = likeliest_of_each(larger + special + tried)
             chosen = without_redundant(accepted_of(likeliest_of_each(larger + special + accepted), tried, level))
-            found = _finished(search, chosen, report)
-            tried = likeliest_of_each([*found, *(each for each in tried if each not in chosen)])
-            if ended := [each for each in found if each.adequate(level)]:
+            finished = _finished(search, chosen, report)
+            tried = likeliest_of_each([*finished, *(each for each in tried if each not in chosen)])
+            if ended := [each for each in finished if each.adequate(level)]:
                 return ended, tried
+            found = [each for each in tried if len(each.fit.explanation) == number + 1]
     closest, *others = closest_first(tried)
     tried = closest_first([*_finished(search, [closest], report), *others])
     return accepted_of(tried[:1], tried, level), tried
