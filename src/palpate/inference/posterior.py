@@ -17,7 +17,7 @@ from palpate.inference.curvature import Curvature
 from palpate.inference.explanation import Fit
 
 WALKERS_PER_DIMENSION = 6
-BURN_IN, KEPT, THINNING = 150, 1000, 10
+BURN_IN, KEPT, THINNING = 150, 250, 5
 DRAWS = 1000
 INSIDE = 0.02  # of a range, within which walkers that would begin beyond a limit begin
 LEAPS = 0.1  # share of moves by a whole difference, which lead from one optimum to another
