@@ -3,10 +3,10 @@
 Derivatives by the parameters of creep, and by what changes the shape of the tip, are off by 1 to 3 % on the usual mesh.
 What friction, adhesion or yielding does depends on the edge of contact: derivatives by the first two are off by 10 to
 12 %, those by a hardening by tens of per cent, and least squares with them end elsewhere than with a finer mesh. So a
-search ends with curves and derivatives of a mesh that is finer by one degree than the study's; derivatives are of few
-samples. To the curves is added twice what one degree more changes where the search arrived: with an error of second
-order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357). Derivatives by the
-thickness of a film, whose interface crosses elements, gain nothing by that.
+search ends with derivatives of a mesh that is finer by one degree than the study's, of few samples, and with curves of
+one that is finer by two. To these is added what the last degree changed where the search arrived: with an error of
+second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357). Derivatives by
+the thickness of a film, whose interface crosses elements, gain nothing by that.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Extrapolated:
     slopes
         Its derivatives (n_points, k) by the coordinates.
     rest
-        What is added to curves of the finer mesh (n_points,).
+        What is added to curves of the finest of the meshes (n_points,).
     """
 
     record: SpaceMapped
@@ -62,10 +62,10 @@ class Extrapolated:
         for condition in finer.conditions:
             name, time = condition.name, condition.protocol.sample_time
             slopes[name] = interpolated(time, time[keep[name]], tangents[1][name].T)
-        rest = {name: 2.0 * (after[name] - before[name]) for name in after}
-        return cls(record, {name: before[name] + rest[name] for name in after}, slopes, rest)
+        rest = {name: after[name] - before[name] for name in after}
+        return cls(record, {name: after[name] + rest[name] for name in after}, slopes, rest)
 
     def curves(self, u: np.ndarray) -> Curves | str:
         """Return the response (n_points,) at coordinates u (k,) near by, or why a simulation failed."""
-        (found,) = self.record.full.of_accuracy(1).curves([u])
+        (found,) = self.record.full.of_accuracy(2).curves([u])
         return found if isinstance(found, str) else {name: found[name] + self.rest[name] for name in found}
