@@ -3,9 +3,11 @@
 import hashlib
 import json
 import math
+import re
 import sys
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -22,6 +24,7 @@ from studies.blind_trial.laboratory import background, first_order, write
 from studies.blind_trial.trial import diagnose_case, score_case, strength
 from studies.blind_trial.unknown import UNKNOWN, Curve
 
+STUDIES = Path(score.__file__).parent
 STUDY = {
     "study": "trial",
     "points": 12,
@@ -194,3 +197,16 @@ def test_the_rule_tells_right_from_wrong():
     assert table.loc["strong single effects covered", ["count", "of"]].tolist() == [2, 3]
     assert table.loc["wrong single name on any single effect", "count"] == 1
     assert table.loc["claims on null cases", "upper"] > 0.8, "two cases prove little"
+
+
+def test_the_documents_table_follows_from_the_cases():
+    """Each row of the page counts what the rule counts, in the same order."""
+    cases = pd.read_csv(STUDIES / "cases.csv", keep_default_na=False, na_values=[""])
+    page = (STUDIES.parents[1] / "docs" / "blind_trial.md").read_text(encoding="utf-8")
+    (table,) = re.findall(r"\| figure of merit \| \d+ cases \| 95 % interval \|\n(?:\|.*\n)+", page)
+    shown = [(int(count), int(of)) for count, of in re.findall(r"\| (\d+) of (\d+) \|", table)]
+    counted = score.summary(cases)
+    known = set(zip(counted["count"], counted["of"], strict=True))
+    assert len(shown) > 10
+    assert set(shown) <= known
+    assert f"{len(cases)} cases" in table
