@@ -229,9 +229,8 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough()
     measured = {name: item.mean for name, item in data.items()}
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
-    found = descend(
-        misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], Until(40, 0.02, exact=True)
-    )
+    begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
+    found = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
     assert found.converged
 
@@ -255,9 +254,8 @@ def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     measured = {name: item.mean for name, item in data.items()}
     model = Forward()
     misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
-    way = descend(
-        misfit, model, [model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})], Until(40, 0.02, exact=True)
-    )
+    begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
+    way = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(way.u)["a"] > 1.05
     found = resumed(misfit, Forward(edge=1.05), way, Until(40, 0.02))
     assert 0.9 < model.coordinates.named(found.u)["a"] <= 1.05

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import os
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
@@ -27,10 +26,5 @@ def on_one_thread(function: Callable[Arguments, Result]) -> Callable[Arguments, 
 
     On two busy cores a diagnosis from a notebook took five times as long without.
     """
-
-    @functools.wraps(function)
-    def limited(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-        with threadpool_limits(limits=1, user_api="blas"):
-            return function(*args, **kwargs)
-
+    limited: Callable[Arguments, Result] = threadpool_limits.wrap(limits=1, user_api="blas")(function)
     return limited

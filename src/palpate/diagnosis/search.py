@@ -144,7 +144,7 @@ class Search:
 
     def explains(self, fit: Fit) -> bool:
         """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
-        return fit.misfit_ratio <= self._fitter.policy.finer_meshes
+        return self._fitter.explains(fit)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""

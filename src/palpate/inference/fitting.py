@@ -154,8 +154,7 @@ class Fitter:
 
     def on_finer_meshes(self, fit: Fit) -> Fit:
         """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
-        explains = self.problem.replicated and fit.misfit_ratio <= self.policy.finer_meshes
-        accurate = fit.model.extrapolated(fit.z) if explains else None
+        accurate = fit.model.extrapolated(fit.z) if self.problem.replicated and self.explains(fit) else None
         if accurate is None:
             return fit
         goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
@@ -176,6 +175,10 @@ class Fitter:
         """Return whether a search of the base model begins near to what noise leaves already."""
         errors = self.errors((), model, begun.u, self.problem.stacked(begun.curves))
         return self.near(self._fit((), model, begun, errors))
+
+    def explains(self, fit: Fit) -> bool:
+        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
+        return fit.misfit_ratio <= self.policy.finer_meshes
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
