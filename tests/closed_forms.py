@@ -72,6 +72,9 @@ class ClosedForms:
     def of_record(self, u):
         return self
 
+    def refined(self, u):
+        return None
+
     def extrapolated(self, u):
         return None
 

@@ -133,6 +133,9 @@ class Forward:
     def of_record(self, u):
         return self
 
+    def refined(self, u):
+        return None
+
     def extrapolated(self, u):
         return None
 

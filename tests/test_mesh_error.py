@@ -13,7 +13,8 @@ from palpate.configuration.study_file import load_study
 from palpate.inference import space_mapping
 from palpate.inference.covariance import REFINED, errors, noise_of
 from palpate.inference.forward import FiniteElements
-from palpate.inference.space_mapping import Reference, SpaceMapped
+from palpate.inference.reference import Reference
+from palpate.inference.space_mapping import SpaceMapped
 from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
@@ -111,8 +112,30 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
     assert off_where_loaded(found["T010"], true, condition) < study.calibration["solver_error"]
 
 
-def test_what_creeps_needs_no_finer_mesh(record):
+def test_what_creeps_needs_no_derivatives_of_a_finer_mesh(record):
     assert record.extrapolated(record.place) is None
+
+
+def test_curves_of_finer_meshes_serve_there_and_elsewhere(tmp_path):
+    """Measured by `finest`, which no fit uses."""
+    study = loaded(tmp_path, points=60)
+    plain = FiniteElements.of(study, ["T010"])
+    here, elsewhere = (plain.coordinates.scaled(middle(study) | {"youngs_modulus": value}) for value in (3.2, 3.9))
+    (condition,), record = plain.conditions, plain.of_record(here)
+    refined = record.refined(here)
+    for u, usual, finer in (
+        (here, record, refined),
+        (elsewhere, record.of_record(elsewhere), refined.of_record(elsewhere)),
+    ):
+        true = on_fine_mesh(plain, u, condition, "finest")
+        before, after = (off_where_loaded(each.curves([u])[0]["T010"], true, condition) for each in (usual, finer))
+        assert after < 0.6 * before
+    assert refined.refined(here) is None
+
+
+def test_where_the_edge_of_contact_matters_curves_are_refined_with_their_derivatives(study, record):
+    yielding = record.joined([MECHANISMS["plastic_yield"]], scale_of(study))
+    assert yielding.refined(np.append(record.place, [0.3, 0.2])) is None
 
 
 @pytest.mark.parametrize(

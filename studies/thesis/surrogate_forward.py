@@ -60,6 +60,9 @@ class SurrogateForward(Surrogates):
         """See `Forward`: these."""
         return self
 
+    def refined(self, u: np.ndarray) -> None:
+        """See `Forward`: none is known."""
+
     def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: none is known."""
 

@@ -216,6 +216,11 @@ def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Pros
     return ways
 
 
+def _matters_beside(search: Search, way: Prospect, evidence: float) -> bool:
+    """Return whether a prospect may be accepted beside an adequate set of that log evidence, or make it unlikely."""
+    return way.optimistic > evidence + CLOSE or not search.cannot_leave_noise(way.fit, way.key)
+
+
 def _fitted(
     side_by_side: SideBySide,
     smaller: Sequence[Candidate],
@@ -237,7 +242,9 @@ def _fitted(
     search, done = side_by_side.search, list[Candidate]()
     policy, level = search.policy, search.study.diagnosis["significance"]
     behind, ways = -np.inf, _prospects(search, [candidate.fit for candidate in smaller])
-    for _ in range(min(most, len(ways))):
+    for _ in range(most):
+        if not ways:
+            break
         way, *likely = sorted(ways.values(), key=lambda way: -way.optimistic)
         del ways[way.members]
         explained = any(each.adequate(level) or search.explains(each.fit) for each in done)
@@ -257,6 +264,8 @@ def _fitted(
         report(
             f"{name}: expected at best {way.optimistic:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}"
         )
+        if candidate.adequate(level):
+            ways = {members: way for members, way in ways.items() if _matters_beside(search, way, evidence)}
         for members, other in _prospects(search, search.neighbours(candidate.fit)).items():
             if members in ways and other.optimistic > ways[members].optimistic:
                 ways[members] = other

@@ -13,7 +13,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.detect import examine
+from palpate.diagnosis.detect import examine, replicates_differ
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.screen import Screen
 from palpate.errors import PalpateError
@@ -21,6 +21,7 @@ from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
+from palpate.inference.last_steps import on_finer_meshes, with_finer_curves
 from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
@@ -87,13 +88,15 @@ class Search:
         self._fitter = Fitter(problem, study.calibration["site_scatter"], study.calibration["solver_error"])
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
-        self.problem = self._fitter.problem
+        refined = on_finer_meshes if self.explains(base) else with_finer_curves
+        base = self._fitter.rest_on(refined(self._fitter, base))
+        self.problem = base.problem
         self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
         self._fitter.laws = tuple(laws(base)) if laws else ()
-        self.base = self.examined(replace(self._fitter.on_finer_meshes(base), laws=self._fitter.laws))
+        self.base = self.examined(replace(base, laws=self._fitter.laws))
 
     def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
@@ -111,10 +114,10 @@ class Search:
         places, outside = [self.screen.starts(fit, key)], self._ends_outside(fit)
         if not self.explains(fit):
             places.insert(0 if outside else 1, [np.append(middle, self.screen.place_shown(key))])
-        found, failed = list[Fit](), ""
+        found, failed, reach = list[Fit](), "", self._reach(fit, key)
         for starts in places:
             try:
-                found.append(self._fitter.fitted((*fit.explanation, key), starts, fit.curve, model, stop))
+                found.append(self._fitter.fitted((*fit.explanation, key), starts, fit.curve, model, stop, reach))
             except PalpateError as error:
                 failed = str(error)
                 if not outside:
@@ -127,6 +130,14 @@ class Search:
             raise PalpateError(failed)
         return max(found, key=lambda each: each.log_evidence)
 
+    def _reach(self, fit: Fit, key: str) -> float:
+        """Return the chi-square that a fit must reach once a mechanism has joined.
+
+        Noise may leave it, and it is lower than before; not so for a mechanism that varies, which explains replicates.
+        """
+        likely = self._fitter.policy.likely_chi_square(len(fit.white))
+        return likely if MECHANISMS[key].varies else min(likely, fit.misfit)
+
     def _ends_outside(self, fit: Fit) -> bool:
         """Return whether a fit ended far outside the ranges."""
         return bool(np.abs(fit.coordinates.beyond(fit.z)).max() > self.policy.outside)
@@ -138,8 +149,8 @@ class Search:
         """
         fit = candidate.fit
         if fit.explanation and not fit.converged:
-            fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, to_the_end=True)
-        fit = self._fitter.on_finer_meshes(fit)
+            fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
+        fit = on_finer_meshes(self._fitter, fit)
         return candidate if fit is candidate.fit else self.examined(fit)
 
     def explains(self, fit: Fit) -> bool:
@@ -164,6 +175,11 @@ class Search:
         draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
         left = examine(fit, self.screen, self._rng, draws, scatter)
         return Candidate(fit, left, tuple(contradicted(fit, fit.laws)))
+
+    def cannot_leave_noise(self, fit: Fit, key: str) -> bool:
+        """Return whether no fit of a mechanism that joins can leave noise, because replicates differ in another way."""
+        level, scatter = self.study.diagnosis["significance"], self.study.calibration["site_scatter"]
+        return not MECHANISMS[key].varies and replicates_differ(fit, self.screen.keys, scatter, level)
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
         """Estimate the noise from the residual of the best-fitting set of mechanisms, less slow trends.

@@ -15,6 +15,7 @@ from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.genetic import GeneticSettings
 from palpate.inference.genetic_stage import genetic_search
+from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.problem import Problem
 from palpate.inference.surrogates import Predictor, Surrogates
@@ -188,7 +189,7 @@ def base_fit(
         brought = problem.at_one_load(coordinates.named(fit.z), report)
         fitter = Fitter(brought, scatter, settings.solver_error)
         fit = fitter.base([fit.z])
-    fit = fitter.on_finer_meshes(fit)
+    fit = on_finer_meshes(fitter, fit)
     if not problem.replicated:
         fitter = replace(fitter, site_scatter=settings.site_scatter)
         fitter.use_residual_as_noise(fit.residual)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from threading import Event
 
 import numpy as np
@@ -28,6 +28,8 @@ class Until:
         Ends it once it is set.
     reach
         Chi-square by the known errors alone which it must be able to reach, or else is given up.
+    least_gain
+        Decrease of chi^2 in some iterations together, below which it has stalled.
     """
 
     iterations: int
@@ -35,6 +37,7 @@ class Until:
     exact: bool = False
     stop: Event | None = None
     reach: float = np.inf
+    least_gain: float = 0.0
 
 
 @dataclass(eq=False)
@@ -58,8 +61,12 @@ class Descent:
         Whether its predicted or actual decrease of chi^2 has fallen below the tolerance.
     path
         Where it was before (k,).
+    gains
+        By how much each iteration lowered chi^2.
     active
         Whether it goes on.
+    hopeless
+        After how many iterations in a row it seemed that it would not reach what it must.
     """
 
     u: np.ndarray
@@ -70,7 +77,18 @@ class Descent:
     length: float = LARGEST_STEP
     converged: bool = False
     active: bool = True
+    hopeless: int = 0
     path: list[np.ndarray] = field(default_factory=list)
+    gains: list[float] = field(default_factory=list)
+
+    @property
+    def given_up(self) -> bool:
+        """Whether it ended because it would not reach what it must; one iteration may mislead, as at a kink."""
+        return self.hopeless > 1
+
+    def anew(self) -> Descent:
+        """Return the search as it begins again where it ended."""
+        return replace(self, length=LARGEST_STEP, converged=False, active=True, hopeless=0, gains=[])
 
     def predicted(self, u: np.ndarray) -> Curves:
         """Return the curves at coordinates u (k,) to first order."""

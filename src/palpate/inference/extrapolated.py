@@ -1,4 +1,4 @@
-"""The finite elements extrapolated from finer meshes, where the usual one does not tell how a curve changes.
+"""Curves and derivatives on finer meshes, where the edge of contact decides how a curve changes.
 
 Derivatives by the parameters of creep, and by what changes the shape of the tip, are off by 1 to 3 % on the usual mesh.
 What friction, adhesion or yielding does depends on the edge of contact: derivatives by the first two are off by 10 to

@@ -25,6 +25,9 @@ class FitPolicy:
     first_tolerance, tolerance
         Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
         estimate. Chi-square of an explanation counts over its ratio to the degrees of freedom, where that exceeds one.
+    without_effect
+        Increase of chi-square over the smaller explanation up to which a search ended where one more mechanism hardly
+        acts, and no other start is tried: twice ten in log evidence, beyond which explanations are not accepted.
     poor_fit
         Chi-square per sample above which the base model leaves far more than noise, whatever the error of the mesh.
     unlikely
@@ -53,6 +56,7 @@ class FitPolicy:
     base_iterations: int = 30
     first_tolerance: float = 0.5
     tolerance: float = 0.02
+    without_effect: float = 20.0
     poor_fit: float = 50.0
     unlikely: float = 4.0
     noise_error: float = 0.3

@@ -28,7 +28,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
-from palpate.inference.trust_region import LEAST_STEPS, descend, gauss_newton, resumed
+from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
 
 
 @dataclass(eq=False)
@@ -79,8 +79,7 @@ class Fitter:
             except PalpateError as error:
                 self.problem, failed = problem, str(error)
                 continue
-            self.problem = replace(problem, forward=fit.model)
-            return replace(fit, problem=self.problem)
+            return self.rest_on(fit)
         raise PalpateError(failed)
 
     def scattered(self, rng: np.random.Generator) -> list[np.ndarray]:
@@ -94,9 +93,9 @@ class Fitter:
         depth: np.ndarray,
         model: Forward | None = None,
         stop: Event | None = None,
-        to_the_end: bool = False,
+        reach: float | None = None,
     ) -> Fit:
-        """Fit an explanation; a search that is not expected to explain the recordings is given up, unless told so.
+        """Fit an explanation; a search is given up that is not expected to reach what it must.
 
         Parameters
         ----------
@@ -108,8 +107,8 @@ class Fitter:
             Forward model of the explanation; by default with the references of the base model.
         stop
             Ends the fit once it is set.
-        to_the_end
-            Whether a search goes on that is not expected to explain the recordings; the base model's always does.
+        reach
+            Chi-square that it must reach; by default the largest that noise may leave, and any for the base model.
 
         Raises
         ------
@@ -121,22 +120,23 @@ class Fitter:
         problem, policy, model = self.problem, self.policy, model or self.problem.model(explanation)
         misfit = self._misfit(explanation, self.errors(explanation, model, starts[0], depth))
         limit = policy.iterations if explanation else policy.base_iterations
-        reach = policy.likely_chi_square(len(problem.mean)) if explanation and not to_the_end else np.inf
-        until = Until(limit, policy.first_tolerance, True, stop, reach)
+        if reach is None:
+            reach = policy.likely_chi_square(len(problem.mean)) if explanation else np.inf
+        until = Until(limit, policy.first_tolerance, True, stop, reach, policy.first_tolerance if explanation else 0.0)
         begun = starts if explanation else self._with_slopes(model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
             end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
-        fit = with_own_values(self._fit(explanation, model, end, weighed))
-        if explanation and fit.misfit_ratio > policy.refined:
+        fit = with_own_values(self.at_end(explanation, model, end, weighed))
+        if end.given_up or (explanation and fit.misfit_ratio > policy.refined):
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         until = replace(until, tolerance=tolerance, exact=False)
         if any(fit.errors.between.values()):
-            end = descend(self._without_discrepancy(fit), model, [end], until)
-            fit = self._fit(explanation, model, end, fit.errors)
+            end = descend(self.goal(fit), model, [end], until)
+            fit = self.at_end(explanation, model, end, fit.errors)
         record = model.of_record(end.u)
         if record is model:
             fit, goal = self._weighed_by(fit, model, misfit)
@@ -145,26 +145,12 @@ class Fitter:
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
             end = resumed(goal, record, end, until)
-        return self._fit(explanation, record, end, fit.errors)
+        return self.at_end(explanation, record, end, fit.errors)
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""
         fit = replace(fit, errors=replace(fit.errors, refinements=self.problem.refinements(record)))
-        return fit, self._without_discrepancy(fit) if self.near(fit) else usual
-
-    def on_finer_meshes(self, fit: Fit) -> Fit:
-        """Return a fit that explains replicates after its last steps on finer meshes, where these are needed."""
-        accurate = fit.model.extrapolated(fit.z) if self.problem.replicated and self.explains(fit) else None
-        if accurate is None:
-            return fit
-        goal, begun = self._without_discrepancy(fit), Descent(fit.z, accurate.there, accurate.slopes)
-        policy = self.policy
-        way = gauss_newton(goal, accurate, begun, policy.finer_steps, policy.tolerance, policy.first_order)
-        try:
-            record = accurate.record.consistent(way.u, way.curves, way.slopes)
-        except PalpateError:
-            return fit
-        return self._fit(fit.explanation, record, way, fit.errors)
+        return fit, self.goal(fit) if self.near(fit) else usual
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
         """Return the places to start, a single one with its derivatives where the model does not fail."""
@@ -174,7 +160,21 @@ class Fitter:
     def _begins_near(self, model: Forward, begun: Descent) -> bool:
         """Return whether a search of the base model begins near to what noise leaves already."""
         errors = self.errors((), model, begun.u, self.problem.stacked(begun.curves))
-        return self.near(self._fit((), model, begun, errors))
+        return self.near(self.at_end((), model, begun, errors))
+
+    def goal(self, fit: Fit) -> Misfit:
+        """Return the misfit of a model without a discrepancy, by the errors of a fit."""
+        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
+
+    def at_end(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
+        """Return the fit at which a search ended."""
+        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
+        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
+
+    def rest_on(self, base: Fit) -> Fit:
+        """Let other explanations rest on the forward model of a fit of the base model, and return that."""
+        self.problem = replace(self.problem, forward=base.model)
+        return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:
         """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
@@ -238,7 +238,7 @@ class Fitter:
         """Return the best end of searches from some coordinates (k,).
 
         As many starts as run in the time of one are simulated together, and searches begin at the best of them. Further
-        starts are taken as long as no search ends with a misfit as small as that of `depth`.
+        starts are taken as long as no search ends with a misfit about as small as that of `depth`.
 
         Parameters
         ----------
@@ -255,7 +255,7 @@ class Fitter:
         room = model.together(places[0]) if len(places) > 1 else 1
         most = max(1, min(self.policy.searches, room // LEAST_STEPS))
         weights = misfit.weights(misfit.discrepancy(left))
-        good = float(np.sum((weights @ left) ** 2)) + self.policy.first_tolerance
+        good = float(np.sum((weights @ left) ** 2)) + self.policy.without_effect
         ends, failed = list[tuple[float, Descent]](), ""
         for first in range(0, len(starts), room):
             some = starts[first : first + room]
@@ -272,15 +272,6 @@ class Fitter:
         if not ends:
             raise PalpateError(failed)
         return min(ends, key=lambda each: each[0])[1]
-
-    def _fit(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
-        """Return the fit at which a search ended."""
-        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
-        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
-
-    def _without_discrepancy(self, fit: Fit) -> Misfit:
-        """Return the misfit of a model without a discrepancy, by the errors of a fit."""
-        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def _misfit(
         self, explanation: Explanation, weighed: Errors, keep: Mapping[str, np.ndarray] | None = None

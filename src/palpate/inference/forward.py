@@ -56,6 +56,9 @@ class Forward(typing.Protocol):
     def of_record(self, u: np.ndarray) -> Forward:
         """Return the model of record, the most accurate one, with references near coordinates u (k,)."""
 
+    def refined(self, u: np.ndarray) -> Forward | None:
+        """Return the same with the curves of finer meshes at coordinates u (k,) and near by; None without."""
+
     def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
         """Return finer meshes at coordinates u (k,) where the model of record's derivatives err; None elsewhere."""
 
@@ -124,6 +127,9 @@ class FiniteElements:
     def of_record(self, u: np.ndarray) -> SpaceMapped:
         """See `Forward`."""
         return SpaceMapped.of(self, u)
+
+    def refined(self, u: np.ndarray) -> None:
+        """See `Forward`: only the model of record is."""
 
     def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: only the model of record is compared with finer meshes."""

@@ -109,6 +109,10 @@ class Problem:
         """Return simulated curves or slopes (n_points, ...) of all conditions, one after the other, in nm."""
         return np.concatenate([self.nm.get(name, 1.0) * parts[name] for name in self.names])
 
+    def responses(self, values: np.ndarray) -> dict[str, np.ndarray]:
+        """Return stacked curves or slopes (n_all, ...) [nm] of each condition, in the unit of its response."""
+        return {name: part / self.nm.get(name, 1.0) for name, part in self.split(values).items()}
+
     def refinement(self, model: Forward, condition: Condition) -> np.ndarray:
         """Return what the last refinement of a model changed (n_points,) [nm], none where that is not known."""
         none = np.zeros(len(condition.protocol.sample_time))

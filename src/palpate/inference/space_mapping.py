@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.base.interpolation import interpolated
 from palpate.configuration.study_file import Condition
 from palpate.errors import PalpateError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
+from palpate.inference.reference import Reference, part_of
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.solver.variation import added_by_instrument, applied_to_body
@@ -38,40 +38,6 @@ if TYPE_CHECKING:
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 CLOSE = 0.1  # of a range, within which a reference is as good as one at the point itself
 PYRAMID_NEAR = 0.5  # of a range, the same for the ratio of pyramid and cone when mechanisms only add to the depth
-NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
-
-
-@dataclass(frozen=True, eq=False)
-class Reference:
-    """Curves of the body under one condition, of both models.
-
-    Parameters
-    ----------
-    accurate : ndarray, shape (n_points,)
-        At all samples.
-    fast : ndarray, shape (n_kept,)
-        At those that are `kept` (bool, n_points).
-    kept : ndarray
-    steeper : ndarray, shape (n_points, k)
-        By how much the accurate model's derivatives by the coordinates exceed those that are carried, where known.
-    """
-
-    accurate: np.ndarray
-    fast: np.ndarray
-    kept: np.ndarray
-    steeper: np.ndarray | None = None
-
-    def change(self, time: np.ndarray) -> np.ndarray:
-        """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
-        return np.interp(time, time[self.kept], self.accurate[self.kept] - self.fast)
-
-    def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
-        deep = np.abs(self.fast) > NO_DEPTH * np.abs(self.fast).max()
-        knots = time[self.kept][deep]
-        columns = (fast[deep].T / self.fast[deep]).reshape(-1, len(knots))
-        ratios = interpolated(time, knots, columns)
-        return (self.accurate[:, None] * ratios).reshape(len(time), *fast.shape[1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,19 +54,25 @@ class SpaceMapped:
         Coordinates at which they were simulated.
     acting
         Mechanisms that acted there.
+    refined_here
+        Whether the references' rest was found near that place, with these mechanisms.
     """
 
     full: FiniteElements
     references: Mapping[str, Reference]
     place: np.ndarray
     acting: Sequence[Mechanism] = ()
+    refined_here: bool = False
 
     @classmethod
-    def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
+    def of(
+        cls, full: FiniteElements, u: np.ndarray, rest: Mapping[str, np.ndarray | float] | None = None
+    ) -> SpaceMapped:
         """Return the model of record, with references at coordinates u (k,) under every condition of the study.
 
         That is a finer mesh, or the pyramid in place of the equivalent cone, of which few samples are simulated. A
-        condition under which a model fails there has none.
+        condition under which a model fails there has none. By the `rest` of references elsewhere, see `Reference`, the
+        curves are those of finer meshes still.
         """
         every = replace(full, conditions=full.study.conditions)
         few, keep = every.thinned()
@@ -122,7 +94,8 @@ class SpaceMapped:
             if pyramid:
                 accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
                 reference = replace(reference, accurate=accurate)
-            references[condition.name] = reference
+            part = (rest or {}).get(condition.name, 0.0)
+            references[condition.name] = reference.with_rest(part)
         return cls(full, references, u, full.mechanisms)
 
     @property
@@ -165,14 +138,35 @@ class SpaceMapped:
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
         if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
             return self
-        return SpaceMapped.of(self.full, u)
+        return SpaceMapped.of(self.full, u, {name: each.rest for name, each in self.references.items()})
+
+    @property
+    def plain(self) -> SpaceMapped:
+        """The same without what finer meshes add."""
+        return replace(self, references={name: each.plain for name, each in self.references.items()})
+
+    def refined(self, u: np.ndarray) -> SpaceMapped | None:
+        """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
+        if not self.full.study.indenter.of_revolution or self._depends_on_edge(u) or self.refined_here:
+            return None
+        (before,), (after,) = self.plain.curves([u]), self.full.of_accuracy(2).curves([u])
+        if isinstance(before, str) or isinstance(after, str):
+            return None
+        references = dict(self.plain.references)
+        for condition in self._conditions:
+            body = before[condition.name] - self._added(u, condition)
+            change = 2.0 * (after[condition.name] - before[condition.name])
+            references[condition.name] = references[condition.name].with_rest(part_of(change, body))
+        return replace(self, references=references, refined_here=True)
 
     def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
         """See `Forward`; None for a pyramid, and where the references are consistent with finer meshes already."""
         if not self.full.study.indenter.of_revolution or any(r.steeper is not None for r in self.references.values()):
             return None
-        solid = applied_to_body(self.specification(u, self.full.conditions[0]))
-        return Extrapolated.at(self, u) if Extrapolated.needed(solid) else None
+        return Extrapolated.at(self, u) if self._depends_on_edge(u) else None
+
+    def _depends_on_edge(self, u: np.ndarray) -> bool:
+        return Extrapolated.needed(applied_to_body(self.specification(u, self.full.conditions[0])))
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
         """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).

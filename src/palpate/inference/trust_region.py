@@ -13,8 +13,9 @@ Broyden, Math. Comp. 19 (1965) 577-593), and the next steps may be longer; else 
 where short steps go on as predicted while a whole step promises far more (`SLOW`): a few secants have spoilt the slopes
 along the valley. A search has converged when the predicted decrease of every step is below the tolerance, or none of
 those tried exceeds it and a whole step promises little more. Several searches advance together; one that falls behind
-is given up, and so is one that, after its first iteration and by the known errors, several whole steps would not bring
-to what it must reach.
+is given up, and so is one that, after two iterations and by the known errors, several whole steps would not bring to
+what it must reach. One that gains hardly anything in `STALLED` iterations, whatever its steps promise, ends without
+having converged: derivatives mislead where a parameter has no effect or a curve has a kink.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ GROWTH = 4.0  # of the next steps' length over one that the slopes predicted wel
 LEAST_STEPS = 2  # tried at once by each search
 LINEAR_ENOUGH = 0.6  # ratio of actual to predicted decrease of chi^2 above which the secant update suffices
 SLOW = 0.1  # part of the decrease that a whole step promises, below which slopes that are not exact are not trusted
+STALLED = 4  # iterations that together must lower chi^2 by a little, or else a search ends
 PATIENCE, BEHIND = 3, 1.5  # iterations after which a search is given up whose residual is so many times the best
 GENEROUS = 4.0  # times the decrease that a whole step promises, beyond which a search is not expected to come
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
@@ -63,7 +65,8 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
     CancelledError
         When the search was stopped.
     """
-    searches = [replace(s, length=LARGEST_STEP, converged=False, active=True) for s in starts if isinstance(s, Descent)]
+    begun = [start for start in starts if isinstance(start, Descent)]
+    searches = [search.anew() for search in begun]
     _check(until)
     points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
     outcomes = model.tangents(points) if points else []
@@ -78,12 +81,14 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
         _check(until)
         if iteration and until.reach < np.inf:
             for search in going:
-                search.active = not _hopeless(misfit, search, until.reach)
+                search.hopeless = search.hopeless + 1 if _hopeless(misfit, search, until.reach) else 0
+                search.active = not search.given_up
         _advance(misfit, model, [search for search in going if search.active], until)
         rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
         least.append(min(rms.values()))
         for search in searches:
-            search.active &= iteration < PATIENCE or rms[search] <= BEHIND * least[-1]
+            stalled = len(search.gains) >= STALLED and sum(search.gains[-STALLED:]) < until.least_gain
+            search.active &= not stalled and (iteration < PATIENCE or rms[search] <= BEHIND * least[-1])
     weights = misfit.weights(min(misfit.discrepancy(misfit.residual(search.curves)) for search in searches))
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
@@ -189,6 +194,7 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until:
                 value = misfit.chi_square(curves, u, steps.weights)
                 if value < best:
                     best, chosen = value, (u, curves, length)
+        search.gains.append(here - best)
         if chosen is None:
             search.length *= 0.5**count
             search.active = search.length >= SHORTEST_STEP or not search.exact

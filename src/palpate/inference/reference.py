@@ -1,0 +1,66 @@
+"""Curves of an accurate and a fast model at the same parameters, by which `palpate.inference.space_mapping` scales."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.base.interpolation import interpolated
+
+NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """Curves of the body under one condition, of both models.
+
+    Parameters
+    ----------
+    accurate : ndarray, shape (n_points,)
+        At all samples.
+    fast : ndarray, shape (n_kept,)
+        At those that are `kept` (bool, n_points).
+    kept : ndarray
+    steeper : ndarray, shape (n_points, k)
+        By how much the accurate model's derivatives by the coordinates exceed those that are carried, where known.
+    rest : ndarray, shape (n_points,)
+        Part of the accurate model's curve [-] that finer meshes add to it, which is in `accurate` already.
+    """
+
+    accurate: np.ndarray
+    fast: np.ndarray
+    kept: np.ndarray
+    steeper: np.ndarray | None = None
+    rest: np.ndarray | float = 0.0
+
+    def change(self, time: np.ndarray) -> np.ndarray:
+        """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
+        return np.interp(time, time[self.kept], self.accurate[self.kept] - self.fast)
+
+    @property
+    def plain(self) -> Reference:
+        """The same without what finer meshes add."""
+        return replace(self, accurate=self.accurate / (1.0 + self.rest), steeper=None, rest=0.0)
+
+    def with_rest(self, rest: np.ndarray | float) -> Reference:
+        """Return the same with a part (n_points,) that finer meshes add."""
+        return replace(self, accurate=(1.0 + rest) * self.accurate, rest=rest)
+
+    def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
+        divides = _deep(self.fast)
+        knots = time[self.kept][divides]
+        columns = (fast[divides].T / self.fast[divides]).reshape(-1, len(knots))
+        ratios = interpolated(time, knots, columns)
+        return (self.accurate[:, None] * ratios).reshape(len(time), *fast.shape[1:])
+
+
+def part_of(change: np.ndarray, curve: np.ndarray) -> np.ndarray:
+    """Return a change (n,) in parts of a curve (n,) [-]; none where that is next to nothing."""
+    return np.divide(change, curve, out=np.zeros_like(curve), where=_deep(curve))
+
+
+def _deep(curve: np.ndarray) -> np.ndarray:
+    """Return where a curve (n,) differs from nothing, by which it may be divided."""
+    return np.abs(curve) > NO_DEPTH * np.abs(curve).max()
