@@ -251,6 +251,30 @@ def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained
     assert (len(limited.path) == len(free.path)) == explained
 
 
+def test_a_search_that_gains_little_ends_whatever_its_steps_promise():
+    """By derivatives that are a hundred times too steep, so that steps are far too short."""
+
+    class Misleading(Forward):
+        def tangents(self, points):
+            asked.append(points)
+            return [(curves, {n: 100.0 * of for n, of in slopes.items()}) for curves, slopes in super().tangents(points)]
+
+        def curves(self, points):
+            return Forward().curves(points)
+
+    def needed(least_gain):
+        asked.clear()
+        end = descend(misfit, Misleading(), [begun], Until(40, 0.02, exact=True, least_gain=least_gain))
+        return len(asked)
+
+    asked, data = [], observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
+    coordinates = Forward().coordinates
+    measured = {name: item.mean for name, item in data.items()}
+    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, coordinates)
+    begun = coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
+    assert needed(1e9) < needed(0.0)
+
+
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     """The last place of the search with few samples is one at which the other model fails."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)

@@ -81,6 +81,16 @@ def search_of(task, keys=RECORD_ONLY):
     return Search(STUDY, task, keys, np.random.default_rng(0), TRUTH)
 
 
+def test_what_is_the_same_in_all_recordings_cannot_explain_replicates_that_differ():
+    """Here by their drifts, which the base model leaves: so does a frame beside it, whatever its compliance."""
+    drifting = search_of(problem(recordings(np.random.default_rng(3), lambda c, r: 0.3 * r * c.protocol.sample_time)))
+    assert drifting.cannot_leave_noise(drifting.base.fit, "frame_compliance")
+    assert not drifting.cannot_leave_noise(drifting.base.fit, "zero_offset")
+    assert drifting.examined(drifting.base.fit).p_value < 0.01
+    steady = search_of(problem(recordings(np.random.default_rng(3))))
+    assert not steady.cannot_leave_noise(steady.base.fit, "frame_compliance")
+
+
 def test_evidence_is_the_likelihood_averaged_over_the_ranges():
     """The even prior has density one: summed up on a grid over five standard deviations about the best fit."""
     fit = fitted(problem(recordings(np.random.default_rng(2))))

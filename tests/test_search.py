@@ -146,7 +146,7 @@ def test_a_set_that_was_tried_again_is_listed_once():
     assert likeliest_of_each([stopped, other, found]) == [found, other]
 
 
-def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: []):
+def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [], ruled_out=()):
     """Return which mechanisms were fitted, in order, what came back, and what failed.
 
     Parameters
@@ -157,6 +157,8 @@ def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [
         Evidence and p-value of what turns out otherwise, or the words in which its fit fails.
     neighbours
         Returns smaller fits where a fit lies.
+    ruled_out
+        Mechanisms with which replicates differ as they did before.
     """
     asked, failed, proves = [], {}, proves or {}
 
@@ -170,6 +172,7 @@ def tried(promises, proves=None, most=8, policy=POLICY, neighbours=lambda fit: [
         return candidate(key, *proves.get(key, (promises[key], 0.0)))
 
     methods = {"joined": joined, "examined": examined, "neighbours": neighbours, "explains": lambda fit: False}
+    methods["cannot_leave_noise"] = lambda fit, key: key in ruled_out
     search = searching(promises, policy=policy, **methods)
     found = _fitted(SideBySide(search), [candidate("", 0.0)], most, failed, lambda said: None)
     return asked, named(found), failed
@@ -292,6 +295,15 @@ def test_what_would_not_stand_beside_one_that_leaves_only_noise_is_left_out():
     assert tried(FAR, {"tip_angle": (100.0, 0.5)})[0] == ["tip_angle", "tip_rounding"]
     assert tried(FAR, {"tip_angle": (101.0, 0.5)})[0] == ["tip_angle"]
     assert tried(FAR, {"tip_rounding": (95.0, 0.5)})[0] == ["tip_angle", "tip_rounding"]
+
+
+def test_what_cannot_explain_replicates_is_left_out_beside_what_does_unless_it_is_far_likelier():
+    promises = {"friction": 110.0, "thermal_drift": 105.0, "tip_angle": 104.0, "zero_offset": 101.0}
+    proves = {"thermal_drift": (100.0, 0.5)}
+    asked, _, _ = tried(promises, proves, ruled_out=("friction", "tip_angle"))
+    assert asked == ["friction", "thermal_drift", "zero_offset"]
+    asked, _, _ = tried(promises | {"tip_angle": 104.9}, proves, ruled_out=("friction", "tip_angle"))
+    assert asked == ["friction", "thermal_drift", "tip_angle", "zero_offset"]
 
 
 def test_no_more_are_fitted_than_the_policy_allows():

@@ -130,7 +130,7 @@ class Fitter:
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
         fit = with_own_values(self.at_end(explanation, model, end, weighed))
-        if end.given_up or (explanation and fit.misfit_ratio > policy.refined):
+        if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
         until = replace(until, tolerance=tolerance, exact=False)
