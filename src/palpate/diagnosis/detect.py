@@ -122,7 +122,18 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
 def replicates_differ(fit: Fit, keys: Iterable[str], site_scatter: float, significance: float) -> bool:
     """Return whether replicates differ beyond their noise, whatever acts that is the same in all of them.
 
-    No explanation with the amplitudes of a fit alone leaves noise then, as `examine` would find at that significance.
+    No explanation with the amplitudes of a fit alone leaves noise then, as `examine` would find.
+
+    Parameters
+    ----------
+    fit
+        An explanation.
+    keys
+        The mechanisms considered.
+    site_scatter
+        See `examine`.
+    significance
+        Probability below which noise does not explain it.
     """
     return combined([[1.0], between_replicates(fit, keys, site_scatter), [1.0]]) < significance
 

@@ -167,7 +167,17 @@ class Fitter:
         return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
 
     def at_end(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
-        """Return the fit at which a search ended."""
+        """Return the fit at which a search ended.
+
+        Parameters
+        ----------
+        explanation, model
+            Its mechanisms and forward model.
+        end
+            The search.
+        weighed
+            The errors of the mean curves.
+        """
         curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
         return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
 
