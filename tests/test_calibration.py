@@ -257,14 +257,15 @@ def test_a_search_that_gains_little_ends_whatever_its_steps_promise():
     class Misleading(Forward):
         def tangents(self, points):
             asked.append(points)
-            return [(curves, {n: 100.0 * of for n, of in slopes.items()}) for curves, slopes in super().tangents(points)]
+            found = super().tangents(points)
+            return [(curves, {n: 100.0 * of for n, of in slopes.items()}) for curves, slopes in found]
 
         def curves(self, points):
             return Forward().curves(points)
 
     def needed(least_gain):
         asked.clear()
-        end = descend(misfit, Misleading(), [begun], Until(40, 0.02, exact=True, least_gain=least_gain))
+        descend(misfit, Misleading(), [begun], Until(40, 0.02, exact=True, least_gain=least_gain))
         return len(asked)
 
     asked, data = [], observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
