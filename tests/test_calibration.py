@@ -251,7 +251,7 @@ def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained
     assert (len(limited.path) == len(free.path)) == explained
 
 
-def test_a_search_that_gains_little_ends_whatever_its_steps_promise():
+def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
     """By derivatives that are a hundred times too steep, so that steps are far too short."""
 
     class Misleading(Forward):

@@ -143,7 +143,7 @@ class Search:
         return bool(np.abs(fit.coordinates.beyond(fit.z)).max() > self.policy.outside)
 
     def finished(self, candidate: Candidate) -> Candidate:
-        """Return an explanation whose fit went to its end, on finer meshes where these are needed.
+        """Return an explanation whose fit went to its end, on finer meshes where it explains.
 
         A fit that was given up goes on, see `palpate.inference.fitting.Fitter.fitted`.
         """

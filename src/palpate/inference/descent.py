@@ -61,12 +61,12 @@ class Descent:
         Whether its predicted or actual decrease of chi^2 has fallen below the tolerance.
     path
         Where it was before (k,).
-    gains
-        By how much each iteration lowered chi^2.
     active
         Whether it goes on.
     hopeless
         After how many iterations in a row it seemed that it would not reach what it must.
+    gains
+        By how much each iteration lowered chi^2.
     """
 
     u: np.ndarray

@@ -40,9 +40,10 @@ class FitPolicy:
         Chi-square per degree of freedom up to which an explanation is refined. Those that leave noise in the end begin
         with 1.3 at most in cases of the blind trial.
     finer_meshes
-        Chi-square per degree of freedom up to which a fit goes on with finer meshes, where these are needed.
+        Chi-square per degree of freedom up to which a fit goes on with finer meshes.
     finer_steps
-        Largest number of steps with them; two suffice where the fit before ended five standard deviations away.
+        Largest number of simulated steps with them where the edge of contact matters; two suffice where the fit before
+        ended five standard deviations away.
     first_order
         Decrease of chi-square, predicted for a step with them, below which it is taken with derivatives alone, and is
         the last one. These err by 3 % at most, which moves the estimate by 0.02 standard deviations. With a strong

@@ -38,14 +38,9 @@ class Reference:
         """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
         return np.interp(time, time[self.kept], self.accurate[self.kept] - self.fast)
 
-    @property
-    def plain(self) -> Reference:
-        """The same without what finer meshes add."""
-        return replace(self, accurate=self.accurate / (1.0 + self.rest), steeper=None, rest=0.0)
-
     def with_rest(self, rest: np.ndarray | float) -> Reference:
-        """Return the same with a part (n_points,) that finer meshes add."""
-        return replace(self, accurate=(1.0 + rest) * self.accurate, rest=rest)
+        """Return the same with this part (n_points,) that finer meshes add, in place of what they added before."""
+        return replace(self, accurate=self.accurate / (1.0 + self.rest) * (1.0 + rest), steeper=None, rest=rest)
 
     def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""

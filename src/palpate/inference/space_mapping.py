@@ -65,14 +65,11 @@ class SpaceMapped:
     refined_here: bool = False
 
     @classmethod
-    def of(
-        cls, full: FiniteElements, u: np.ndarray, rest: Mapping[str, np.ndarray | float] | None = None
-    ) -> SpaceMapped:
+    def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
         """Return the model of record, with references at coordinates u (k,) under every condition of the study.
 
         That is a finer mesh, or the pyramid in place of the equivalent cone, of which few samples are simulated. A
-        condition under which a model fails there has none. By the `rest` of references elsewhere, see `Reference`, the
-        curves are those of finer meshes still.
+        condition under which a model fails there has none.
         """
         every = replace(full, conditions=full.study.conditions)
         few, keep = every.thinned()
@@ -94,8 +91,7 @@ class SpaceMapped:
             if pyramid:
                 accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
                 reference = replace(reference, accurate=accurate)
-            part = (rest or {}).get(condition.name, 0.0)
-            references[condition.name] = reference.with_rest(part)
+            references[condition.name] = reference
         return cls(full, references, u, full.mechanisms)
 
     @property
@@ -138,26 +134,25 @@ class SpaceMapped:
         moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
         if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
             return self
-        return SpaceMapped.of(self.full, u, {name: each.rest for name, each in self.references.items()})
+        return SpaceMapped.of(self.full, u)._with_rest({name: each.rest for name, each in self.references.items()})
 
-    @property
-    def plain(self) -> SpaceMapped:
-        """The same without what finer meshes add."""
-        return replace(self, references={name: each.plain for name, each in self.references.items()})
+    def _with_rest(self, rest: Mapping[str, np.ndarray | float]) -> SpaceMapped:
+        """Return the same with what finer meshes add under each condition, see `Reference`; nothing where not given."""
+        found = {name: each.with_rest(rest.get(name, 0.0)) for name, each in self.references.items()}
+        return replace(self, references=found)
 
     def refined(self, u: np.ndarray) -> SpaceMapped | None:
         """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
         if not self.full.study.indenter.of_revolution or self._depends_on_edge(u) or self.refined_here:
             return None
-        (before,), (after,) = self.plain.curves([u]), self.full.of_accuracy(2).curves([u])
+        (before,), (after,) = self._with_rest({}).curves([u]), self.full.of_accuracy(2).curves([u])
         if isinstance(before, str) or isinstance(after, str):
             return None
-        references = dict(self.plain.references)
+        rest = {}
         for condition in self._conditions:
             body = before[condition.name] - self._added(u, condition)
-            change = 2.0 * (after[condition.name] - before[condition.name])
-            references[condition.name] = references[condition.name].with_rest(part_of(change, body))
-        return replace(self, references=references, refined_here=True)
+            rest[condition.name] = part_of(2.0 * (after[condition.name] - before[condition.name]), body)
+        return replace(self._with_rest(rest), refined_here=True)
 
     def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
         """See `Forward`; None for a pyramid, and where the references are consistent with finer meshes already."""

@@ -14,7 +14,7 @@ where short steps go on as predicted while a whole step promises far more (`SLOW
 along the valley. A search has converged when the predicted decrease of every step is below the tolerance, or none of
 those tried exceeds it and a whole step promises little more. Several searches advance together; one that falls behind
 is given up, and so is one that, after two iterations and by the known errors, several whole steps would not bring to
-what it must reach. One that gains hardly anything in `STALLED` iterations, whatever its steps promise, ends without
+what it must reach. One that gains hardly anything in `STALLED` iterations, whatever its slopes predict, ends without
 having converged: derivatives mislead where a parameter has no effect or a curve has a kink.
 """
 
