@@ -185,15 +185,15 @@ def test_a_fit_ends_on_curves_of_finer_meshes_with_slopes_that_are_about_right()
         def curves(self, u):
             return Forward().curves([u])[0]
 
+        def consistent(self, u, curves, slopes):
+            return Forward()
+
     class Coarse(Forward):
         def __init__(self):
             super().__init__({"slow": Family(1.01), "fast": Family(0.5)})
 
         def extrapolated(self, u):
             return Finer(self, u)
-
-        def consistent(self, u, curves, slopes):
-            return Forward()
 
     data = observed(np.random.default_rng(0), sigma=3.0, rho=0.0, site=0.0)
     usual = calibrated(data, Forward(Coarse().families))

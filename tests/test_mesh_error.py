@@ -10,7 +10,7 @@ from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.configuration.study_file import load_study
-from palpate.inference import space_mapping
+from palpate.inference import body_curves
 from palpate.inference.covariance import REFINED, errors, noise_of
 from palpate.inference.forward import FiniteElements
 from palpate.inference.reference import Reference
@@ -18,6 +18,7 @@ from palpate.inference.space_mapping import SpaceMapped
 from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
+from palpate.study.protocol import Protocol
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 STUDY = {
@@ -70,6 +71,11 @@ def record(study, plain):
 
 def on_fine_mesh(model, u, condition, accuracy="medium"):
     return simulate(replace(model.specification(u, condition), accuracy=accuracy)).depth
+
+
+def history(time):
+    """Return a load that grows until the last of some times."""
+    return Protocol(np.array([0.0, time[-1]]), np.array([0.0, 1.0]), time)
 
 
 def off_where_loaded(depth, true, condition):
@@ -156,11 +162,11 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     true = [on_fine_mesh(model, u, condition, "fine") for u in places]
     usual = model.of_record(places[0])
     finer = usual.extrapolated(places[0])
-    found = usual.consistent(places[0], finer.there, finer.slopes)
-    assert found.curves(places[:1])[0]["T010"] == pytest.approx(finer.there["T010"], rel=1e-6)
+    found = finer.consistent(places[0], finer.there, finer.slopes)
+    assert found.curves(places[:1])[0]["T010"] == pytest.approx(finer.there["T010"], rel=1e-5)
     medium = on_fine_mesh(model, places[0], condition)
-    assert finer.there["T010"] == pytest.approx(2.0 * true[0] - medium, rel=1e-5)
-    off = [np.subtract(*(curves["T010"] for curves in each.curves(places)[::-1])) for each in (usual, found)]
+    assert off_where_loaded(finer.there["T010"], 2.0 * true[0] - medium, condition) < 3e-4
+    off = [np.subtract(*(curves["T010"] for curves in each.curves(places)[::-1])) for each in (model, found)]
     missed = [float(np.sqrt(np.mean((each - (true[1] - true[0])) ** 2))) for each in off]
     assert missed[1] < 0.5 * missed[0]
 
@@ -179,7 +185,8 @@ def test_the_curves_at_one_lag_serve_another(tmp_path):
 def test_what_the_refinement_changed_is_known_at_all_samples(plain, record):
     reference = record.references["T010"]
     changed = record.refinements["T010"]
-    assert changed[reference.kept] == pytest.approx(reference.accurate[reference.kept] - reference.fast)
+    (usual,) = plain.thinned()[0].of_accuracy(0).curves([record.place])
+    assert changed[reference.kept] == pytest.approx(reference.accurate[reference.kept] - usual["T010"])
     assert np.abs(changed).max() < 0.01 * reference.accurate.max()
     assert plain.refinements == {}
 
@@ -206,8 +213,9 @@ def test_curves_may_err_by_what_the_refinement_changed():
 
 def test_where_a_body_is_unloaded_no_mesh_errs():
     """Nor does the rounding of a depth that is none count as a ratio."""
-    reference = Reference(np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15]), np.ones(3, dtype=bool))
-    found = reference.carried(np.array([3.0, 1.4, 8e-15]), np.array([1.0, 2.0, 3.0]))
+    accurate, fast = np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15])
+    reference = Reference(accurate, fast, np.ones(3, dtype=bool), np.zeros(3))
+    found = reference.carried(np.array([3.0, 1.4, 8e-15]), history(np.array([1.0, 2.0, 3.0])))
     assert found == pytest.approx([3.03, 1.414, 0.0], abs=1e-12)
 
 
@@ -216,11 +224,11 @@ def test_what_a_change_makes_of_a_curve_is_told_by_few_samples():
     time = np.arange(1.0, 13.0)
     kept = np.isin(time, [1.0, 5.0, 9.0, 12.0])
     accurate = np.sqrt(time) * (1.0 + 0.01 * np.sin(time))
-    reference = Reference(accurate, np.sqrt(time)[kept], kept)
+    reference = Reference(accurate, np.sqrt(time)[kept], kept, np.zeros(12))
     columns = np.stack([np.sqrt(time) * (1.1 + 0.02 * time), 3.0 * np.sqrt(time)], axis=1)
     expected = accurate[:, None] * np.stack([1.1 + 0.02 * time, np.full(12, 3.0)], axis=1)
-    assert reference.carried(columns[kept], time) == pytest.approx(expected)
-    assert reference.carried(columns[kept, 0], time) == pytest.approx(expected[:, 0])
+    assert reference.carried(columns[kept], history(time)) == pytest.approx(expected)
+    assert reference.carried(columns[kept, 0], history(time)) == pytest.approx(expected[:, 0])
 
 
 def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds(study, plain, record):
@@ -264,8 +272,8 @@ def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_
             for each, outcome in zip(specifications, simulate_batch(specifications), strict=True)
         ]
 
-    u, simulate_batch = plain.coordinates.scaled(middle(study)), space_mapping.simulate_batch
-    monkeypatch.setattr(space_mapping, "simulate_batch", failing)
+    u, simulate_batch = plain.coordinates.scaled(middle(study)), body_curves.simulate_batch
+    monkeypatch.setattr(body_curves, "simulate_batch", failing)
     found = plain.of_record(u)
     usual, same = (model.under(["V010"]).curves([u])[0]["V010"] for model in (plain, found))
     assert same == pytest.approx(usual)

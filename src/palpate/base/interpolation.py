@@ -2,14 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+SMOOTH = 3  # knots between two corners, from which on a curve is smooth there
+SAME = 1e-9  # of the time, within which a knot lies at a corner
 
 
-def interpolated(time: np.ndarray, knots: np.ndarray, columns: Iterable[np.ndarray]) -> np.ndarray:
-    """Return k columns (m,), known at times `knots` (m,) [s], along straight lines at times (n,) [s], shape (n, k)."""
-    return np.stack([np.interp(time, knots, column) for column in columns], axis=1)
+def smooth_between(corners: np.ndarray, time: np.ndarray, knots: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Return columns at all times, shape (n, k), smooth between corners, where they may have a kink.
+
+    They are monotone cubics (PCHIP) where three knots or more lie between two corners, else straight lines. Straight
+    lines everywhere would have a kink at each knot, which correlated noise has not.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (c,)
+        Times of the corners [s].
+    time : ndarray, shape (n,)
+        Where they are asked for [s].
+    knots : ndarray, shape (m,)
+        Where they are known [s].
+    columns : ndarray, shape (m, k)
+        What they are there.
+
+    Source: F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304.
+    """
+    found = np.stack([np.interp(time, knots, column) for column in columns.T], axis=1)
+    near = SAME * time[-1]
+    for first, last in pairwise([-np.inf, *corners, np.inf]):
+        between = (knots >= first - near) & (knots <= last + near)
+        if between.sum() >= SMOOTH:
+            own = knots[between]
+            inside = (time >= own[0]) & (time <= own[-1])
+            found[inside] = PchipInterpolator(own, columns[between])(time[inside])
+    return found
 
 
 def depth_at(moments: np.ndarray, time: np.ndarray, depth: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ A mechanism that joins begins at the screened effects of least misfit, see `palp
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from threading import Event
 
@@ -145,11 +146,13 @@ class Search:
     def finished(self, candidate: Candidate) -> Candidate:
         """Return an explanation whose fit went to its end, on finer meshes where it explains.
 
-        A fit that was given up goes on, see `palpate.inference.fitting.Fitter.fitted`.
+        A fit that was given up goes on where the forward model does not fail, see
+        `palpate.inference.fitting.Fitter.fitted`.
         """
         fit = candidate.fit
         if fit.explanation and not fit.converged:
-            fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
+            with suppress(PalpateError):
+                fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
         fit = on_finer_meshes(self._fitter, fit)
         return candidate if fit is candidate.fit else self.examined(fit)
 

@@ -3,20 +3,22 @@
 Derivatives by the parameters of creep, and by what changes the shape of the tip, are off by 1 to 3 % on the usual mesh.
 What friction, adhesion or yielding does depends on the edge of contact: derivatives by the first two are off by 10 to
 12 %, those by a hardening by tens of per cent, and least squares with them end elsewhere than with a finer mesh. So a
-search ends with derivatives of a mesh that is finer by one degree than the study's, of few samples, and with curves of
-one that is finer by two. To these is added what the last degree changed where the search arrived: with an error of
-second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357). Derivatives by
-the thickness of a film, whose interface crosses elements, gain nothing by that.
+search ends with derivatives of a mesh that is finer by one degree than the study's, and with curves of one that is
+finer by two, both of few samples. To these is added what the last degree changed where the search arrived: with an
+error of second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357).
+Derivatives by the thickness of a film, whose interface crosses elements, gain nothing by that.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.base.interpolation import interpolated
+from palpate.errors import PalpateError
+from palpate.inference.reference import Reference, part_of
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves
@@ -26,23 +28,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Extrapolated:
-    """Curves, and their derivatives at one place.
+    """Curves of finer meshes near one place, and derivatives there.
 
     Parameters
     ----------
     record
-        The model of record, with the finite elements on the study's mesh.
-    there
-        Response (n_points,) under each condition at that place.
-    slopes
-        Its derivatives (n_points, k) by the coordinates.
+        The model of record.
+    place : ndarray, shape (k,)
+        Coordinates of the place.
+    references
+        Bring curves of the body at few samples on the coarser of the meshes to all samples, for each condition.
+    slopes_of_few
+        Derivatives (n_kept, k) of these curves by the coordinates.
     rest
-        What is added to curves of the finest of the meshes (n_points,).
+        What the finer of the meshes adds to them (n_kept,), and once more what lies beyond.
     """
 
     record: SpaceMapped
-    there: Curves
-    slopes: Curves
+    place: np.ndarray
+    references: Mapping[str, Reference]
+    slopes_of_few: Curves
     rest: Curves
 
     @staticmethod
@@ -52,20 +57,75 @@ class Extrapolated:
 
     @classmethod
     def at(cls, record: SpaceMapped, u: np.ndarray) -> Extrapolated | None:
-        """Return it for the place with coordinates u (k,); None where a simulation fails."""
-        finer, finest = (record.full.of_accuracy(degrees) for degrees in (1, 2))
-        few, keep = finer.thinned()
-        (tangents,), (before,), (after,) = few.tangents([u]), finer.curves([u]), finest.curves([u])
-        if isinstance(tangents, str) or isinstance(before, str) or isinstance(after, str):
+        """Return it for the place with coordinates u (k,), near the references; None where a simulation fails."""
+        few, keep = record.full.thinned()
+        (tangents,), (after,) = few.of_accuracy(1).tangents([u]), few.of_accuracy(2).curves([u])
+        (here,) = record.with_rest({}).curves([u])
+        if isinstance(tangents, str) or isinstance(after, str) or isinstance(here, str):
             return None
-        slopes = {}
-        for condition in finer.conditions:
-            name, time = condition.name, condition.protocol.sample_time
-            slopes[name] = interpolated(time, time[keep[name]], tangents[1][name].T)
-        rest = {name: after[name] - before[name] for name in after}
-        return cls(record, {name: after[name] + rest[name] for name in after}, slopes, rest)
+        references, slopes, rest = {}, {}, {}
+        for condition in record.full.conditions:
+            name, kept, added = condition.name, keep[condition.name], record.added(u, condition)
+            coarser = tangents[0][name] - added[kept]
+            references[name] = Reference(here[name] - added, coarser, kept, np.zeros(len(kept)))
+            slopes[name] = tangents[1][name] - record.added_slopes(u, condition)[kept]
+            rest[name] = after[name] - tangents[0][name]
+        return cls(record, u, references, slopes, rest)
+
+    @property
+    def there(self) -> dict[str, np.ndarray]:
+        """Response (n_points,) under each condition at the place."""
+        return self._response(self.place, {n: each.fast + 2.0 * self.rest[n] for n, each in self.references.items()})
+
+    @property
+    def slopes(self) -> dict[str, np.ndarray]:
+        """Its derivatives (n_points, k) by the coordinates."""
+        found = {}
+        for condition in self.record.full.conditions:
+            name = condition.name
+            of_body = self.references[name].carried(self.slopes_of_few[name], condition.protocol)
+            found[name] = of_body + self.record.added_slopes(self.place, condition)
+        return found
 
     def curves(self, u: np.ndarray) -> Curves | str:
         """Return the response (n_points,) at coordinates u (k,) near by, or why a simulation failed."""
-        (found,) = self.record.full.of_accuracy(2).curves([u])
-        return found if isinstance(found, str) else {name: found[name] + self.rest[name] for name in found}
+        few, keep = self.record.full.thinned()
+        (found,) = few.of_accuracy(2).curves([u])
+        if isinstance(found, str):
+            return found
+        added = {c.name: self.record.added(u, c)[keep[c.name]] for c in self.record.full.conditions}
+        return self._response(u, {name: found[name] - added[name] + self.rest[name] for name in found})
+
+    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
+        """Return the model of record with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
+
+        The study's mesh is its fast model, since far from there a coarser one would take away what the slopes gain.
+
+        Raises
+        ------
+        PalpateError
+            When the fast model fails there.
+        """
+        record, references = self.record, dict(self.record.references)
+        full = record.full.of_accuracy(1)
+        few, keep = full.thinned()
+        (found,) = few.tangents([u])
+        if isinstance(found, str):
+            raise PalpateError(found)
+        for condition in full.conditions:
+            name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
+            added, own = record.added(u, condition), record.added_slopes(u, condition)
+            rest = np.interp(time, time[kept], part_of(2.0 * self.rest[name], self.references[name].fast))
+            changed = references[name].changed if name in references else np.zeros(len(time))
+            reference = Reference(curves[name] - added, found[0][name] - added[kept], kept, changed, rest=rest)
+            steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], condition.protocol)
+            references[name] = replace(reference, steeper=steeper)
+        return replace(record, full=full, references=references, place=u, acting=full.mechanisms)
+
+    def _response(self, u: np.ndarray, few: Curves) -> dict[str, np.ndarray]:
+        """Return the response (n_points,) at coordinates u (k,) of which these are the body's curves (n_kept,)."""
+        found = {}
+        for condition in self.record.full.conditions:
+            body = self.references[condition.name].carried(few[condition.name], condition.protocol)
+            found[condition.name] = body + self.record.added(u, condition)
+        return found

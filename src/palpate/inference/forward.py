@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.errors import InputError
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
@@ -29,7 +30,8 @@ FEWEST = 25  # samples that are kept
 class Forward(typing.Protocol):
     """A forward model, which gives a search curves and tangents.
 
-    Both are lists with one entry for each of the points (k,); where a simulation failed, it is the reason.
+    Both are lists with one entry for each of the points (k,); where a simulation failed, or a body is none that can be
+    simulated, it is the reason.
     """
 
     @property
@@ -139,13 +141,13 @@ class FiniteElements:
         return replace(self, finer=degrees)
 
     def thinned(self) -> tuple[FiniteElements, Mapping[str, np.ndarray]]:
-        """Return the same with fewer samples, hence in fewer steps, and which are kept."""
+        """Return the same on a coarser mesh with fewer samples, hence in fewer steps, and which are kept."""
         keep = {condition.name: kept(condition.protocol) for condition in self.conditions}
         fewer = [
             replace(c, protocol=replace(c.protocol, sample_time=c.protocol.sample_time[keep[c.name]]))
             for c in self.conditions
         ]
-        return replace(self, conditions=fewer), keep
+        return replace(self, conditions=fewer, finer=self.finer - 1), keep
 
     @property
     def refinements(self) -> dict[str, np.ndarray]:
@@ -158,7 +160,10 @@ class FiniteElements:
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
         """See `Forward`."""
-        outcomes = simulate_batch(self._specifications(points))
+        try:
+            outcomes = simulate_batch(self._specifications(points))
+        except InputError as error:
+            return [found for u in points for found in self.curves([u])] if points[1:] else [str(error)]
         found: list[Curves | str] = []
         for own in self._by_condition(outcomes):
             failed = [f"{name}: {outcome.reason}" for name, outcome in own.items() if outcome.status != "ok"]
@@ -167,8 +172,11 @@ class FiniteElements:
 
     def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
         """See `Forward`."""
-        beside = [row for u in points for row in self._neighbours(u)]
-        outcomes = differentiated(self._specifications(points), beside)
+        try:
+            beside = [row for u in points for row in self._neighbours(u)]
+            outcomes = differentiated(self._specifications(points), beside)
+        except InputError as error:
+            return [found for u in points for found in self.tangents([u])] if points[1:] else [str(error)]
         found: list[tuple[Curves, Curves] | str] = []
         for own in self._by_condition(outcomes):
             failed = [f"{name}: {outcome.reason}" for name, (outcome, _) in own.items() if outcome.status != "ok"]

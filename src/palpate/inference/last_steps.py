@@ -49,7 +49,7 @@ def _at_the_edge(fitter: Fitter, fit: Fit, accurate: Extrapolated) -> Fit:
     begun, policy = Descent(fit.z, accurate.there, accurate.slopes), fitter.policy
     way = gauss_newton(fitter.goal(fit), accurate, begun, policy.finer_steps, policy.tolerance, policy.first_order)
     try:
-        record = accurate.record.consistent(way.u, way.curves, way.slopes)
+        record = accurate.consistent(way.u, way.curves, way.slopes)
     except PalpateError:
         return fit
     return fitter.at_end(fit.explanation, record, way, fit.errors)

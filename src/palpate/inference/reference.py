@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.base.interpolation import interpolated
+from palpate.base.interpolation import smooth_between
+from palpate.study.protocol import Protocol
 
 NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
 
@@ -22,6 +23,8 @@ class Reference:
     fast : ndarray, shape (n_kept,)
         At those that are `kept` (bool, n_points).
     kept : ndarray
+    changed : ndarray, shape (n_points,)
+        By how much the accurate model differs from that on the study's mesh, where known.
     steeper : ndarray, shape (n_points, k)
         By how much the accurate model's derivatives by the coordinates exceed those that are carried, where known.
     rest : ndarray, shape (n_points,)
@@ -31,24 +34,20 @@ class Reference:
     accurate: np.ndarray
     fast: np.ndarray
     kept: np.ndarray
+    changed: np.ndarray
     steeper: np.ndarray | None = None
     rest: np.ndarray | float = 0.0
-
-    def change(self, time: np.ndarray) -> np.ndarray:
-        """Return by how much the accurate model differs from the fast one at all times (n_points,)."""
-        return np.interp(time, time[self.kept], self.accurate[self.kept] - self.fast)
 
     def with_rest(self, rest: np.ndarray | float) -> Reference:
         """Return the same with this part (n_points,) that finer meshes add, in place of what they added before."""
         return replace(self, accurate=self.accurate / (1.0 + self.rest) * (1.0 + rest), steeper=None, rest=rest)
 
-    def carried(self, fast: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all times (n_points, ...)."""
-        divides = _deep(self.fast)
-        knots = time[self.kept][divides]
-        columns = (fast[divides].T / self.fast[divides]).reshape(-1, len(knots))
-        ratios = interpolated(time, knots, columns)
-        return (self.accurate[:, None] * ratios).reshape(len(time), *fast.shape[1:])
+    def carried(self, fast: np.ndarray, protocol: Protocol) -> np.ndarray:
+        """Return the fast model's values (n_kept, ...) scaled to the accurate model, at all samples (n_points, ...)."""
+        divides, time = _deep(self.fast), protocol.sample_time
+        ratios = (fast[divides].T / self.fast[divides]).T.reshape(int(divides.sum()), -1)
+        everywhere = smooth_between(protocol.knot_time, time, time[self.kept][divides], ratios)
+        return (self.accurate[:, None] * everywhere).reshape(len(time), *fast.shape[1:])
 
 
 def part_of(change: np.ndarray, curve: np.ndarray) -> np.ndarray:

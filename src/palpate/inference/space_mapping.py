@@ -22,22 +22,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.configuration.study_file import Condition
-from palpate.errors import PalpateError
+from palpate.inference.body_curves import bodies
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
 from palpate.inference.reference import Reference, part_of
 from palpate.mechanisms import Mechanism, Scale
-from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.solver.variation import added_by_instrument, applied_to_body
-from palpate.study.specification import Specification, finer
+from palpate.study.specification import Specification
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves, FiniteElements
 
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
-CLOSE = 0.1  # of a range, within which a reference is as good as one at the point itself
-PYRAMID_NEAR = 0.5  # of a range, the same for the ratio of pyramid and cone when mechanisms only add to the depth
+CLOSE = 0.005  # change of the curves, within which a reference is as good as one at the point itself
+PYRAMID_CLOSE, PYRAMID_NEAR = (
+    0.05,
+    0.2,
+)  # the same for the ratio of pyramid and cone; when mechanisms only add to the depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +49,7 @@ class SpaceMapped:
     Parameters
     ----------
     full
-        The fast model with all samples.
+        The finite elements with all samples, of which few on a coarser mesh are the fast model.
     references
         For each condition; where there is none, the fast model's curve is taken.
     place : ndarray, shape (k,)
@@ -68,30 +70,18 @@ class SpaceMapped:
     def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
         """Return the model of record, with references at coordinates u (k,) under every condition of the study.
 
-        That is a finer mesh, or the pyramid in place of the equivalent cone, of which few samples are simulated. A
-        condition under which a model fails there has none.
+        That is a finer mesh or, where that fails, the study's; or the pyramid in place of the equivalent cone, of which
+        few samples are simulated. A condition under which a model fails there has none.
         """
-        every = replace(full, conditions=full.study.conditions)
+        every, references, known = _under_every(full), {}, float(full.study.indenter.of_revolution)
         few, keep = every.thinned()
-        fast, usual = ([each.specification(u, c) for c in each.conditions] for each in (few, every))
-        if full.study.indenter.of_revolution:
-            outcomes = simulate_batch([*fast, *(replace(each, accuracy=finer(each.accuracy)) for each in usual)])
-            pyramids: Sequence[Simulation | None] = [None] * len(fast)
-        else:
-            outcomes = simulate_batch([*fast, *usual])
-            pyramids = simulate_batch([few.of_study(u, condition) for condition in few.conditions])
-        references = {}
-        for condition, thin, whole, pyramid in zip(
-            every.conditions, outcomes, outcomes[len(fast) :], pyramids, strict=False
-        ):
-            if not all(each.status == "ok" for each in (thin, whole, pyramid) if each):
-                continue
-            added, kept = added_by_instrument(full.amplitudes(u), condition.protocol), keep[condition.name]
-            reference = Reference(whole.response - added, thin.response - added[kept], kept)
-            if pyramid:
-                accurate = reference.carried(pyramid.response - added[kept], condition.protocol.sample_time)
-                reference = replace(reference, accurate=accurate)
-            references[condition.name] = reference
+        fast, study = bodies(few, u), bodies(few.of_accuracy(0), u)
+        accurate = _accurate(every, study, u)
+        for condition in every.conditions:
+            name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
+            if name in fast and name in study and name in accurate:
+                changed = known * np.interp(time, time[kept], accurate[name][kept] - study[name])
+                references[name] = Reference(accurate[name], fast[name], kept, changed)
         return cls(full, references, u, full.mechanisms)
 
     @property
@@ -130,13 +120,25 @@ class SpaceMapped:
         0.1 to 0.2 %.
         """
         joined = [mechanism for mechanism in self.full.mechanisms if mechanism not in self.acting]
-        near = PYRAMID_NEAR if joined and not self.full.study.indenter.of_revolution else CLOSE
-        moved = np.abs(u[: len(self.place)] - self.place[: len(u)]).max()
-        if moved < near and not any(mechanism.acts_on_body for mechanism in joined):
+        near = CLOSE if self.full.study.indenter.of_revolution else PYRAMID_NEAR if joined else PYRAMID_CLOSE
+        if not any(mechanism.acts_on_body for mechanism in joined) and self._change(u) < near:
             return self
-        return SpaceMapped.of(self.full, u)._with_rest({name: each.rest for name, each in self.references.items()})
+        return SpaceMapped.of(self.full, u).with_rest({name: each.rest for name, each in self.references.items()})
 
-    def _with_rest(self, rest: Mapping[str, np.ndarray | float]) -> SpaceMapped:
+    def _change(self, u: np.ndarray) -> float:
+        """Return by how much the body's curves at coordinates u (k,) differ from those of the references [-]."""
+        (found,), keep = self._fast.curves([u]), self.full.thinned()[1]
+        if isinstance(found, str):
+            return np.inf
+        changes = [0.0]
+        for condition in self._conditions:
+            if condition.name in self.references:
+                fast, added = self.references[condition.name].fast, self.added(u, condition)
+                there = found[condition.name] - added[keep[condition.name]]
+                changes.append(float(np.linalg.norm(there - fast) / np.linalg.norm(fast)))
+        return max(changes)
+
+    def with_rest(self, rest: Mapping[str, np.ndarray | float]) -> SpaceMapped:
         """Return the same with what finer meshes add under each condition, see `Reference`; nothing where not given."""
         found = {name: each.with_rest(rest.get(name, 0.0)) for name, each in self.references.items()}
         return replace(self, references=found)
@@ -145,43 +147,25 @@ class SpaceMapped:
         """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
         if not self.full.study.indenter.of_revolution or self._depends_on_edge(u) or self.refined_here:
             return None
-        (before,), (after,) = self._with_rest({}).curves([u]), self.full.of_accuracy(2).curves([u])
-        if isinstance(before, str) or isinstance(after, str):
-            return None
+        few, keep = _under_every(self.full).thinned()
+        before, after = (bodies(few.of_accuracy(degrees), u) for degrees in (1, 2))
         rest = {}
-        for condition in self._conditions:
-            body = before[condition.name] - self._added(u, condition)
-            rest[condition.name] = part_of(2.0 * (after[condition.name] - before[condition.name]), body)
-        return replace(self._with_rest(rest), refined_here=True)
+        for name in before.keys() & after.keys():
+            time = self.full.study.condition(name).protocol.sample_time
+            part = part_of(2.0 * (after[name] - before[name]), before[name])
+            rest[name] = np.interp(time, time[keep[name]], part)
+        if not rest.keys() >= {condition.name for condition in self._conditions}:
+            return None
+        return replace(self.of_record(u).with_rest(rest), refined_here=True)
 
     def extrapolated(self, u: np.ndarray) -> Extrapolated | None:
         """See `Forward`; None for a pyramid, and where the references are consistent with finer meshes already."""
         if not self.full.study.indenter.of_revolution or any(r.steeper is not None for r in self.references.values()):
             return None
-        return Extrapolated.at(self, u) if self._depends_on_edge(u) else None
+        return Extrapolated.at(self.of_record(u), u) if self._depends_on_edge(u) else None
 
     def _depends_on_edge(self, u: np.ndarray) -> bool:
         return Extrapolated.needed(applied_to_body(self.specification(u, self.full.conditions[0])))
-
-    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
-        """Return the model with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
-
-        Raises
-        ------
-        PalpateError
-            When the fast model fails there.
-        """
-        (few, keep), references = self.full.thinned(), dict(self.references)
-        (found,) = few.tangents([u])
-        if isinstance(found, str):
-            raise PalpateError(found)
-        for condition in self.full.conditions:
-            name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
-            added, own = self._added(u, condition), self._added_slopes(u, condition)
-            reference = Reference(curves[name] - added, found[0][name] - added[kept], kept)
-            steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], time)
-            references[name] = replace(reference, steeper=steeper)
-        return SpaceMapped(self.full, references, u, self.full.mechanisms)
 
     def together(self, u: np.ndarray) -> int:
         """See `Forward`."""
@@ -217,10 +201,8 @@ class SpaceMapped:
 
     @property
     def refinements(self) -> dict[str, np.ndarray]:
-        """See `Forward`; a pyramid differs from its cone by more than the error of a mesh."""
-        study = self.full.study
-        known = self.references.items() if study.indenter.of_revolution else ()
-        return {name: each.change(study.condition(name).protocol.sample_time) for name, each in known}
+        """See `Forward`; not known of a pyramid, and zero."""
+        return {name: each.changed for name, each in self.references.items()}
 
     @property
     def _conditions(self) -> Sequence[Condition]:
@@ -228,30 +210,59 @@ class SpaceMapped:
 
     @property
     def _fast(self) -> FiniteElements:
-        """The fast model, with few samples of conditions that have a reference."""
-        few = dict(zip([c.name for c in self._conditions], self.full.thinned()[0].conditions, strict=True))
-        chosen = [few[c.name] if c.name in self.references else c for c in self._conditions]
-        return replace(self.full, conditions=chosen)
+        """The fast model, with all samples of conditions that have no reference."""
+        model = self.full.thinned()[0]
+        few = zip(self._conditions, model.conditions, strict=True)
+        return replace(model, conditions=[thin if c.name in self.references else c for c, thin in few])
 
     def _carried(self, u: np.ndarray, condition: Condition, curve: np.ndarray) -> np.ndarray:
         if condition.name not in self.references:
             return curve
-        reference, added = self.references[condition.name], self._added(u, condition)
-        body = reference.carried(curve - added[reference.kept], condition.protocol.sample_time)
+        reference, added = self.references[condition.name], self.added(u, condition)
+        body = reference.carried(curve - added[reference.kept], condition.protocol)
         return body + added if reference.steeper is None else body + added + reference.steeper @ (u - self.place)
 
     def _carried_slopes(self, u: np.ndarray, condition: Condition, slopes: np.ndarray) -> np.ndarray:
         if condition.name not in self.references:
             return slopes
-        reference, added = self.references[condition.name], self._added_slopes(u, condition)
-        body = reference.carried(slopes - added[reference.kept], condition.protocol.sample_time)
+        reference, added = self.references[condition.name], self.added_slopes(u, condition)
+        body = reference.carried(slopes - added[reference.kept], condition.protocol)
         return body + added if reference.steeper is None else body + added + reference.steeper
 
-    def _added_slopes(self, u: np.ndarray, condition: Condition) -> np.ndarray:
+    def added_slopes(self, u: np.ndarray, condition: Condition) -> np.ndarray:
         """Return the derivatives (n_points, k) of what the instrument adds."""
-        here = self._added(u, condition)
-        moved = [self._added(u + step, condition) for step in STEP * np.eye(len(u))]
+        here = self.added(u, condition)
+        moved = [self.added(u + step, condition) for step in STEP * np.eye(len(u))]
         return np.stack([there - here for there in moved], axis=1) / STEP
 
-    def _added(self, u: np.ndarray, condition: Condition) -> np.ndarray:
+    def added(self, u: np.ndarray, condition: Condition) -> np.ndarray:
+        """Return what the instrument adds to the depth (n_points,) [nm]."""
         return added_by_instrument(self.amplitudes(u), condition.protocol)
+
+
+def _under_every(full: FiniteElements) -> FiniteElements:
+    """Return the same under every condition of the study, those that are held out among them."""
+    return replace(full, conditions=full.study.conditions)
+
+
+def _accurate(full: FiniteElements, study: Mapping[str, np.ndarray], u: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the curve (n_points,) of the body at coordinates u (k,) that is most accurate, under each condition.
+
+    Parameters
+    ----------
+    full
+        The finite elements with all samples.
+    study
+        Curves (n_kept,) of few samples on the study's mesh.
+    u
+    """
+    if full.study.indenter.of_revolution:
+        found = bodies(full.of_accuracy(1), u)
+        return found | bodies(full.under([name for name in study if name not in found]), u)
+    (few, keep), cone, found = full.thinned(), bodies(full, u), {}
+    for name, pyramid in bodies(few.of_accuracy(0), u, pyramid=True).items():
+        if name in cone and name in study:
+            protocol = full.study.condition(name).protocol
+            reference = Reference(cone[name], study[name], keep[name], np.zeros(len(cone[name])))
+            found[name] = reference.carried(pyramid, protocol)
+    return found

@@ -15,12 +15,14 @@ from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen, elastic_substrate, under_tip
 
 ACCURACIES = ("standard", "medium", "fine", "finest")
+COARSE = "coarse"  # accuracy of searches, whose curves are scaled to those of another
 KINEMATICS = ("small", "large")
 
 
 def finer(accuracy: str, degrees: int = 1) -> str:
-    """Return the accuracy that is so many degrees finer, or the finest."""
-    return ACCURACIES[min(ACCURACIES.index(accuracy) + degrees, len(ACCURACIES) - 1)]
+    """Return the accuracy that is so many degrees finer, or the finest; coarser where they are negative."""
+    every = (COARSE, *ACCURACIES)
+    return every[min(every.index(accuracy) + degrees, len(every) - 1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +72,7 @@ class Specification:
     def __post_init__(self) -> None:
         law = law_of(self.model)
         for key, value, known in (
-            ("accuracy", self.accuracy, ACCURACIES),
+            ("accuracy", self.accuracy, (*ACCURACIES, COARSE)),
             ("kinematics", self.kinematics, KINEMATICS),
         ):
             if value not in known:

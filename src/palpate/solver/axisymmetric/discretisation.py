@@ -11,6 +11,7 @@ from palpate.study.protocol import LOAD, Protocol
 from palpate.study.specimen import Specimen
 
 RESOLUTIONS = {
+    "coarse": Resolution(growth=1.08, sectors=4),
     "standard": Resolution(growth=1.08, sectors=6),
     "medium": Resolution(
         growth=1.05, sectors=8, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
