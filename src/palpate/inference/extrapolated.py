@@ -99,7 +99,7 @@ class Extrapolated:
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SpaceMapped:
         """Return the model of record with these curves (n_points,) and slopes (n_points, k) at coordinates u (k,).
 
-        The study's mesh is its fast model, since far from there a coarser one would take away what the slopes gain.
+        The fast model gets all sectors: farther from there fewer of them would take away what the slopes gain.
 
         Raises
         ------
@@ -107,12 +107,11 @@ class Extrapolated:
             When the fast model fails there.
         """
         record, references = self.record, dict(self.record.references)
-        full = record.full.of_accuracy(1)
-        few, keep = full.thinned()
-        (found,) = few.tangents([u])
+        few, keep = record.full.thinned()
+        (found,) = few.of_accuracy(0).tangents([u])
         if isinstance(found, str):
             raise PalpateError(found)
-        for condition in full.conditions:
+        for condition in record.full.conditions:
             name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
             added, own = record.added(u, condition), record.added_slopes(u, condition)
             rest = np.interp(time, time[kept], part_of(2.0 * self.rest[name], self.references[name].fast))
@@ -120,7 +119,8 @@ class Extrapolated:
             reference = Reference(curves[name] - added, found[0][name] - added[kept], kept, changed, rest=rest)
             steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], condition.protocol)
             references[name] = replace(reference, steeper=steeper)
-        return replace(record, full=full, references=references, place=u, acting=full.mechanisms)
+        acting = record.full.mechanisms
+        return replace(record, references=references, place=u, acting=acting, all_sectors=True)
 
     def _response(self, u: np.ndarray, few: Curves) -> dict[str, np.ndarray]:
         """Return the response (n_points,) at coordinates u (k,) of which these are the body's curves (n_kept,)."""

@@ -97,6 +97,8 @@ class FiniteElements:
         Size of the study, in which their amplitudes are searched for.
     finer
         By so many degrees the mesh is finer than the study's.
+    few_sectors
+        Whether its mesh has few sectors.
     """
 
     study: Study
@@ -105,6 +107,7 @@ class FiniteElements:
     mechanisms: Sequence[Mechanism] = ()
     scale: Scale | None = None
     finer: int = 0
+    few_sectors: bool = False
 
     @classmethod
     def of(cls, study: Study, names: Sequence[str]) -> FiniteElements:
@@ -137,17 +140,17 @@ class FiniteElements:
         """See `Forward`: only the model of record is compared with finer meshes."""
 
     def of_accuracy(self, degrees: int) -> FiniteElements:
-        """Return the same on a mesh that is so many degrees finer than the study's."""
-        return replace(self, finer=degrees)
+        """Return the same on a mesh that is so many degrees finer than the study's, with all of its sectors."""
+        return replace(self, finer=degrees, few_sectors=False)
 
     def thinned(self) -> tuple[FiniteElements, Mapping[str, np.ndarray]]:
-        """Return the same on a coarser mesh with fewer samples, hence in fewer steps, and which are kept."""
+        """Return the same with fewer sectors and samples, hence in fewer steps, and which samples are kept."""
         keep = {condition.name: kept(condition.protocol) for condition in self.conditions}
         fewer = [
             replace(c, protocol=replace(c.protocol, sample_time=c.protocol.sample_time[keep[c.name]]))
             for c in self.conditions
         ]
-        return replace(self, conditions=fewer, finer=self.finer - 1), keep
+        return replace(self, conditions=fewer, few_sectors=True), keep
 
     @property
     def refinements(self) -> dict[str, np.ndarray]:
@@ -210,7 +213,7 @@ class FiniteElements:
         named = self.coordinates.named(u)
         accuracy = finer(self.study.accuracy, self.finer)
         found = self.study.specification({name: named[name] for name in self.study.levels}, condition, accuracy)
-        return replace(found, mechanisms=self.amplitudes(u)) if self.mechanisms else found
+        return replace(found, mechanisms=self.amplitudes(u), few_sectors=self.few_sectors)
 
     def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
         """See `Forward`."""

@@ -58,6 +58,8 @@ class SpaceMapped:
         Mechanisms that acted there.
     refined_here
         Whether the references' rest was found near that place, with these mechanisms.
+    all_sectors
+        Whether the fast model's mesh has all sectors of the study's.
     """
 
     full: FiniteElements
@@ -65,6 +67,7 @@ class SpaceMapped:
     place: np.ndarray
     acting: Sequence[Mechanism] = ()
     refined_here: bool = False
+    all_sectors: bool = False
 
     @classmethod
     def of(cls, full: FiniteElements, u: np.ndarray) -> SpaceMapped:
@@ -212,6 +215,7 @@ class SpaceMapped:
     def _fast(self) -> FiniteElements:
         """The fast model, with all samples of conditions that have no reference."""
         model = self.full.thinned()[0]
+        model = model.of_accuracy(0) if self.all_sectors else model
         few = zip(self._conditions, model.conditions, strict=True)
         return replace(model, conditions=[thin if c.name in self.references else c for c, thin in few])
 

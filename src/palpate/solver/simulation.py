@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError, part_of
 from palpate.mechanisms import checked_mechanisms
-from palpate.solver.axisymmetric.discretisation import RESOLUTIONS, SAME
+from palpate.solver.axisymmetric.discretisation import FEW_SECTORS, RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.indentation_case import Case
@@ -303,5 +303,7 @@ def alike(specification: Specification, other: Specification) -> bool:
 
 def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:
     resolution = RESOLUTIONS[solid.accuracy]
+    if solid.few_sectors:
+        resolution = replace(resolution, sectors=FEW_SECTORS)
     large = solid.kinematics == "large"
     return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, rings=radii)

@@ -15,14 +15,12 @@ from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen, elastic_substrate, under_tip
 
 ACCURACIES = ("standard", "medium", "fine", "finest")
-COARSE = "coarse"  # accuracy of searches, whose curves are scaled to those of another
 KINEMATICS = ("small", "large")
 
 
 def finer(accuracy: str, degrees: int = 1) -> str:
-    """Return the accuracy that is so many degrees finer, or the finest; coarser where they are negative."""
-    every = (COARSE, *ACCURACIES)
-    return every[min(every.index(accuracy) + degrees, len(every) - 1)]
+    """Return the accuracy that is so many degrees finer, or the finest."""
+    return ACCURACIES[min(ACCURACIES.index(accuracy) + degrees, len(ACCURACIES) - 1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +47,8 @@ class Specification:
         Length of the size effect [nm], see `palpate.study.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
+    few_sectors
+        Simulate it with few sectors under the indenter, because the curve is to be scaled to another one.
 
     Raises
     ------
@@ -67,12 +67,13 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
+    few_sectors: bool = False
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         law = law_of(self.model)
         for key, value, known in (
-            ("accuracy", self.accuracy, (*ACCURACIES, COARSE)),
+            ("accuracy", self.accuracy, ACCURACIES),
             ("kinematics", self.kinematics, KINEMATICS),
         ):
             if value not in known:

@@ -11,7 +11,6 @@ from palpate.study.protocol import LOAD, Protocol
 from palpate.study.specimen import Specimen
 
 RESOLUTIONS = {
-    "coarse": Resolution(growth=1.08, sectors=4),
     "standard": Resolution(growth=1.08, sectors=6),
     "medium": Resolution(
         growth=1.05, sectors=8, inner=0.15, far=3000.0, outer_growth=1.3, refine=2, load_growth=0.0625
@@ -21,6 +20,7 @@ RESOLUTIONS = {
         growth=1.025, sectors=16, inner=0.1, far=4000.0, outer_growth=1.2, refine=3, load_growth=0.03125
     ),
 }
+FEW_SECTORS = 4  # serve curves that are scaled: they lie too high or too low in the same proportion
 GRADED_START = np.array([0.05, 0.1, 0.2, 0.35, 0.55, 0.77])  # of the first step, where it is divided
 SAME = 1e-9  # of the test, within which a sample lies at a corner; less than `LEAST_STEP` of a protocol
 
