@@ -294,6 +294,15 @@ def test_changes_by_some_of_the_points_are_those_of_all(key, own, within):
     assert moved - before == pytest.approx(there - here, abs=within * np.abs(there - here).max())
 
 
+def test_a_body_that_no_mesh_holds_fails_and_leaves_others(study, plain):
+    """A film that is thinner than an element, asked for together with a thick one."""
+    model = plain.joined([MECHANISMS["film_on_substrate"]], scale_of(study))
+    body = plain.coordinates.scaled(middle(study))
+    thin, thick = model.curves([np.append(body, [share, 0.5]) for share in (-1.0, 0.5)])
+    assert "less than an element" in thin
+    assert np.isfinite(thick["T010"]).all()
+
+
 @dataclass(frozen=True, eq=False)
 class Counting(ClosedForms):
     """Notes of which parameters the model of record was asked for."""
