@@ -147,12 +147,13 @@ class Search:
         """Return an explanation whose fit went to its end, on finer meshes where it explains.
 
         A fit that was given up goes on where the forward model does not fail, see
-        `palpate.inference.fitting.Fitter.fitted`.
+        `palpate.inference.fitting.Fitter.fitted`, and the likelier end is taken.
         """
         fit = candidate.fit
         if fit.explanation and not fit.converged:
             with suppress(PalpateError):
-                fit = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
+                again = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
+                fit = max(fit, again, key=lambda each: each.log_evidence)
         fit = on_finer_meshes(self._fitter, fit)
         return candidate if fit is candidate.fit else self.examined(fit)
 
