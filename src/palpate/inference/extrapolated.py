@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.inference.reference import Reference, part_of
+from palpate.inference.reference import Reference, rest_of
 
 if TYPE_CHECKING:
     from palpate.inference.forward import Curves
@@ -114,7 +114,7 @@ class Extrapolated:
         for condition in record.full.conditions:
             name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
             added, own = record.added(u, condition), record.added_slopes(u, condition)
-            rest = np.interp(time, time[kept], part_of(2.0 * self.rest[name], self.references[name].fast))
+            rest = rest_of(self.references[name].fast, self.rest[name], time, kept)
             changed = references[name].changed if name in references else np.zeros(len(time))
             reference = Reference(curves[name] - added, found[0][name] - added[kept], kept, changed, rest=rest)
             steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], condition.protocol)

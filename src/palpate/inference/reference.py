@@ -50,9 +50,23 @@ class Reference:
         return (self.accurate[:, None] * everywhere).reshape(len(time), *fast.shape[1:])
 
 
-def part_of(change: np.ndarray, curve: np.ndarray) -> np.ndarray:
-    """Return a change (n,) in parts of a curve (n,) [-]; none where that is next to nothing."""
-    return np.divide(change, curve, out=np.zeros_like(curve), where=_deep(curve))
+def rest_of(before: np.ndarray, change: np.ndarray, time: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Return the part of a curve (n_points,) [-] that all finer meshes add; none where the body is unloaded.
+
+    Parameters
+    ----------
+    before : ndarray, shape (n_kept,)
+        The curve at some of its samples.
+    change : ndarray, shape (n_kept,)
+        What the next finer mesh adds to it. As much lies beyond (Richardson's extrapolation, second order in the
+        spacing).
+    time : ndarray, shape (n_points,)
+        All samples [s].
+    kept : ndarray of bool, shape (n_points,)
+        Which of them are known.
+    """
+    part = np.divide(2.0 * change, before, out=np.zeros_like(before), where=_deep(before))
+    return np.interp(time, time[kept], part)
 
 
 def _deep(curve: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ from palpate.inference.body_curves import bodies
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.observation import Observation
-from palpate.inference.reference import Reference, part_of
+from palpate.inference.reference import Reference, rest_of
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.variation import added_by_instrument, applied_to_body
 from palpate.study.specification import Specification
@@ -130,15 +130,14 @@ class SpaceMapped:
 
     def _change(self, u: np.ndarray) -> float:
         """Return by how much the body's curves at coordinates u (k,) differ from those of the references [-]."""
-        (found,), keep = self._fast.curves([u]), self.full.thinned()[1]
+        (found,) = self._fast.curves([u])
         if isinstance(found, str):
             return np.inf
         changes = [0.0]
         for condition in self._conditions:
-            if condition.name in self.references:
-                fast, added = self.references[condition.name].fast, self.added(u, condition)
-                there = found[condition.name] - added[keep[condition.name]]
-                changes.append(float(np.linalg.norm(there - fast) / np.linalg.norm(fast)))
+            if reference := self.references.get(condition.name):
+                there = found[condition.name] - self.added(u, condition)[reference.kept]
+                changes.append(float(np.linalg.norm(there - reference.fast) / np.linalg.norm(reference.fast)))
         return max(changes)
 
     def with_rest(self, rest: Mapping[str, np.ndarray | float]) -> SpaceMapped:
@@ -155,8 +154,7 @@ class SpaceMapped:
         rest = {}
         for name in before.keys() & after.keys():
             time = self.full.study.condition(name).protocol.sample_time
-            part = part_of(2.0 * (after[name] - before[name]), before[name])
-            rest[name] = np.interp(time, time[keep[name]], part)
+            rest[name] = rest_of(before[name], after[name] - before[name], time, keep[name])
         if not rest.keys() >= {condition.name for condition in self._conditions}:
             return None
         return replace(self.of_record(u).with_rest(rest), refined_here=True)
