@@ -317,7 +317,7 @@ def test_a_set_whose_search_stopped_early_is_fitted_again_where_a_larger_one_end
     again = _special_cases(search, larger, [larger, stopped, search.base], print)[-1]
     assert again.fit.explanation == ("thermal_drift",)
     assert again.fit.log_evidence == pytest.approx(drift.fit.log_evidence, abs=0.5)
-    assert without_redundant([larger, again]) == [again]
+    assert without_redundant([larger, again], [larger, again]) == [again]
 
 
 def test_one_kind_of_test_names_no_effect_but_the_instruments():
