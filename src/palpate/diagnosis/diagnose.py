@@ -64,8 +64,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
     tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, the
-    likeliest is fitted to its end and tested once more, see `Search.finished`. As long as none is accepted, sets with
-    one mechanism more are tried in the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the
+    likeliest is fitted to its end and tested once more, see `Search.finished`. So are the accepted ones and those that
+    come close to them, before they are compared. As long as none is accepted, sets with one mechanism more are tried in
+    the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the
     accepted ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an
     accepted mechanism in its place, also where it is about as large. One that contradicts an exact law is never
     accepted. A single accepted explanation is identified where the recordings suffice, see `may_be_named` and
