@@ -36,10 +36,8 @@ if TYPE_CHECKING:
 
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 CLOSE = 0.005  # change of the curves, within which a reference is as good as one at the point itself
-PYRAMID_CLOSE, PYRAMID_NEAR = (
-    0.05,
-    0.2,
-)  # the same for the ratio of pyramid and cone; when mechanisms only add to the depth
+PYRAMID_CLOSE = 0.05  # the same for the ratio of pyramid and cone
+PYRAMID_NEAR = 0.2  # the same where the mechanisms that joined only add to the depth
 
 
 @dataclass(frozen=True, eq=False)
