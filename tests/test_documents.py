@@ -197,3 +197,8 @@ def test_every_package_has_a_page_of_the_api_with_its_modules():
     for name, folder in HOOKS.packages():
         page = HOOKS.api_page(name, folder)
         assert all(f"::: {name}.{file.stem}" in page for file in folder.glob("*.py") if file.stem != "__init__")
+
+
+def test_the_keys_of_a_study_name_every_mechanism():
+    page = (DOCS / "study.md").read_text()
+    assert all(f"`{key}`" in page for key in MECHANISMS)
