@@ -95,3 +95,10 @@ def test_simulated_noise_has_the_covariance_of_its_model(null):
     for k, drawn in enumerate(known.simulated(parts, 20000, rng)):
         expected = noise.matrix(k, parts[k])
         assert np.cov(drawn) == pytest.approx(expected, abs=0.05 * np.diag(expected).max())
+
+
+def test_noise_is_simulated_however_deep_the_tests_are(null):
+    """An error common to all curves makes a covariance of a single factor, whose size must not matter."""
+    fit = fitted(null)
+    deep = replace(fit, errors=replace(fit.errors, model=np.outer(fit.curve, fit.curve) * 1e4))
+    assert np.isfinite(simulated_noise(deep, 10, np.random.default_rng(1))).all()

@@ -171,6 +171,15 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     assert missed[1] < 0.5 * missed[0]
 
 
+def test_held_out_curves_are_those_of_the_accurate_mesh_where_a_fit_ended_on_finer_ones(study, plain):
+    """One fast model serves them, and the references with which it is compared."""
+    model = plain.joined([MECHANISMS["friction"]], scale_of(study))
+    u = np.append(plain.coordinates.scaled(middle(study)), 0.4)
+    finer = model.of_record(u).extrapolated(u)
+    (curves,) = finer.consistent(u, finer.there, finer.slopes).under(["V010"]).curves([u])
+    assert curves["V010"] == pytest.approx(on_fine_mesh(model, u, study.condition("V010")), rel=1e-6)
+
+
 def test_the_curves_at_one_lag_serve_another(tmp_path):
     """From the first sample on, where the load comes late by half of what it lasts."""
     study = loaded(tmp_path, points=100)

@@ -42,6 +42,12 @@ def test_another_tip_takes_the_old_ones_rounding_along_and_nothing_else():
     assert simulate(specification).status == "ok"
 
 
+def test_a_pyramid_is_exchanged_for_a_sphere():
+    (other,) = [test for test in proposed(Indenter.from_mapping({"shape": "berkovich"})) if test.indenter]
+    assert other.phrase.endswith("with a sphere of 10 um")
+    assert other.indenter == Indenter("sphere", radius=1e4)
+
+
 def test_a_sphere_is_exchanged_for_a_sharp_tip():
     (other,) = [test for test in proposed(Indenter("sphere", radius=1e4)) if test.indenter]
     assert other.phrase.endswith("with a Berkovich tip")

@@ -11,7 +11,7 @@ from closed_forms import MATERIAL
 from test_diagnosis import problem, recordings, search_of
 
 from palpate.diagnosis import diagnose
-from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_of, within, without_redundant
+from palpate.diagnosis.accepted import accepted_of, at_least, likeliest_of_each, verdict_of, without_redundant
 from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate
@@ -57,15 +57,16 @@ def test_one_that_leaves_more_than_noise_does_not_stand():
     assert stand([candidate("friction", 6.0, p_value=0.001), candidate("tip_angle", 4.0)]) == ["tip_angle"]
 
 
-def needed(accepted):
-    return without_redundant(accepted, accepted)
-
-
 def test_nothing_stands_where_something_far_likelier_leaves_more_than_noise():
     """Then the truth is not among those that pass; nor would it be if that had been tried before."""
     better = candidate("friction", 9.0, p_value=0.001)
     assert stand([better, candidate("tip_angle", 4.0)]) == []
     assert stand([candidate("tip_angle", 4.0)], [better]) == []
+
+
+def test_evidence_counts_from_the_best_tried_whether_that_passes_or_not():
+    best = candidate("friction", 9.0, p_value=0.001)
+    assert stand([best, candidate("tip_angle", 6.0, occam=3.0), candidate("adhesion", 2.0)]) == ["tip_angle"]
 
 
 def test_one_that_contradicts_a_law_neither_stands_nor_keeps_others_from_it():
@@ -93,15 +94,15 @@ def test_the_verdict_follows_from_how_many_stand():
 def test_a_set_around_a_smaller_one_that_stands_holds_what_does_nothing():
     wide, other = candidate("friction+adhesion", 9.0), candidate("adhesion+tip_angle", 8.0)
     narrow, apart = candidate("friction", 7.0), candidate("tip_rounding", 6.0)
-    assert needed([wide, other, narrow, apart]) == [other, narrow, apart]
-    assert needed([wide, other]) == [wide, other]
+    assert without_redundant([wide, other, narrow, apart]) == [other, narrow, apart]
+    assert without_redundant([wide, other]) == [wide, other]
 
 
 def test_what_may_be_accepted_on_finer_meshes_is_compared_there():
     """The mesh of a search leaves errors that the base model has no more; its evidence is rough."""
     best, behind = candidate("zero_offset", 80.0), candidate("tip_rounding", 74.0, p_value=0.005)
     likely, far = candidate("film_on_substrate", 60.0, occam=13.0), candidate("friction", 60.0)
-    assert named(within([best, behind, likely, far], [best], 10.0)) == [
+    assert named(at_least([best, behind, likely, far], 70.0, 70.0)) == [
         "zero_offset",
         "tip_rounding",
         "film_on_substrate",
@@ -118,12 +119,12 @@ def wide(monkeypatch):
 @pytest.mark.usefixtures("wide")
 def test_a_mechanism_is_not_needed_where_one_that_it_includes_explains_as_much():
     steady = candidate("thermal_drift", 7.0)
-    assert named(needed([candidate("wide", 8.5), steady])) == ["thermal_drift"]
-    assert named(needed([candidate("wide", 9.5), steady])) == ["wide", "thermal_drift"]
-    assert named(needed([candidate("wide+friction", 11.5), steady])) == ["thermal_drift"]
+    assert named(without_redundant([candidate("wide", 8.5), steady])) == ["thermal_drift"]
+    assert named(without_redundant([candidate("wide", 9.5), steady])) == ["wide", "thermal_drift"]
+    assert named(without_redundant([candidate("wide+friction", 11.5), steady])) == ["thermal_drift"]
     pair = candidate("thermal_drift+friction", 7.0)
-    assert named(needed([candidate("wide+friction", 8.5), pair])) == ["thermal_drift+friction"]
-    assert named(needed([candidate("wide+adhesion", 8.5), pair])) == [
+    assert named(without_redundant([candidate("wide+friction", 8.5), pair])) == ["thermal_drift+friction"]
+    assert named(without_redundant([candidate("wide+adhesion", 8.5), pair])) == [
         "wide+adhesion",
         "thermal_drift+friction",
     ]

@@ -24,14 +24,12 @@ def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) ->
     """
     best = best_evidence(tried)
     passed = best_first([candidate for candidate in found if candidate.adequate(level)])
-    likely = [candidate for candidate in passed if candidate.fit.log_evidence >= best - CLOSE]
-    return within(passed, likely, CLOSE) if likely else []
+    likely = [each.fit.log_likelihood for each in passed if each.fit.log_evidence >= best - CLOSE]
+    return at_least(passed, best - CLOSE, max(likely) - CLOSE) if likely else []
 
 
-def within(candidates: list[Candidate], accepted: list[Candidate], margin: float) -> list[Candidate]:
-    """Return the candidates whose log evidence or log-likelihood is within a margin of the best accepted ones."""
-    evidence = max(each.fit.log_evidence for each in accepted) - margin
-    likelihood = max(each.fit.log_likelihood for each in accepted) - margin
+def at_least(candidates: list[Candidate], evidence: float, likelihood: float) -> list[Candidate]:
+    """Return the candidates with at least this log evidence, or at least this log-likelihood."""
     return [each for each in candidates if each.fit.log_evidence >= evidence or each.fit.log_likelihood >= likelihood]
 
 
@@ -98,8 +96,8 @@ def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:
     return list(likeliest.values())
 
 
-def without_redundant(candidates: list[Candidate], accepted: list[Candidate]) -> list[Candidate]:
-    """Return the candidates without those of which a special case is accepted: the rest of such a set has no effect.
+def without_redundant(accepted: list[Candidate]) -> list[Candidate]:
+    """Return the accepted sets without those of which a special case is accepted: the rest of such a set has no effect.
 
     A set with as many mechanisms as its special case stays where its log evidence is larger by more than `NEEDED`,
     because the evidence has no penalty for the variance of values that differ between recordings.
@@ -111,7 +109,7 @@ def without_redundant(candidates: list[Candidate], accepted: list[Candidate]) ->
         return special and (fewer or each.log_evidence <= other.log_evidence + NEEDED)
 
     fits = [candidate.fit for candidate in accepted]
-    return [candidate for candidate in candidates if not any(redundant(candidate.fit, other) for other in fits)]
+    return [candidate for candidate in accepted if not any(redundant(candidate.fit, other) for other in fits)]
 
 
 def included_in(accepted: list[Candidate], tried: list[Candidate]) -> list[Candidate]:

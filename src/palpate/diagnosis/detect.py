@@ -35,6 +35,7 @@ from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2  # of the polynomials over segments
 LEAST_LOG_P = -700.0  # where a probability underflows
+REGULAR = 1e-9  # of the largest variance [nm^2] and one more, which makes a covariance of a few common factors regular
 
 
 def log_p(basis: np.ndarray, white: np.ndarray) -> np.ndarray:
@@ -86,8 +87,9 @@ def count_of_filters(problem: Problem, keys: Sequence[str]) -> int:
 
 def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarray:
     """Return whitened noise of the mean curves (n_all, count), the noise model drawn anew for each column."""
-    model = cholesky(fit.errors.shared + 1e-9 * np.eye(len(fit.white)), lower=True)
-    columns = model @ rng.standard_normal((len(model), count))
+    shared = fit.errors.shared
+    regular = shared + REGULAR * (1.0 + shared.diagonal().max()) * np.eye(len(shared))
+    columns = cholesky(regular, lower=True) @ rng.standard_normal((len(shared), count))
     noise = fit.errors.noise.simulated(fit.errors.components, count, rng)
     means = [part / np.sqrt(n) for part, n in zip(noise, fit.errors.counts, strict=True)]
     return fit.whiten(columns + np.concatenate(means))
@@ -107,7 +109,7 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
     draws
         Number of draws.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
+        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated.
     """
     family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
     found = max(min(float(log_p(basis, fit.white[:, None])[0]) for basis in family), LEAST_LOG_P)
@@ -142,8 +144,8 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
     """Return p-values for amplitudes that vary between replicates: likelihood ratios with the variances at their bound.
 
     The ratio of one variance is chi-square of one degree of freedom or, as often, zero; that of k is a mixture, and no
-    mixture exceeds a value more often than one of k - 1 and of k degrees, half each. A mechanism whose amplitudes have
-    the effects of those of the explanation is left out.
+    mixture exceeds a value more often than one of k - 1 and of k degrees, half each. A mechanism of the explanation,
+    and one whose amplitudes have the effects of those, is left out.
 
     Source: S.G. Self and K.-Y. Liang, J. Am. Stat. Assoc. 82 (1987) 605-610, case 5.
     """
@@ -151,7 +153,7 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
         return []
     problem, found = fit.problem, []
     present = [problem.unit_effects(amplitude) for amplitude in fit.own]
-    for key in [key for key in keys if MECHANISMS[key].varies]:
+    for key in [key for key in keys if MECHANISMS[key].varies and key not in fit.explanation]:
         columns = {amplitude: problem.unit_effects(amplitude) for amplitude in problem.typical(key)}
         more = [a for a, column in columns.items() if not any(np.allclose(column, other) for other in present)]
         if more:

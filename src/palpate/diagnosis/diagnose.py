@@ -10,6 +10,7 @@ import numpy as np
 from palpate.diagnosis.accepted import (
     CLOSE,
     accepted_of,
+    at_least,
     best_first,
     closest_first,
     included_in,
@@ -17,7 +18,6 @@ from palpate.diagnosis.accepted import (
     likeliest_of_each,
     may_be_named,
     verdict_of,
-    within,
     without_redundant,
     zero_on_average,
 )
@@ -63,14 +63,14 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     The base model is tested first. If it fails, mechanisms are added to it one by one, those with the largest
     optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
     tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
-    tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, the
-    likeliest is fitted to its end and tested once more, see `Search.finished`. So are the accepted ones and those that
-    come close to them, before they are compared. As long as none is accepted, sets with one mechanism more are tried in
-    the same way, up to the study's ``diagnosis.largest_set``. Larger sets than the
-    accepted ones are fitted where their optimistic log evidence is far larger; those that hold a special case of an
-    accepted mechanism in its place, also where it is about as large. One that contradicts an exact law is never
-    accepted. A single accepted explanation is identified where the recordings suffice, see `may_be_named` and
-    `zero_on_average`; else it is suspected.
+    tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, but the
+    likeliest leaves no more than noise and the error of the mesh may leave, that is fitted to its end and tested once
+    more, see `Search.finished`. So are the accepted ones and those that come close to them, before they are compared.
+    As long as none is accepted, sets with one mechanism more are tried in the same way, up to the study's
+    ``diagnosis.largest_set``. Larger sets than the accepted ones are fitted where their optimistic log evidence is far
+    larger; those that hold a special case of an accepted mechanism in its place, also where it is about as large. One
+    that contradicts an exact law is never accepted. A single accepted explanation is identified where the recordings
+    suffice, see `may_be_named` and `zero_on_average`; else it is suspected.
     """
     level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
@@ -111,7 +111,7 @@ def _accepted(
         found = _fitted(side_by_side, found, most, failed, report)
         if found and not any(each.adequate(level) for each in found) and search.explains(found[0].fit):
             found = best_first([*_finished(search, found[:1], report), *found[1:]])
-        tried = best_first(found + tried)
+        tried = likeliest_of_each(found + tried)
         if accepted := accepted_of(found, tried, level):
             special = _special_cases(search, accepted[0], tried, report)
             larger = _larger(side_by_side, accepted, special, tried, failed, report) if number + 1 < largest else []
@@ -121,11 +121,12 @@ def _accepted(
             finished = _finished(search, compared, report)
             tried = likeliest_of_each([*finished, *(each for each in tried if each not in compared)])
             if accepted := accepted_of(finished, finished, level):
-                return without_redundant(accepted, accepted), tried
+                return without_redundant(accepted), tried
             found = [each for each in tried if len(each.fit.explanation) == number + 1]
     closest, *others = closest_first(tried)
     tried = closest_first([*_finished(search, [closest], report), *others])
-    return accepted_of(tried[:1], tried, level), tried
+    accepted = accepted_of(tried[:1], tried, level)
+    return accepted, best_first(tried) if accepted else tried
 
 
 def _larger(
@@ -156,12 +157,15 @@ def _larger(
 def _compared(search: Search, accepted: list[Candidate], tried: list[Candidate]) -> list[Candidate]:
     """Return the explanations that are compared on finer meshes: those accepted, and others that may be there.
 
-    On the mesh of a search they leave up to half of the error that the base model has no more.
+    The base model rests on finer meshes already. The others were fitted on the mesh of the search, which leaves up to
+    half of its error beside some mechanisms, so that their evidence is rough.
     """
     if not accepted:
         return []
     possible = [each for each in tried if each in accepted or (search.explains(each.fit) and not each.contradicts)]
-    return without_redundant(within(possible, accepted, search.policy.behind_adequate), accepted)
+    evidence = max(each.fit.log_evidence for each in accepted) - search.policy.behind_adequate
+    likelihood = max(each.fit.log_likelihood for each in accepted) - search.policy.behind_adequate
+    return at_least(possible, evidence, likelihood)
 
 
 def _finished(search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]) -> list[Candidate]:

@@ -47,8 +47,8 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
     count, messages = len(problem.conditions), []
     if not problem.replicated:
         messages.append(
-            "Most conditions have no replicates: scatter between sites and slow drift are assumed, not measured, so no "
-            "effect is identified."
+            "At most half of the conditions have replicates: scatter between sites and slow drift are assumed, not "
+            "measured, so no effect is identified."
         )
     elif len(problem.repeated) < count:
         messages.append("Some conditions have no replicates: their noise is taken from the others.")

@@ -60,20 +60,22 @@ class Residuals:
         return value, float(2 * student.sf(abs(value) / np.sqrt(variance), free))
 
     def located(self) -> list[dict[str, Any]]:
-        """Return the mean residual (recorded less simulated) of each part of the tests, the most certain first.
+        """Return the mean residual (recorded less simulated depth) of each part of the tests, the most certain first.
 
+        Of a test whose loads are recorded it is the depth under the same load: a larger load means a smaller one.
         The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
         """
         fit, first = self.fit, 0
         rows: list[dict[str, Any]] = []
         p_values = []
         for condition in fit.problem.conditions:
+            sign = np.sign(fit.problem.shares[condition.name])
             for name, where in segments(condition.protocol).items():
                 places = first + np.flatnonzero(where)
                 half = (len(places) + 1) // 2
                 for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
                     weights = np.zeros(len(fit.residual))
-                    weights[chosen] = 1.0 / len(chosen)
+                    weights[chosen] = sign / len(chosen)
                     mean, p_value = self.weighted(weights)
                     rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
                     p_values.append(p_value)

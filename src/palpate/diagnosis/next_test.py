@@ -75,9 +75,9 @@ def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[F
 
 
 def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
-    """Return the test with a sphere in place of a cone, or the other way round."""
-    if indenter.half_angle or indenter.area:
-        other = replace(indenter, shape="sphere", half_angle=0.0, area=(), radius=SPHERE)
+    """Return the test with a sphere in place of another tip, or with a Berkovich tip in place of a sphere."""
+    if indenter.shape != "sphere":
+        other = replace(indenter, shape="sphere", half_angle=0.0, face_angle=0.0, area=(), radius=SPHERE)
         phrase, size = f"{test.phrase} with a sphere of {1e-3 * SPHERE:g} um", {"radius": SPHERE}
     else:
         other = replace(indenter, shape="cone", half_angle=BERKOVICH, radius=0.0)

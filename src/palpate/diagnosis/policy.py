@@ -14,8 +14,9 @@ class SearchPolicy:
     behind_best
         By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
     behind_adequate
-        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which both are
-        accepted. Those within it are compared on finer meshes: in a case of the blind trial the truth gained 6.5 there.
+        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which explanations
+        are accepted beside each other. Those within `behind_adequate` are compared on finer meshes: in a case of the
+        blind trial the truth gained 6.5 there.
     behind_set
         The same of special cases behind an accepted set. A name too many is the worst error, and what follows to first
         order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to lie 150 behind.

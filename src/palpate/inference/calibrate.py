@@ -36,7 +36,8 @@ class CalibrationSettings:
     aggregated
         Search for the least sum of all objectives instead of the Pareto front with one objective a condition.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where no condition has replicates [-].
+        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated
+        [-].
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
         `palpate.inference.solver_error.model_covariance` says where the default comes from.

@@ -157,7 +157,7 @@ def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: 
 def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:
     """Fit the noise where recordings have some amplitudes of their `own`.
 
-    Where most conditions are not repeated a `residual` (n_all,) [nm] serves.
+    Where at most half of the conditions are repeated a `residual` (n_all,) [nm] serves.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray,
     residual : ndarray, shape (n_all,)
         Of a fit [nm].
     site_scatter
-        Assumed scatter between sites, where most conditions have no replicates [-].
+        Assumed scatter between sites, where at most half of the conditions are repeated [-].
     """
     if problem.replicated:
         found = noise_between_replicates(problem, own, site_scatter)

@@ -70,7 +70,3 @@ class Curvature:
         beside = off - 0.5 * within @ self.axes.T
         bent = [within[:, number, None] * beside for number in range(len(self.bends))]
         return np.column_stack([np.ones(len(z)), off, *bent])
-
-    def curves(self, z: np.ndarray) -> np.ndarray:
-        """Return the curves (p, n_all) at coordinates z (p, k) [nm]."""
-        return self.features(z) @ self.columns.T

@@ -161,17 +161,25 @@ class Fit:
     def posterior(self) -> np.ndarray:
         """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand.
 
-        Where the fit leaves more than the errors, the information of curves and laws is divided by the misfit ratio
+        Where the fit leaves more than the errors, the information of the curves is divided by the misfit ratio
         (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
         """
-        information = self.information / max(self.misfit_ratio, 1.0)
+        information = self._information_of_curves / max(self.misfit_ratio, 1.0) + self._information_of_laws
         return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
     def information(self) -> np.ndarray:
         """Fisher information (k, k) of curves and laws about the coordinates, to first order."""
+        return self._information_of_curves + self._information_of_laws
+
+    @cached_property
+    def _information_of_curves(self) -> np.ndarray:
         white = self.whiten(self.tangent)
-        return white.T @ white + self.law_tangent.T @ self.law_tangent
+        return white.T @ white
+
+    @property
+    def _information_of_laws(self) -> np.ndarray:
+        return self.law_tangent.T @ self.law_tangent
 
     @cached_property
     def log_evidence(self) -> float:

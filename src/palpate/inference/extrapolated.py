@@ -106,21 +106,22 @@ class Extrapolated:
         PalpateError
             When the fast model fails there.
         """
-        record, references = self.record, dict(self.record.references)
+        record = self.record
         few, keep = record.full.thinned()
         (found,) = few.of_accuracy(0).tangents([u])
         if isinstance(found, str):
             raise PalpateError(found)
+        every = record.held_out(u)
         for condition in record.full.conditions:
             name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
             added, own = record.added(u, condition), record.added_slopes(u, condition)
             rest = rest_of(self.references[name].fast, self.rest[name], time, kept)
-            changed = references[name].changed if name in references else np.zeros(len(time))
+            changed = record.refinements.get(name, np.zeros(len(time)))
             reference = Reference(curves[name] - added, found[0][name] - added[kept], kept, changed, rest=rest)
             steeper = slopes[name] - own - reference.carried(found[1][name] - own[kept], condition.protocol)
-            references[name] = replace(reference, steeper=steeper)
+            every[name] = replace(reference, steeper=steeper)
         acting = record.full.mechanisms
-        return replace(record, references=references, place=u, acting=acting, all_sectors=True)
+        return replace(record, references=every, place=u, acting=acting, all_sectors=True)
 
     def _response(self, u: np.ndarray, few: Curves) -> dict[str, np.ndarray]:
         """Return the response (n_points,) at coordinates u (k,) of which these are the body's curves (n_kept,)."""

@@ -40,7 +40,7 @@ class Fitter:
     problem
         The recordings, and a forward model: from the first fit of the base model on that of record, near that fit.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where no replicates give it [-].
+        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated.
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-].
     policy

@@ -74,16 +74,7 @@ class SpaceMapped:
         That is a finer mesh or, where that fails, the study's; or the pyramid in place of the equivalent cone, of which
         few samples are simulated. A condition under which a model fails there has none.
         """
-        every, references, known = _under_every(full), {}, float(full.study.indenter.of_revolution)
-        few, keep = every.thinned()
-        fast, study = bodies(few, u), bodies(few.of_accuracy(0), u)
-        accurate = _accurate(every, study, u)
-        for condition in every.conditions:
-            name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
-            if name in fast and name in study and name in accurate:
-                changed = known * np.interp(time, time[kept], accurate[name][kept] - study[name])
-                references[name] = Reference(accurate[name], fast[name], kept, changed)
-        return cls(full, references, u, full.mechanisms)
+        return cls(full, _references(_under_every(full), u), u, full.mechanisms)
 
     @property
     def coordinates(self) -> Coordinates:
@@ -125,6 +116,17 @@ class SpaceMapped:
         if not any(mechanism.acts_on_body for mechanism in joined) and self._change(u) < near:
             return self
         return SpaceMapped.of(self.full, u).with_rest({name: each.rest for name, each in self.references.items()})
+
+    def held_out(self, u: np.ndarray) -> dict[str, Reference]:
+        """Return references at coordinates u (k,) under the study's other conditions, of a mesh with all sectors.
+
+        What finer meshes add is the same part of the depth as in this model.
+        """
+        own = {condition.name for condition in self._conditions}
+        others = [condition for condition in self.full.study.conditions if condition.name not in own]
+        found = _references(replace(self.full, conditions=others), u, all_sectors=True) if others else {}
+        rest = {name: each.rest for name, each in self.references.items()}
+        return {name: each.with_rest(rest.get(name, 0.0)) for name, each in found.items()}
 
     def _change(self, u: np.ndarray) -> float:
         """Return by how much the body's curves at coordinates u (k,) differ from those of the references [-]."""
@@ -243,6 +245,20 @@ class SpaceMapped:
 def _under_every(full: FiniteElements) -> FiniteElements:
     """Return the same under every condition of the study, those that are held out among them."""
     return replace(full, conditions=full.study.conditions)
+
+
+def _references(full: FiniteElements, u: np.ndarray, all_sectors: bool = False) -> dict[str, Reference]:
+    """Return references at coordinates u (k,) under each condition, where both models succeed."""
+    few, keep = full.thinned()
+    study = bodies(few.of_accuracy(0), u)
+    fast = study if all_sectors else bodies(few, u)
+    accurate, found, known = _accurate(full, study, u), {}, float(full.study.indenter.of_revolution)
+    for condition in full.conditions:
+        name, time, kept = condition.name, condition.protocol.sample_time, keep[condition.name]
+        if name in fast and name in study and name in accurate:
+            changed = known * np.interp(time, time[kept], accurate[name][kept] - study[name])
+            found[name] = Reference(accurate[name], fast[name], kept, changed)
+    return found
 
 
 def _accurate(full: FiniteElements, study: Mapping[str, np.ndarray], u: np.ndarray) -> dict[str, np.ndarray]:

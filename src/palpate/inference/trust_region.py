@@ -140,6 +140,7 @@ def gauss_newton(
         end = steps.end(LARGEST_STEP)
         predicted = steps.predicted_decrease(end)
         if predicted < first_order:
+            way.converged = True
             if predicted >= tolerance:
                 way.move(end, way.predicted(end))
             break
