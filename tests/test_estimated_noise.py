@@ -55,6 +55,12 @@ def test_the_interval_of_a_mean_of_equal_sites_is_students():
     assert widening(fit) == pytest.approx([student.isf(0.025, 16) / norm.isf(0.025)], rel=1e-4)
 
 
+def test_what_only_the_prior_limits_is_not_widened():
+    fit = points(np.full(8, 1e-6), np.full(8, 16.0), [3] * 8, site=0.01, site_freedom=16)
+    fit.z, fit.tangent, fit.information = np.zeros(1), np.zeros((8, 1)), np.zeros((1, 1))
+    assert widening(fit) == pytest.approx([1.0])
+
+
 def test_a_mean_of_unequal_tests_is_as_uncertain_as_meier_found():
     """P. Meier, Biometrics 9 (1953) 59-73: V (1 + 4 sum p (1 - p) / f); freedom by B.L. Welch, 1 / sum p^2 / f."""
     sigma, freedom, counts = np.array([1.0, 1.5]), np.array([20.0, 12.0]), np.array([21, 13])

@@ -63,8 +63,12 @@ def freedom(fit: Fit, weights: np.ndarray, variance: float) -> float:
 
 
 def _satterthwaite(variance: float, by_estimates: np.ndarray, uncertain: np.ndarray) -> float:
-    """Return the degrees of freedom of a variance, from its slopes (p,) by estimates with an `uncertain` (p, p)."""
-    return 2.0 * variance**2 / float(by_estimates @ uncertain @ by_estimates)
+    """Return the degrees of freedom of a variance, from its slopes (p,) by estimates with an `uncertain` (p, p).
+
+    That of a coefficient about which the curves say nothing is the prior's, which is known.
+    """
+    spread = float(by_estimates @ uncertain @ by_estimates)
+    return 2.0 * variance**2 / spread if spread > 0.0 else np.inf
 
 
 def uncertainty(noise: NoiseModel) -> np.ndarray:
