@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import expit, logit
-from scipy.stats import norm
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
@@ -15,7 +14,7 @@ from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.undetected import undetected_effects
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.covariance import Errors
-from palpate.inference.estimated_noise import adjusted, freedom, widening
+from palpate.inference.estimated_noise import adjusted, freedom
 from palpate.inference.noise import NoiseModel
 
 
@@ -46,19 +45,6 @@ def test_a_mean_of_equal_sites_has_the_freedom_of_their_scatter():
     """Three recordings of eight tests: the weights do not depend on the scatter, and Student's law is exact."""
     sites = mean_of(np.full(8, 1e-6), np.full(8, 16.0), [3] * 8, site=0.01, site_freedom=16)
     assert sites == pytest.approx((0.01**2 / 24, 0.01**2 / 24, 16.0), rel=1e-6)
-
-
-def test_the_interval_of_a_mean_of_equal_sites_is_students():
-    fit = points(np.full(8, 1e-6), np.full(8, 16.0), [3] * 8, site=0.01, site_freedom=16)
-    fit.z, fit.tangent = np.zeros(1), np.ones((8, 1))
-    fit.information = fit.whiten(fit.tangent).T @ fit.whiten(fit.tangent)
-    assert widening(fit) == pytest.approx([student.isf(0.025, 16) / norm.isf(0.025)], rel=1e-4)
-
-
-def test_what_only_the_prior_limits_is_not_widened():
-    fit = points(np.full(8, 1e-6), np.full(8, 16.0), [3] * 8, site=0.01, site_freedom=16)
-    fit.z, fit.tangent, fit.information = np.zeros(1), np.zeros((8, 1)), np.zeros((1, 1))
-    assert widening(fit) == pytest.approx([1.0])
 
 
 def test_a_mean_of_unequal_tests_is_as_uncertain_as_meier_found():

@@ -6,7 +6,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from palpate.diagnosis.search import Candidate
-from palpate.inference.estimated_noise import widening
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
@@ -55,15 +54,15 @@ def may_be_named(problem: Problem, explanation: Explanation) -> bool:
 def zero_on_average(fit: Fit) -> list[str]:
     """Return the instrument's effects of an explanation whose mean amplitudes do not differ from zero at 95 %.
 
-    With their values a and covariance V, widened for a noise that is estimated, a^T V^-1 a is then below the quantile
-    of chi-square. They explain that single recordings differ, which chance or another law may cause, too.
+    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. They explain that single
+    recordings differ, which chance or another law may cause, too.
     """
     undecided, problem = [], fit.problem
     for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
         names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
         places = [problem.place(fit.explanation, name) for name in names]
         values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])
-        steps = values / slopes / widening(fit)[places]
+        steps = values / slopes
         if steps @ np.linalg.solve(fit.posterior[np.ix_(places, places)], steps) <= chi2.ppf(0.95, len(names)):
             undecided.append(key)
     return undecided

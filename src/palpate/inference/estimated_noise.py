@@ -1,13 +1,13 @@
-r"""The correction of intervals for a noise that is estimated, not known.
+r"""The correction of an amplitude's interval for a noise that is estimated, not known.
 
-Generalised least squares gives a coefficient :math:`w^T r` of the residual r, with the variance V, as if the covariance
+Generalised least squares gives an amplitude :math:`w^T r` of the residual r, with the variance V, as if the covariance
 C(theta) of the curves were known. But the weights w depend on the estimate of theta, and so does V. To first order in
 the errors of theta, with their covariance T, C_i = dC/dtheta_i and P = C^-1 projected off the fitted parameters,
 
     V_adjusted = V + 2 sum_ij T_ij w' C_i P C_j w
     freedom    = 2 V^2 / sum_ij T_ij (w' C_i w) (w' C_j w)
 
-and the coefficient has Student's distribution (M.G. Kenward and J.H. Roger, Biometrics 53 (1997) 983-997; for a single
+and the amplitude has Student's distribution (M.G. Kenward and J.H. Roger, Biometrics 53 (1997) 983-997; for a single
 coefficient the freedom is Satterthwaite's). The errors of simulated curves count as known.
 
 The mean residual of a part of a test has the same degrees of freedom. Its variance needs no correction: to the order
@@ -18,19 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import cho_solve
-from scipy.stats import norm
-from scipy.stats import t as student
 
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import Fit
 from palpate.inference.noise import FURTHEST, NoiseModel
-
-
-def widening(fit: Fit) -> np.ndarray:
-    """Return how many times as wide the 95 % interval of each coordinate (k,) is as if the noise were known."""
-    covariance = np.linalg.inv(fit.information + np.eye(len(fit.z)) / PRIOR_VARIANCE)
-    found = [adjusted(fit, fit.tangent, covariance, place) for place in range(len(fit.z))]
-    variances, freedoms = np.transpose(found)
-    return student.isf(0.025, freedoms) / norm.isf(0.025) * np.sqrt(variances / np.diag(covariance))
 
 
 def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -> tuple[float, float]:
@@ -63,12 +53,8 @@ def freedom(fit: Fit, weights: np.ndarray, variance: float) -> float:
 
 
 def _satterthwaite(variance: float, by_estimates: np.ndarray, uncertain: np.ndarray) -> float:
-    """Return the degrees of freedom of a variance, from its slopes (p,) by estimates with an `uncertain` (p, p).
-
-    That of a coefficient about which the curves say nothing is the prior's, which is known.
-    """
-    spread = float(by_estimates @ uncertain @ by_estimates)
-    return 2.0 * variance**2 / spread if spread > 0.0 else np.inf
+    """Return the degrees of freedom of a variance, from its slopes (p,) by estimates with an `uncertain` (p, p)."""
+    return 2.0 * variance**2 / float(by_estimates @ uncertain @ by_estimates)
 
 
 def uncertainty(noise: NoiseModel) -> np.ndarray:

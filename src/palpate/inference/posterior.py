@@ -3,8 +3,7 @@
 Where the data hardly determine a parameter the posterior is not Gaussian, and an interval from the linearisation at the
 best point misses the truth. The ensemble sampler (Foreman-Mackey et al., PASP 125 (2013) 306-312) follows its shape;
 its walkers move by differences of one another (ter Braak & Vrugt, Stat. Comput. 18 (2008) 435-446). The prior is that
-of `palpate.inference.coordinates`. Draws are spread by as much as intervals widen because the noise is estimated, too,
-see `palpate.inference.estimated_noise`.
+of `palpate.inference.coordinates`.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import emcee
 import numpy as np
 
 from palpate.inference.curvature import Curvature
-from palpate.inference.estimated_noise import widening
 from palpate.inference.explanation import Fit
 
 WALKERS_PER_DIMENSION = 6
@@ -50,15 +48,12 @@ def posterior_draws(fit: Fit, rng: np.random.Generator) -> np.ndarray:
 
     start = rng.multivariate_normal(fit.z, fit.posterior, size=walkers, method="svd")
     room = INSIDE * rng.uniform(size=start.shape)
-    draws = sampled(log_probability, np.clip(start, least + room, largest - room), rng)
-    middle = np.median(draws, axis=0)
-    return np.clip(middle + widening(fit) * (draws - middle), least, largest)
+    return sampled(log_probability, np.clip(start, least + room, largest - room), rng)
 
 
 def draws_to_first_order(fit: Fit, rng: np.random.Generator) -> np.ndarray:
     """Return draws (m, k) of the coordinates of an explanation that is not accepted, from linearised curves."""
-    draws = rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd")
-    return fit.z + widening(fit) * (draws - fit.z)
+    return rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd")
 
 
 def sampled(
