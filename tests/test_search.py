@@ -11,8 +11,8 @@ from closed_forms import MATERIAL
 from test_diagnosis import problem, recordings, search_of
 
 from palpate.diagnosis import diagnose
-from palpate.diagnosis.accepted import accepted_of, at_least, likeliest_of_each, verdict_of, without_redundant
-from palpate.diagnosis.diagnose import _fitted, _prospects, _special_cases
+from palpate.diagnosis.accepted import accepted_of, likeliest_of_each, verdict_of, without_redundant
+from palpate.diagnosis.diagnose import _compared, _fitted, _prospects, _special_cases
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Candidate
 from palpate.diagnosis.side_by_side import Prospect, SideBySide
@@ -102,7 +102,8 @@ def test_what_may_be_accepted_on_finer_meshes_is_compared_there():
     """The mesh of a search leaves errors that the base model has no more; its evidence is rough."""
     best, behind = candidate("zero_offset", 80.0), candidate("tip_rounding", 74.0, p_value=0.005)
     likely, far = candidate("film_on_substrate", 60.0, occam=13.0), candidate("friction", 60.0)
-    assert named(at_least([best, behind, likely, far], 70.0, 70.0)) == [
+    search = SimpleNamespace(policy=replace(POLICY, behind_adequate=10.0), explains=lambda fit: True)
+    assert named(_compared(search, [best], [best, behind, likely, far])) == [
         "zero_offset",
         "tip_rounding",
         "film_on_substrate",

@@ -45,8 +45,8 @@ def verdict_of(accepted: list[Candidate]) -> tuple[str, list[float]]:
 def may_be_named(problem: Problem, explanation: Explanation) -> bool:
     """Return whether the recordings suffice to name the single explanation that is accepted.
 
-    Where most conditions have no replicates, part of the noise is assumed. A single condition determines a curve, not a
-    law: a law outside the library may change that curve as an effect on the body does.
+    Where at most half of the conditions are repeated, part of the noise is assumed. A single condition determines a
+    curve, not a law: a law outside the library may change that curve as an effect on the body does.
     """
     return problem.replicated and (of_instrument(explanation) or len(problem.conditions) > 1)
 

@@ -35,7 +35,7 @@ from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2  # of the polynomials over segments
 LEAST_LOG_P = -700.0  # where a probability underflows
-REGULAR = 1e-9  # of the largest variance [nm^2] and one more, which makes a covariance of a few common factors regular
+REGULAR = 1e-9  # of the largest variance and 1 nm^2, added to each: a covariance of few common factors is singular
 
 
 def log_p(basis: np.ndarray, white: np.ndarray) -> np.ndarray:
@@ -109,7 +109,7 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
     draws
         Number of draws.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated.
+        Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     """
     family, noise = filters(fit, screen), simulated_noise(fit, draws, rng)
     found = max(min(float(log_p(basis, fit.white[:, None])[0]) for basis in family), LEAST_LOG_P)

@@ -36,8 +36,7 @@ class CalibrationSettings:
     aggregated
         Search for the least sum of all objectives instead of the Pareto front with one objective a condition.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated
-        [-].
+        Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
         `palpate.inference.solver_error.model_covariance` says where the default comes from.

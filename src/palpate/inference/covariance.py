@@ -148,7 +148,7 @@ def components_under(
 
 
 def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
-    """Return the variances that count where most conditions are not repeated; of a plausible range, a tenth."""
+    """Return the variances that count where at most half are repeated; of a plausible range, a tenth."""
     assumed = {"site": site_scatter**2, "random_walk": ASSUMED_RANDOM_WALK**2}
     assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
     return assumed | {str(amplitude): (0.1 * problem.largest(amplitude)) ** 2 for amplitude in own}
@@ -166,7 +166,7 @@ def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray,
     residual : ndarray, shape (n_all,)
         Of a fit [nm].
     site_scatter
-        Assumed scatter between sites, where at most half of the conditions are repeated [-].
+        Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     """
     if problem.replicated:
         found = noise_between_replicates(problem, own, site_scatter)

@@ -40,7 +40,7 @@ class Fitter:
     problem
         The recordings, and a forward model: from the first fit of the base model on that of record, near that fit.
     site_scatter
-        Assumed standard deviation of the depth factor between sites, where at most half of the conditions are repeated.
+        Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-].
     policy
@@ -219,7 +219,7 @@ class Fitter:
         return errors(self.problem, model, own, depth, self._noise[own], self.solver_error, effects)
 
     def use_residual_as_noise(self, residual: np.ndarray) -> None:
-        """Take a residual (n_all,) [nm] for noise where most conditions are not repeated."""
+        """Take a residual (n_all,) [nm] for noise where at most half of the conditions are repeated."""
         self._residual_as_noise, self._noise = residual, {}
 
     def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
