@@ -100,6 +100,11 @@ def test_bad_yaml(tmp_path, refused, command, text, words):
             {"reference": {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [-24.5], "uncertainty": 0.02}},
             "diagnosis.reference.area: the area is not positive",
         ),
+        (
+            "diagnosis",
+            {"reference": {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [24.5e-6], "uncertainty": 0.02}},
+            "diagnosis.reference.area: area at 1e+04 nm is that of a cone of half-angle 0.16 degrees",
+        ),
         ("surrogate", {"shape": 50.0}, "surrogate: the multiquadric interpolation system with shape 50 has condition"),
         ("calibration", {"population": 202}, "calibration.subpopulations: population 202 cannot be split into 4"),
     ],
@@ -190,7 +195,9 @@ def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
     assert "A_1.csv is" not in said
 
 
-@pytest.mark.parametrize("folder", ["mine", ".", "results", "results/trial", "results/trial/lab"])
+@pytest.mark.parametrize(
+    "folder", ["mine", ".", "results", "results/trial", "results/trial/lab", "results/x/recordings/y"]
+)
 @pytest.mark.parametrize("writer", ["laboratory", "source"])
 def test_a_folder_of_the_user_s_is_not_given_to_the_workflow_to_empty(tmp_path, monkeypatch, refused, writer, folder):
     """Before it writes a set of recordings, Snakemake removes the folder with all that stands there."""
@@ -208,16 +215,42 @@ def test_a_folder_of_the_user_s_is_not_given_to_the_workflow_to_empty(tmp_path, 
     assert "study.yaml, recordings.lab: the workflow writes this set, and would empty" in refused("check", "study.yaml")
 
 
-def test_two_sets_that_the_workflow_writes_do_not_share_a_folder(tmp_path, monkeypatch, refused):
+@pytest.mark.parametrize("below", [".", "inner"])
+@pytest.mark.parametrize("written", [["lab", "other"], ["lab"]])
+def test_a_set_does_not_lie_in_a_folder_that_the_workflow_writes(tmp_path, monkeypatch, refused, written, below):
     monkeypatch.chdir(tmp_path)
     study = yaml.safe_load(CHALLENGE.read_text())
     truth = {"parameters": {name: levels[0] for name, levels in study["parameters"].items()}}
     folder = f"results/{study['study']}/recordings/lab"
-    shared = {"laboratory": {"lab": truth, "other": truth}, "recordings": {"lab": folder, "other": folder}}
+    sets = {"lab": folder, "other": f"{folder}/{below}"}
+    shared = {"laboratory": dict.fromkeys(written, truth), "recordings": sets}
     Path("study.yaml").write_text(yaml.safe_dump(study | shared))
-    assert "study.yaml, recordings.other: the workflow writes this set and lab into one folder" in refused(
-        "check", "study.yaml"
-    )
+    assert "study.yaml, recordings.other: it lies in the folder of lab" in refused("check", "study.yaml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"recordings": {"lab": "{lab}"}}, "recordings.lab: {lab} has braces, which are wildcards"),
+        ({"diagnosis": {"ranges": {"tip_angle": {}}}}, "diagnosis.ranges.tip_angle: 0 entries are given, expected 1"),
+        ({"calibration": {"objective": "relative"}}, "calibration.objective: the mean curve of A is not positive at"),
+        (
+            {"diagnosis": {"reference": {
+                "youngs_modulus": 3, "poisson_ratio": 0.3, "area": [24.5], "uncertainty": 0.02,
+            }}},
+            "diagnosis.reference: unloading has",
+        ),
+    ],
+)  # fmt: skip
+def test_what_would_stop_the_workflow_is_found_by_check(tmp_path, monkeypatch, refused, changes, words):
+    """The test recovers all of its depth, and its unloading has two points."""
+    monkeypatch.chdir(tmp_path)
+    time = np.append(np.linspace(0.0, 30.0, 81), [45.0, 60.0])
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    Path("mine").mkdir()
+    Recording(time, load, 400.0 * np.sqrt(load)).write("mine/A_1.csv")
+    Path("study.yaml").write_text(yaml.safe_dump(ELASTIC | {"recordings": {"lab": "mine"}} | changes))
+    assert f"study.yaml, {words}" in refused("check", "study.yaml")
 
 
 def test_output_that_cannot_be_written(tmp_path, refused):

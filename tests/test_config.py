@@ -37,6 +37,7 @@ REFERENCE = (Path(__file__).parents[1] / "docs/study.md").read_text()
 CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
+SILICA = {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [24.5], "uncertainty": 0.02}
 
 
 def load(folder, **changes):
@@ -115,6 +116,45 @@ def test_defaults_and_order(tmp_path):
         ({"surrogate": {"energy": 0.99, "n_modes": 5}}, "surrogate.energy", "keep one"),
         ({"indenter": STUDY["indenter"] | {"poisson_ratio": 0.07}}, "indenter.poisson_ratio", "add its modulus"),
         ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
+        ({"calibration": {"solver_error": 0.3}}, "calibration.solver_error", "0.2 or less; give a ratio"),
+        ({"calibration": {"site_scatter": 5}}, "calibration.site_scatter", "0.5 or less; give a ratio"),
+        (
+            LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "site_scatter": 1}}},
+            "laboratory.lab.site_scatter",
+            "give a ratio",
+        ),
+        (
+            LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH | {"poisson_ratio": 0.3}}}},
+            "lab.parameters.poisson_ratio",
+            "is 0.34 under material",
+        ),
+        (
+            LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH}}, "source": SOURCE | {"file": __file__}},
+            "laboratory.lab",
+            "converted from the vendor's file, too",
+        ),
+        (
+            {"diagnosis": {"reference": SILICA | {"youngs_modulus": 72e9}}},
+            "diagnosis.reference.youngs_modulus",
+            "2000 or less; give it in GPa",
+        ),
+        (
+            {"diagnosis": {"reference": SILICA}, "conditions": [{"name": "z", "drive": "displacement"}]},
+            "diagnosis.reference",
+            "fitted tests under load control",
+        ),
+        ({"indenter": {"shape": "area_function", "area": [2.45e-5]}}, "indenter.area", "0.16 degrees, expected 20 to"),
+        (
+            {"conditions": [CONDITION, CONDITION | {"name": "P2"}], "condition_sets": {"all": ["P1_T30"]}},
+            "condition_sets.all",
+            "'P2' has the role calibrate",
+        ),
+        ({"parameters": STUDY["parameters"] | {"youngs_modulus": [1, 5, 3, 2]}}, "youngs_modulus", "with a point"),
+        ({"diagnosis": {"enabled": False, "mechanisms": ["xx"]}}, "diagnosis.mechanisms", "'xx' is not known"),
+        ({"challenge": {"mechanisms": ["thermal_drfit"]}}, "challenge.mechanisms", "'thermal_drfit' is not known"),
+        ({"challenge": {"mechanisms": ["friction"]}}, "challenge.mechanisms", "name more, or give two: 0"),
+        ({"recordings": {"receipt.json": "x"}}, "recordings", "another name"),
+        ({"recordings": {1: "x"}}, "recordings", "the key 1 is no text; put it in quotes"),
     ],
 )
 def test_a_bad_study_is_refused_with_place_and_remedy(tmp_path, change, place, words):
@@ -138,10 +178,32 @@ def test_numbers_may_be_written_as_everywhere_else(tmp_path):
     """PyYAML follows YAML 1.1, to which 1e1 is a word."""
     file = tmp_path / "study.yaml"
     text = yaml.safe_dump(STUDY, default_flow_style=None, sort_keys=False)
-    file.write_text(text.replace("[3.0, 3.5]", "[1e1, 2E+1, 2.5e0, .5e2, 4.e-1]").replace("70.3", "7e1"))
+    file.write_text(text.replace("[3.0, 3.5]", "[4.e-1, 2.5e0, 1e1, 2E+1, .5e2]").replace("70.3", "7e1"))
     study = load_study(file)
-    assert study.levels["youngs_modulus"] == (10.0, 20.0, 2.5, 50.0, 0.4)
+    assert study.levels["youngs_modulus"] == (0.4, 2.5, 10.0, 20.0, 50.0)
     assert study.indenter.half_angle == 70.0
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ("loading_time: 030", "line 2: .*030 is not read as a decimal number"),
+        ("loading_time: 1:30", "1:30 is not read as"),
+        ("no: 3", "key 'no' is read as no text"),
+        ("~: 3", "key '~' is read as no text"),
+    ],
+)
+def test_what_yaml_would_read_as_something_else_is_refused(tmp_path, written, words):
+    (tmp_path / "study.yaml").write_text(f"study: s\n{written}\n")
+    with pytest.raises(InputError, match=words):
+        load_study(tmp_path / "study.yaml")
+
+
+def test_tests_may_be_named_by_their_numbers(tmp_path):
+    (tmp_path / "vendor.txt").write_text("")
+    contact = {1: 80.0, 3: 850.0}
+    given = SOURCE | {"file": str(tmp_path / "vendor.txt"), "contact": contact}
+    assert load(tmp_path, source=given, recordings={"lab": "x"}).source["contact"] == contact
 
 
 def tables(rule, name=""):

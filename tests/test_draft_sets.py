@@ -73,7 +73,7 @@ def test_files_of_known_formats_are_drafted_beside_tables(capsys):
     assert "5 of P2_T20" in told.out
     assert "set/good_1.csv, good_1: lacks the columns named, and is read as palpate" in told.err
     assert "set/unread.txt: has the columns t [s], P [uN], h [nm], but no row with a number in each" in told.err
-    assert "set/table_2.txt, table_2: is the same recording as set/good_2.csv, good_2; the test is left out" in told.err
+    assert "set/table_2.txt, table_2: the same recording as set/good_2.csv, good_2; left out" in told.err
 
 
 def test_every_test_in_air_is_refused(capsys):

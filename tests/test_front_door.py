@@ -305,6 +305,8 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
     assert made.synthetic
     assert not Path("results").exists()
     virtual.write(study, "lab", study.recordings["lab"])
+    stale = replace(study, laboratory={"lab": study.laboratory["lab"] | {"seed": 5}})
+    assert StudyTests.of(stale, "lab").by_condition["A"][0].depth != pytest.approx(made.by_condition["A"][0].depth)
     for one, other in zip(made.by_condition["A"], StudyTests.of(study, "lab").by_condition["A"], strict=True):
         assert one.depth == pytest.approx(other.depth, rel=1e-6)
     assert not StudyTests.of(study, "mine").synthetic
@@ -325,6 +327,7 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
         (lambda: simulate("missing.yaml"), r"missing\.yaml: cannot be read"),
         (lambda: simulate(material=MATERIAL | {"youngs_modulus": -1}, indenter=CONE, protocol=PROTOCOL), "-1 GPa"),
         (lambda: simulate([1, 2]), "the specification is not a table of keys"),
+        (lambda: Study.read(None), "NoneType is no study; give a Study"),
         (lambda: Study.read("missing.yaml"), r"missing\.yaml: cannot be read"),
         (lambda: Study.from_mapping(SETTINGS | {"pointz": 3}), "the mapping, pointz: unknown key 'pointz'"),
         (lambda: Study.draft([]), "no recordings are given"),
@@ -335,7 +338,7 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
         (lambda: calibrate(SETTINGS, [3.0]), "float is no recording"),
         (lambda: calibrate(SETTINGS, {"B": [measured()]}), "'B' is no condition of the study"),
         (lambda: calibrate(SETTINGS, {"A": []}), "no recording of condition 'A'"),
-        (lambda: calibrate(SETTINGS, [measured(), measured()]), "test is given twice"),
+        (lambda: calibrate(SETTINGS, [measured(), measured()]), "test of A: is the same recording as test of A"),
         (lambda: calibrate(SETTINGS, replace(measured(), load=0.5 * measured().load)), "the largest load is 1 mN"),
     ],
 )
@@ -363,6 +366,38 @@ def test_a_simulation_that_fails_says_why():
     ball = {"shape": "sphere", "radius": 10.0}
     with pytest.raises(PalpateError, match="the sphere sinks in beyond its radius"):
         simulate(material=MATERIAL, indenter=ball, protocol=PROTOCOL)
+
+
+@pytest.mark.parametrize(
+    ("call", "changes", "words"),
+    [
+        (calibrate, {"calibration": {"population": 201}}, "calibration.subpopulations: population 201"),
+        (calibrate, {"surrogate": {"shape": 1e9}}, "surrogate: the multiquadric interpolation system"),
+        (calibrate, {"calibration": {"objective": "relative"}}, "calibration.objective: the mean curve of A"),
+        (diagnose, {"diagnosis": {"mechanisms": ["thermal_drfit"]}}, "'thermal_drfit' is not known"),
+        (diagnose, {"diagnosis": {"ranges": {"friction": {"coefficient": [0.4, 0]}}}}, "is no range"),
+        (diagnose, {"diagnosis": {"bootstrap": 200}}, "200 draws cannot show a misfit"),
+    ],
+)
+def test_settings_are_checked_before_anything_is_simulated(monkeypatch, call, changes, words):
+    test = measured()
+    monkeypatch.setattr("palpate.solver.store.computed", lambda *_: pytest.fail("snapshots are simulated"))
+    with pytest.raises(InputError, match=words):
+        call(SETTINGS | changes, replace(test, depth=np.maximum(test.depth - 20.0, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"conditions": [{"name": "B", **PROTOCOL}]}, "other conditions: B, A"),
+        ({"conditions": [{"name": "A", **PROTOCOL, "hold_time": 20}]}, "other conditions: A"),
+        ({"indenter": CONE | {"half_angle": 60}}, "another indenter"),
+        ({"material": {"model": "elastic", "poisson_ratio": 0.2}}, "other values under material"),
+    ],
+)
+def test_the_calibration_of_another_study_is_refused(fit, changes, words):
+    with pytest.raises(InputError, match=f"calibration: the calibration is of {words}; give the calibration of this"):
+        diagnose(SETTINGS | changes, calibration=fit)
 
 
 def test_a_calibration_of_another_law_is_refused(fit):

@@ -1,6 +1,7 @@
 """Jobs of the workflow leave a log, and end with one line where palpate refuses."""
 
 import errno
+import os
 import re
 from pathlib import Path
 
@@ -82,6 +83,18 @@ def test_a_result_that_a_job_is_replacing_is_not_set_aside(tmp_path, monkeypatch
             assert list(result_files.altered(logs)) == []
 
 
+def test_a_result_counts_as_the_later_of_two_logs_knows_it(tmp_path, monkeypatch):
+    """Logs may have had other names when it was made first."""
+    monkeypatch.chdir(tmp_path)
+    logs, file = Path("results/s/logs"), Path("results/s/a.json")
+    (logs / "fit").mkdir(parents=True)
+    for name in ("job.log", "fit/job.log"):
+        with job.logged(logs / name, [str(file)]):
+            file.write_text(name)
+    os.utime(logs / "job.sha256", (0, 0))
+    assert list(result_files.altered(logs)) == []
+
+
 def test_a_defect_keeps_its_traceback(log):
     with pytest.raises(ZeroDivisionError), job.logged(log):
         raise ZeroDivisionError
@@ -96,3 +109,14 @@ def test_a_study_keeps_its_own_keys_that_are_called_like_those_of_the_command_li
         "diagnosis": {"reference": {"youngs_modulus": 72.0, "area": [24.5, 500.0]}},
     }
     assert job.plain({**given, "source": {}})["data"] == "files"
+
+
+def test_names_that_look_like_numbers_stay_text():
+    given = {
+        "conditions": [{"name": "1e3", "max_load": "1e1"}],
+        "recordings": {"1e2": "1e4"},
+        "condition_sets": {"2e1": ["1e3"]},
+        "source": {"contact": {"A": "1e2"}, "conditions": {"1e3": ["5e1"]}},
+    }
+    wanted = given | {"conditions": [{"name": "1e3", "max_load": 10.0}]}
+    assert job.plain(given) == wanted | {"source": given["source"] | {"contact": {"A": 100.0}}}

@@ -6,7 +6,7 @@ from test_config import CONDITION, load
 
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.inference.study_recordings import check, check_given, observations
+from palpate.inference.study_recordings import check, check_given, check_tests, observations
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import trapezoid
@@ -42,6 +42,8 @@ def spoiled(kind):
         t, load, depth = t[:60], load[:60], depth[:60]
     elif kind == "milliseconds":
         t = 1000 * t
+    elif kind == "minutes":
+        t = t / 60
     elif kind == "pulled":
         load = -load
     elif kind == "upwards":
@@ -59,7 +61,8 @@ def spoiled(kind):
         ("few", "has 2 points for 2 free parameters"),
         ("pulled", "the load is negative, down to -1 mN: its sign is wrong"),
         ("upwards", "the depth is negative, down to -500 nm: its sign is wrong"),
-        ("short", "ends after"),
+        ("short", "ends after 45 s, the condition lasts 60 s; export the whole test or correct the times"),
+        ("minutes", "ends after 1 s, the condition lasts 60 s; are times in min?"),
         ("slow", "load departs"),
         ("milliseconds", "it lasts 6e+04 s, are times in ms?"),
     ],
@@ -147,8 +150,8 @@ def test_check_tells_what_will_be_done_and_what_is_missing_for_it(tmp_path, caps
     assert "nothing will be calibrated" in told(tmp_path, capsys)
     (tmp_path / "own").mkdir()
     conditions = [CONDITION, CONDITION | {"name": "V", "role": "validate"}]
-    for name in ("P1_T30_1", "V_1"):
-        write(tmp_path / f"own/{name}.csv", *curve())
+    for name, scale in (("P1_T30_1", 1.0), ("V_1", 1.02)):
+        write(tmp_path / f"own/{name}.csv", *curve(scale=scale))
     once = told(tmp_path, capsys, recordings={"lab": "own"}, conditions=conditions)
     assert "4 materials, 2 conditions, 4 snapshots" in once
     assert "calibrated on P1_T30; validated on V" in once
@@ -180,8 +183,61 @@ def test_missing_recordings_and_strange_files(tmp_path):
     write(folder / "P2_T30_1.csv", *curve())
     with pytest.raises(InputError, match="CONDITION_REPLICATE"):
         check(study, "lab")
+    (folder / "P2_T30_1.csv").rename(folder / "P1_T30_.csv")
+    with pytest.raises(InputError, match="CONDITION_REPLICATE"):
+        check(study, "lab")
+    (folder / "P1_T30_.csv").rename(folder / "P2_T30_1.csv")
     with pytest.raises(InputError, match=r"P2_T30_1\.csv: is a file, no folder; correct recordings.lab"):
         check(load(tmp_path, recordings={"lab": str(folder / "P2_T30_1.csv")}), "lab")
+
+
+def test_a_file_named_after_a_condition_alone_is_no_replicate_of_another(tmp_path):
+    for name in ("P1_1", "P1_T2_1", "P1_T2"):
+        write(tmp_path / f"{name}.csv", *curve(scale=1 + 0.01 * len(name)))
+    conditions = [CONDITION | {"name": name} for name in ("P1", "P1_T2")]
+    study = load(tmp_path, recordings={"lab": str(tmp_path)}, conditions=conditions)
+    with pytest.raises(InputError, match=r"P1_T2\.csv: the file's name is that of a condition, without a replicate"):
+        check(study, "lab")
+
+
+def test_tests_of_unlike_loads_last_about_as_long(tmp_path):
+    """Times in another unit would vanish where tests are brought to one duration."""
+    t, force, depth = curve()
+    write(tmp_path / "P1_T30_1.csv", t, force, depth)
+    own = [{"name": "P1_T30", "load_history": "recorded", "own_loads": True}]
+    study = load(tmp_path, recordings={"lab": str(tmp_path)}, conditions=own)
+    for factor, words in ((0.5, None), (1 / 60, "ends after 1 s, .*; are times in min?"), (1000, "are times in ms?")):
+        write(tmp_path / "P1_T30_2.csv", factor * t, 0.8 * force, 0.9 * depth)
+        if words is None:
+            check(study, "lab")
+        else:
+            with pytest.raises(InputError, match=words):
+                check(study, "lab")
+
+
+def test_a_replicate_of_another_course_is_not_told_what_its_condition_has(tmp_path):
+    t, force, depth = curve()
+    write(tmp_path / "P1_T30_1.csv", t, force, depth)
+    write(tmp_path / "P1_T30_2.csv", 2 * t, force, depth)
+    study = load(
+        tmp_path, recordings={"lab": str(tmp_path)}, conditions=[{"name": "P1_T30", "load_history": "recorded"}]
+    )
+    with pytest.raises(InputError, match=r"the load departs .*; give the test a condition of its own, or remove it"):
+        check(study, "lab")
+
+
+def test_check_tells_a_load_that_is_misstated_and_recordings_in_a_folder_below(tmp_path, capsys):
+    folder = tmp_path / "own"
+    (folder / "day_2").mkdir(parents=True)
+    t, force, depth = curve()
+    write(folder / "day_2/P1_T30_3.csv", t, force, depth)
+    recordings = {"lab": str(folder)}
+    for size, is_told in ((1.005, False), (1.04, True)):
+        for number in (1, 2):
+            write(folder / f"P1_T30_{number}.csv", t, size * force, (size + 0.01 * number) * depth)
+        said = told(tmp_path, capsys, recordings=recordings, conditions=[CONDITION | {"hold_time": 0}])
+        assert ("of P1_T30 is 1.04 mN in the median of its tests, the study states 1 mN" in said) == is_told
+        assert "the recordings in the folder day_2 are not read" in said
 
 
 def test_a_copy_is_no_replicate(tmp_path):
@@ -190,6 +246,33 @@ def test_a_copy_is_no_replicate(tmp_path):
     study = load(tmp_path, recordings={"lab": str(tmp_path)})
     with pytest.raises(InputError, match=r"P1_T30_2\.csv: is the same recording as P1_T30_2 \(copy\)\.csv; remove one"):
         check_given(study)
+
+
+def test_a_copy_of_a_fitted_test_validates_nothing(tmp_path):
+    conditions = [CONDITION, CONDITION | {"name": "V", "role": "validate"}]
+    for name in ("P1_T30_1", "V_1"):
+        write(tmp_path / f"{name}.csv", *curve())
+    study = load(tmp_path, recordings={"lab": str(tmp_path)}, conditions=conditions)
+    with pytest.raises(InputError, match=r"V_1\.csv: is the same recording as P1_T30_1\.csv; remove one"):
+        check(study, "lab")
+    test = Recording(*curve(), name="one")
+    with pytest.raises(InputError, match="one of V: is the same recording as one of P1_T30"):
+        check_tests(study, {"P1_T30": [test], "V": [test]})
+
+
+def test_columns_of_a_source_are_never_passed_over(tmp_path, capsys):
+    """The file is of a known format, which would be read without them."""
+    write(tmp_path / "day.csv", *curve())
+    with (tmp_path / "day.csv").open("a") as stream:
+        stream.write("61,x,2\n")
+    columns = {"time": "time_s", "load": "load_mN", "depth": "depth_nm"}
+    source = {"file": str(tmp_path / "day.csv"), "recordings": "lab", "condition": CONDITION["name"]}
+    recordings = {"lab": "results/s/recordings/lab"}
+    said = told(tmp_path, capsys, source=source | {"columns": columns}, recordings=recordings)
+    assert "recordings lab: day: 1 of 81 rows left out" in said
+    wrong = source | {"columns": columns | {"time": "Tiem"}, "units": {"depth": "um"}}
+    with pytest.raises(InputError, match=r"source\.columns: .* the columns Tiem, load_mN, .*header \(time_s, load_mN"):
+        check_given(load(tmp_path, source=wrong, recordings=recordings))
 
 
 def test_a_copy_in_a_vendors_file_is_no_replicate(tmp_path):
@@ -204,7 +287,7 @@ def test_a_copy_in_a_vendors_file_is_no_replicate(tmp_path):
         "columns": columns,
     }
     study = load(tmp_path, source=source, recordings={"lab": str(tmp_path / "lab")})
-    with pytest.raises(InputError, match=r"day\.txt, .*: is the same test as .*; remove one of them"):
+    with pytest.raises(InputError, match=r"day\.txt, .*: is the same recording as .*; remove one of them"):
         check_given(study)
 
 

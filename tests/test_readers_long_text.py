@@ -79,7 +79,7 @@ def test_rows_read_at_once_and_one_by_one_are_the_same(tmp_path, monkeypatch, ki
 @pytest.mark.parametrize(("delimiter", "sign"), [("\t", "."), (";", ","), (",", "."), (" ", ".")])
 def test_plain_numbers_are_those_of_the_cells(monkeypatch, delimiter, sign):
     monkeypatch.setattr(plain_numbers, "SHORT", 0)
-    values = np.random.default_rng(1).standard_normal((500, 4)) * 10.0 ** np.arange(-150, 250, 100)
+    values = np.random.default_rng(1).standard_normal((500, 4)) * 10.0 ** np.arange(-150, 50, 50)
     cells = [[f"{value:.17g}".replace(".", sign) for value in row] for row in values]
     text = "\n".join(map(delimiter.join, cells)).encode()
     assert np.array_equal(plain_numbers.plain_numbers(lines_of(text), delimiter)[0].T, values)

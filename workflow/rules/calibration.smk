@@ -1,4 +1,7 @@
 # One calibration for each set of recordings and each set of conditions.
+FURTHER = [name for name in STUDY.condition_sets if name != "all"]
+
+
 rule calibration:
     input:
         recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
@@ -12,9 +15,9 @@ rule calibration:
         figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
         record=f"{FOLDER}/tracking/{{recordings}}/calibrations/{{condition_set}}.json",
     log:
-        f"{FOLDER}/logs/calibration_{{recordings}}_{{condition_set}}.log",
+        f"{FOLDER}/logs/calibration/{{recordings}}/{{condition_set}}.log",
     wildcard_constraints:
-        condition_set=r"(?!all\.)[^/]+",
+        condition_set="|".join(map(re.escape, FURTHER)) or "(?!)",  # matches no text
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -43,7 +46,7 @@ rule main_calibration:
     output:
         f"{FOLDER}/{{recordings}}/calibration.json",
     log:
-        f"{FOLDER}/logs/main_calibration_{{recordings}}.log",
+        f"{FOLDER}/logs/main_calibration/{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
     message:

@@ -10,7 +10,7 @@ rule diagnosis:
         figure=f"{FOLDER}/{{recordings}}/figures/diagnosis.png",
         record=f"{FOLDER}/tracking/{{recordings}}/diagnosis.json",
     log:
-        f"{FOLDER}/logs/diagnosis_{{recordings}}.log",
+        f"{FOLDER}/logs/diagnosis/{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
     threads: 2

@@ -7,7 +7,7 @@ for laboratory, settings in STUDY.laboratory.items():
         output:
             files_of(STUDY, laboratory),
         log:
-            f"{FOLDER}/logs/laboratory_{laboratory}.log",
+            f"{FOLDER}/logs/laboratory/{laboratory}.log",
         conda:
             "../../envs/palpate.yaml"
         params:

@@ -53,7 +53,7 @@ rule tables:
         figure=f"{FOLDER}/{{recordings}}/figures/parameters.png",
         convergence=f"{FOLDER}/{{recordings}}/figures/convergence.png",
     log:
-        f"{FOLDER}/logs/tables_{{recordings}}.log",
+        f"{FOLDER}/logs/tables/{{recordings}}.log",
     conda:
         "../../envs/palpate.yaml"
     params:

@@ -12,7 +12,7 @@ rule surrogate:
         summary=f"{FOLDER}/surrogates/{{condition}}.json",
         record=f"{FOLDER}/tracking/surrogates/{{condition}}.json",
     log:
-        f"{FOLDER}/logs/surrogate_{{condition}}.log",
+        f"{FOLDER}/logs/surrogates/{{condition}}.log",
     conda:
         "../../envs/palpate.yaml"
     params:

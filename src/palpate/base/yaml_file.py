@@ -15,11 +15,15 @@ from palpate.errors import InputError
 
 LARGEST, LONGEST = 100_000, 10_000_000  # entries and bytes, far above those of a study; more take minutes to read
 EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")  # which PyYAML takes for text where a sign or dot lacks
+NOT_DECIMAL = re.compile(r"[-+]?(0[\d_]+|[\d_]+(:[\d_.]+)+)$")  # which YAML 1.1 takes for octal or sexagesimal numbers
 FROM_RECORDINGS = "give a YAML file; `palpate draft FILE -o FOLDER` writes one from recordings or a vendor's file"
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader; refuses keys that are repeated or no words; 1e9 is a number, as everywhere else."""
+    """PyYAML's safe loader, in which 1e9 is a number, as everywhere else.
+
+    It refuses keys that are repeated or no words, and what YAML 1.1 reads to another base: 030 as 24, 1:30 as 90.
+    """
 
     entries = 0
 
@@ -34,6 +38,9 @@ class _Loader(yaml.SafeLoader):
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode):
                 raise yaml.MarkedYAMLError(problem="a key is no word", problem_mark=key.start_mark)
+            if not key.tag.endswith((":str", ":int", ":merge")):
+                problem = f"key {key.value!r} is read as no text; put it in quotes"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
             if key.value in seen:
                 raise yaml.MarkedYAMLError(problem=f"key {key.value!r} is given twice", problem_mark=key.start_mark)
             seen.add(key.value)
@@ -42,6 +49,9 @@ class _Loader(yaml.SafeLoader):
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         if "\0" in node.value:
             raise yaml.MarkedYAMLError(problem="a text holds a zero byte", problem_mark=node.start_mark)
+        if node.tag.endswith((":int", ":float")) and NOT_DECIMAL.match(node.value):
+            problem = f"{node.value} is not read as a decimal number; write it as one, or text in quotes"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         try:
             return super().construct_object(node, deep)
         except (ValueError, KeyError, AttributeError) as error:

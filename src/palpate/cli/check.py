@@ -43,7 +43,7 @@ def examined(study: Study) -> Iterator[str]:
     """Check a study and its recordings, each read once, and yield what will be done; raises `InputError`."""
     from palpate.inference.study_recordings import tests_to_come
     from palpate.workflow_support.check_study import checked
-    from palpate.workflow_support.data_quality import anomalies
+    from palpate.workflow_support.data_quality import anomalies, misstated
 
     counts: dict[str, dict[str, int]] = {name: {} for name in study.recordings}
     remarks: dict[str, list[str]] = {name: [] for name in study.recordings}
@@ -53,6 +53,10 @@ def examined(study: Study) -> Iterator[str]:
         remarks[name].extend(anomalies(study.condition(condition), tests))
 
     checked(study, look)
+    for condition, tests in (study.source_tests() if study.source else {}).items():
+        said = remarks[study.source["recordings"]]
+        said.extend(misstated(study.condition(condition), [test.recording for test in tests]))
+        said.extend(f"{test.name}: {warning}" for test in tests for warning in test.warnings)
     counts = {name: seen or tests_to_come(study, name) for name, seen in counts.items()}
     yield from _described(study, counts, remarks)
 

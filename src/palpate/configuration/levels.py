@@ -66,6 +66,11 @@ def checked_levels(
     for name, levels in given.items():
         if len(set(levels)) != len(levels):
             raise InputError("a level is given twice", remedy="remove it", place=f"parameters.{name}")
+        if list(levels) not in (sorted(levels), sorted(levels, reverse=True)):
+            raise InputError(
+                f"the levels {', '.join(f'{level:g}' for level in levels)} neither rise nor fall",
+                remedy="sort them, and write decimals with a point", place=f"parameters.{name}",
+            )  # fmt: skip
     if all(len(levels) == 1 for levels in given.values()):
         raise InputError(
             "every parameter is held constant, so that there is nothing to calibrate",

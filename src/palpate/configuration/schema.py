@@ -8,12 +8,14 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
 from typing import Any
 
 import jsonschema
 
 from palpate.base.parameters import is_finite_number
 from palpate.errors import InputError
+from palpate.study.protocol import DISPLACEMENT
 
 REFERENCE = "docs/study.md"
 TYPES = {
@@ -42,6 +44,13 @@ PROBLEMS = {
     "required": "the key {missing!r} is missing",
 }
 LONGEST = 60  # letters of a value in a message
+NUMBERED = ("source", "contact")  # a table whose keys may be numbers, those of tests
+
+
+def study_schema() -> dict[str, Any]:
+    """Return the JSON schema of a study's file."""
+    text = resources.files("palpate.configuration").joinpath("study.schema.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
 
 
 def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
@@ -56,6 +65,10 @@ def check_schema(values: Any, schema: Mapping[str, Any]) -> None:
     def order(error: jsonschema.ValidationError) -> tuple[list[str], bool]:
         return list(map(str, error.path)), error.validator != "additionalProperties"
 
+    for path, key in _keys(values):
+        if not isinstance(key, str) and path != NUMBERED:
+            problem = f"the key {json.dumps(key, default=str)} is no text"
+            raise InputError(problem, remedy="put it in quotes", place=_place(path) or "top level")
     errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(values), key=order)
     if not errors:
         for path, value in _numbers(values):
@@ -82,14 +95,27 @@ def _place(path: Iterable[str | int]) -> str:
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
 
 
-def _numbers(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], float]]:
+def _numbers(values: Any) -> Iterator[tuple[tuple[str | int, ...], float]]:
     """Yield every number with its place."""
-    if isinstance(values, int | float) and not isinstance(values, bool):
-        yield path, values
-    elif isinstance(values, Mapping | list):
+    for path, value in _nodes(values):
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            yield path, value
+
+
+def _keys(values: Any) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    """Yield every key with the place of its table."""
+    for path, table in _nodes(values):
+        if isinstance(table, Mapping):
+            yield from ((path, key) for key in table)
+
+
+def _nodes(values: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    """Yield every table, list and value with its place."""
+    yield path, values
+    if isinstance(values, Mapping | list):
         entries = values.items() if isinstance(values, Mapping) else enumerate(values)
         for key, value in entries:
-            yield from _numbers(value, (*path, key))
+            yield from _nodes(value, (*path, key))
 
 
 def _problem(error: jsonschema.ValidationError) -> str:
@@ -133,7 +159,7 @@ def with_defaults(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[
 
 def check_contradictions(values: Mapping[str, Any]) -> None:
     """Refuse keys that another key makes ineffective; raises `InputError`."""
-    design, surrogate = values.get("design", {}), values.get("surrogate", {})
+    design, surrogate, challenge = (values.get(name, {}) for name in ("design", "surrogate", "challenge"))
     if "points" in design and design.get("kind") != "sobol":
         raise InputError(
             "points applies to kind: sobol alone", remedy="add kind: sobol, or leave points out",
@@ -141,6 +167,18 @@ def check_contradictions(values: Mapping[str, Any]) -> None:
         )  # fmt: skip
     if "energy" in surrogate and surrogate.get("n_modes") is not None:
         raise InputError("energy has no effect beside n_modes", remedy="keep one of them", place="surrogate.energy")
+    if len(challenge.get("mechanisms", ())) == 1 and challenge.get("two") != 0:
+        raise InputError(
+            "one mechanism alone gives no case with two effects", remedy="name more, or give two: 0",
+            place="challenge.mechanisms",
+        )  # fmt: skip
+    if "reference" in values.get("diagnosis", {}) and all(
+        entry.get("drive") == DISPLACEMENT or entry.get("role") == "validate" for entry in values["conditions"]
+    ):
+        raise InputError(
+            "it is compared with the unloadings of fitted tests under load control, of which there are none",
+            remedy="leave it out", place="diagnosis.reference",
+        )  # fmt: skip
     if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
         raise InputError(
             "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -14,23 +12,19 @@ from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
-from palpate.configuration.schema import check_contradictions, check_schema, suggestion, with_defaults
+from palpate.configuration.recording_sets import recording_sets
+from palpate.configuration.schema import check_contradictions, check_schema, study_schema, suggestion, with_defaults
 from palpate.configuration.source_section import source_from
 from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
-from palpate.mechanisms import checked_mechanisms
+from palpate.mechanisms import checked_mechanisms, known
 from palpate.recordings.readers import VendorTest, read_source
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
 SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
-RESERVED = (
-    "figures", "logs", "recordings", "report.html", "report.manifest.json", "snapshots", "snapshots.csv", "surrogates",
-    "tracking",
-)  # fmt: skip
-
 TAKEN_AS_THEY_ARE = (
     "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "points", "seed",
     "surrogate",
@@ -200,16 +194,16 @@ def study_from(values: Any, file: str | Path, data: str | None = None) -> Study:
 
 
 def _study(values: Any, path: Path, data: str | None) -> Study:
-    schema = json.loads(
-        resources.files("palpate.configuration").joinpath("study.schema.json").read_text(encoding="utf-8")
-    )
+    schema = study_schema()
     check_schema(values, schema)
     if values["study"] in SHARED:
         raise InputError(
             f"{values['study']!r} is reserved for other results", remedy="choose another name", place="study"
         )
-    check_contradictions(values)
     settings = with_defaults(values, schema)
+    for section in ("diagnosis", "challenge"):
+        known(settings[section]["mechanisms"], f"{section}.mechanisms")
+    check_contradictions(values)
     material = dict(values["material"])
     with part_of("material"):
         model = law_of(material.pop("model")).key
@@ -218,7 +212,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     levels = checked_levels(model, material, values["parameters"], settings["design"]["kind"])
     with part_of("indenter"):
         indenter = Indenter.from_mapping(values["indenter"])
-    recordings = _recordings(values.get("recordings", {}))
+    recordings = recording_sets(settings)
     histories = Histories(settings["points"], recordings, source, tests)
     conditions = tuple(_condition(k, entry, histories) for k, entry in enumerate(values["conditions"]))
     names = [condition.name for condition in conditions]
@@ -246,24 +240,17 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     return study
 
 
-def _recordings(given: Mapping[str, str]) -> dict[str, Path]:
-    """Return the folder of each set of recordings; raises `InputError` where a set has the name of other results."""
-    for name in given:
-        if name in RESERVED:
-            raise InputError(
-                f"{name!r} is reserved for other results", remedy="choose another name", place="recordings"
-            )
-    return {name: Path(folder) for name, folder in given.items()}
-
-
 def _check_laboratories(study: Study) -> None:
     for key, settings in study.laboratory.items():
         place = f"laboratory.{key}"
-        if key not in study.recordings:
-            raise InputError(
-                f"{key} is no set of recordings", remedy=f"add the folder of {key} to recordings", place=place
-            )
         with part_of(f"{place}.parameters"):
+            for name in settings["parameters"]:
+                if name in study.fixed:
+                    raise InputError(
+                        f"is {study.fixed[name]:g} under material",
+                        remedy="take it out here, or give it levels under parameters",
+                        place=name,
+                    )
             study.specification(settings["parameters"], study.conditions[0])
         with part_of(place):
             checked_mechanisms(settings.get("mechanisms"))
@@ -283,10 +270,16 @@ def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition,
     for key, names in given.items():
         for name in names:
             if name not in calibrate:
-                known = name in [condition.name for condition in conditions]
+                there = name in [condition.name for condition in conditions]
                 raise InputError(
-                    f"{name!r} {'has the role validate' if known else 'is no condition'}{suggestion(name, calibrate)}",
+                    f"{name!r} {'has the role validate' if there else 'is no condition'}{suggestion(name, calibrate)}",
                     remedy=f"use calibrate conditions: {', '.join(calibrate)}",
                     place=f"condition_sets.{key}",
                 )
+    if left := [name for name in calibrate if name not in given.get("all", calibrate)]:
+        raise InputError(
+            f"{left[0]!r} has the role calibrate, and is not in the set of all such conditions",
+            remedy="give it role: validate, or the set another name",
+            place="condition_sets.all",
+        )
     return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}

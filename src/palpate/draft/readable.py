@@ -9,7 +9,7 @@ from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
 from palpate.recordings.borne_load import check_borne
 from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
-from palpate.recordings.readers.vendor import attempt
+from palpate.recordings.readers.vendor import attempt, first_few
 
 
 def readable(
@@ -37,6 +37,9 @@ def readable(
     """
     refused: list[InputError] = []
     found: list[tuple[Path, list[Drafted | Unreadable]]] = []
+    for given in files:
+        if beside := _folders_beside_files(given):
+            report(f"{given}: its folders are left out ({first_few(beside)}); name them to draft their tests")
     for file in [file for given in files for file in _files_in(given)]:
         try:
             if file.is_dir():
@@ -61,6 +64,13 @@ def _files_in(given: Path) -> list[Path]:
     if not given.is_dir():
         return [given]
     return sorted(file for file in given.iterdir() if file.is_file() and not file.name.startswith(".")) or [given]
+
+
+def _folders_beside_files(given: Path) -> list[str]:
+    """Return the names of the visible folders in a folder that holds files, too."""
+    if not given.is_dir() or _files_in(given) == [given]:
+        return []
+    return sorted(each.name for each in given.iterdir() if each.is_dir() and not each.name.startswith("."))
 
 
 def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:

@@ -24,8 +24,12 @@ SHALLOWEST = 0.2  # elastic depths of the stiffest modulus; see `_check_one`
 DEEPEST = 30.0  # elastic depths of the softest; likewise
 OWN_SIZE = 0.5  # by which the largest loads of tests with loads of their own may differ from their condition's
 OWN_COURSE = 0.1  # and the courses of these, each in its largest
+OWN_DURATION = 3.0  # ratio of their durations, chosen: half a load at one rate takes half as long, a minute is 60 s
 NOISE_PEAK = 4.0  # standard deviations by which noise lets a largest value stick out
 DEEPEST_IN_SPHERE = 3.0  # radii; a zero point that is off by a radius is not a mistaken unit
+UNITS_OF_TIME = {1e3: "in ms", 60.0: "in s, not min", 1 / 60: "in min", 1e-3: "in s, not ms"}  # by ratios of durations
+ELSEWHERE = "give the test a condition of its own, or remove it"
+NEAR = 1.5  # of such a ratio: tests of one condition end a little earlier or later
 
 
 def checked_recording(study: Study, condition: Condition, recording: Recording) -> Recording:
@@ -61,7 +65,7 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
     that depth; a unit mistaken by 1000 moves the depth at a given load by 1000, and that load's elastic depth by 30 or
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
-    check_drive(condition.protocol, recording, condition.own_loads)
+    check_drive(condition.protocol, recording, condition.own_loads, bool(condition.follows))
     radius, depth = study.indenter.radius, recording.depth.max()
     low, high = study.indenter.holds_between
     if not low < depth < high:
@@ -93,10 +97,19 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             )
 
 
-def check_drive(protocol: Protocol, recording: Recording, own_loads: bool = False) -> None:
+def check_drive(protocol: Protocol, recording: Recording, own_loads: bool = False, followed: bool = False) -> None:
     """Check that what was prescribed in a recording is what a protocol prescribes, to a twentieth of the largest.
 
-    Where tests have loads of their own, their course is compared, and their size may differ by a half.
+    Where tests have loads of their own, their course is compared; their size may differ by a half, and their duration
+    by `OWN_DURATION`.
+
+    Parameters
+    ----------
+    protocol, recording
+    own_loads
+        Whether tests have loads of their own.
+    followed
+        Whether the protocol follows a recorded load, so that a study states no times that could be corrected.
 
     Raises
     ------
@@ -117,28 +130,48 @@ def check_drive(protocol: Protocol, recording: Recording, own_loads: bool = Fals
             remedy=f"correct the unit{'' if control == LOAD else ', the spring'} or max_{control}",
             place=place,
         )
+    duration, times = recording.time[-1], protocol.sample_time
+    _check_duration(duration, times[-1], own_loads, followed)
     if own_loads:
         recording, drive = stretched(protocol, recording), drive * (expected / peak)
-    duration, times = recording.time[-1], protocol.sample_time
-    if duration < WHOLE * times[-1]:
-        raise InputError(
-            f"ends after {duration:.4g} s, the condition lasts {times[-1]:.4g} s",
-            remedy="export the whole test or correct the times",
-            place="time_s",
-        )
     departure = np.interp(times, np.append(0.0, recording.time), np.append(0.0, drive))
     departure -= protocol.sample_drive
     allowed = (OWN_COURSE if own_loads else LOAD_TOLERANCE) * expected
     course = float(np.sqrt(np.mean(departure**2)))
     if course > allowed and course > np.hypot(allowed, noise()):
         worst = int(np.argmax(np.abs(departure)))
-        hint = f"; it lasts {duration:.4g} s, are times in ms?" if duration > 100 * times[-1] else ""
+        question = _unit_of_time(duration / times[-1])
+        hint = f"; it lasts {duration:.4g} s, {question}" if question else ""
         raise InputError(
             f"the {control} departs from the condition's, by {departure[worst]:.3g} {unit} at {times[worst]:.4g} "
             f"s{hint}",
-            remedy="correct the times of the condition, or give it `load_history: recorded`",
+            remedy=ELSEWHERE if followed else "correct the times of the condition, or give it `load_history: recorded`",
             place=place,
         )
+
+
+def _check_duration(duration: float, expected: float, own_loads: bool, followed: bool) -> None:
+    """Check the duration [s] of a recording against that of its condition, as `check_drive` does."""
+    question = _unit_of_time(duration / expected)
+    hint = f"; {question}" if question else ""
+    if duration < (1 / OWN_DURATION if own_loads else WHOLE) * expected:
+        raise InputError(
+            f"ends after {duration:.4g} s, the condition lasts {expected:.4g} s{hint}",
+            remedy=f"export the whole test or {ELSEWHERE if followed else 'correct the times'}",
+            place="time_s",
+        )
+    if own_loads and duration > OWN_DURATION * expected:
+        raise InputError(
+            f"lasts {duration:.4g} s, the condition {expected:.4g} s{hint}",
+            remedy=f"correct the unit of time, or {ELSEWHERE}",
+            place="time_s",
+        )
+
+
+def _unit_of_time(ratio: float) -> str:
+    """Return the question which unit of time was mistaken, where the ratio of two durations suggests it."""
+    found = (unit for factor, unit in UNITS_OF_TIME.items() if 1 / NEAR < ratio / factor < NEAR)
+    return next((f"are times {unit}?" for unit in found), "")
 
 
 def _moduli(study: Study) -> Iterable[float]:

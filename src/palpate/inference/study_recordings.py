@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +16,8 @@ from palpate.recordings.recording import Recording, copies
 from palpate.recordings.recording_file import condition_of, read_recording, recording_files
 from palpate.study.protocol import Protocol
 from palpate.study.quantity import Quantity
+
+Look = Callable[[str, str, list[Recording]], None]
 
 
 def find(study: Study, name: str) -> dict[str, list[Path]]:
@@ -34,6 +36,12 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
     names = [condition.name for condition in study.conditions]
     found: dict[str, list[Path]] = {name: [] for name in names}
     for file in recording_files(folder):
+        if file.stem in names:
+            raise InputError(
+                "the file's name is that of a condition, without a replicate",
+                remedy=f"name it {file.stem}_1.csv, or by its condition and another replicate",
+                file=file,
+            )
         condition = condition_of(file)
         if condition not in found:
             raise InputError(
@@ -52,26 +60,41 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
     return found
 
 
-def check(study: Study, name: str) -> dict[str, list[Recording]]:
-    """Read every recording of set `name` and check it against the study; raises `InputError`."""
-    return {condition: begun for condition, _, begun in read_and_checked(study, name)}
+def check(study: Study, name: str, look: Look | None = None) -> dict[str, list[Recording]]:
+    """Read every recording of set `name`, check it against the study, and return them from contact on.
 
-
-def read_and_checked(study: Study, name: str) -> Iterator[tuple[str, list[Recording], list[Recording]]]:
-    """Yield each condition of set `name`, its recordings as they were written, and from contact on, checked.
+    Parameters
+    ----------
+    study, name
+    look
+        See `check_given`.
 
     Raises
     ------
     InputError
-        As `find`, and when a recording is not one of its condition.
+        As `find`, when a recording is not one of its condition, or when one repeats another of the set, be it of
+        another condition. A virtual laboratory without noise and scatter may repeat itself.
     """
+    checked: dict[str, list[Recording]] = {}
+    read: list[Recording] = []
     for condition, files in find(study, name).items():
-        written, begun = [], []
+        checked[condition], written = [], []
         for file in files:
             written.append(read_recording(file))
             with located_in(file):
-                begun.append(checked_recording(study, study.condition(condition), written[-1]))
-        yield condition, written, begun
+                checked[condition].append(checked_recording(study, study.condition(condition), written[-1]))
+            read.append(replace(written[-1], name=file.name))
+        if look:
+            look(name, condition, written)
+    for copy, first in copies(read) if name not in study.laboratory else ():
+        raise _repeated(first, file=study.recordings[name] / copy.name)
+    return checked
+
+
+def _repeated(first: Recording, file: str | Path | None = None, place: str | None = None) -> InputError:
+    """Return the error of a recording that repeats the `first`: as if sites never differed, and noise did not exist."""
+    problem, remedy = f"is the same recording as {first.name}", "remove one of them: each is a test of its own"
+    return InputError(problem, remedy=remedy, file=file, place=place)
 
 
 def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[str, list[Recording]]:
@@ -80,56 +103,54 @@ def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[
     Raises
     ------
     InputError
-        When a condition is none of the study's or has no recording, a recording is given twice, or is not one of its
-        condition.
+        When a condition is none of the study's or has no recording, a recording is given twice, be it under two
+        conditions, or is not one of its condition.
     """
     names = [condition.name for condition in study.conditions]
     for name in tests:
         if name not in names:
             problem = f"{name!r} is no condition of the study{suggestion(name, names)}"
             raise InputError(problem, remedy=f"use {', '.join(names)}", place="recordings")
-    checked: dict[str, list[Recording]] = {}
     for name in names:
         if not tests.get(name):
             remedy = "add one, or remove the condition"
             raise InputError(f"no recording of condition {name!r}", remedy=remedy, place="recordings")
-        for copy, _ in copies(tests[name]):
-            remedy = "remove one of them: each replicate is a test of its own"
-            raise InputError(f"{copy.name} is given twice", remedy=remedy, place=f"recordings.{name}")
-        with located_in(place=f"recordings.{name}"):
-            checked[name] = [checked_recording(study, study.condition(name), recording) for recording in tests[name]]
+    return _checked_tests(study, {name: tests[name] for name in names})
+
+
+def _checked_tests(
+    study: Study, tests: Mapping[str, Sequence[Recording]], file: str | None = None
+) -> dict[str, list[Recording]]:
+    """Return tests in memory, or of one file, from contact on; an error names the test and its condition."""
+    checked: dict[str, list[Recording]] = {name: [] for name in tests}
+    named: list[Recording] = []
+    for condition, recordings in tests.items():
+        for recording in recordings:
+            named.append(replace(recording, name=f"{recording.name} of {condition}"))
+            try:
+                checked[condition].append(checked_recording(study, study.condition(condition), recording))
+            except InputError as error:
+                place = ", ".join(filter(None, (named[-1].name, error.place)))
+                raise InputError(error.problem, remedy=error.remedy, file=file, place=place) from None
+    for copy, first in copies(named):
+        raise _repeated(first, file=file, place=copy.name)
     return checked
 
 
-def check_given(study: Study, look: Callable[[str, str, list[Recording]], None] | None = None) -> None:
+def check_given(study: Study, look: Look | None = None) -> None:
     """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file.
-
-    Replicates that are copies of one another are refused: as if sites never differed, and noise did not exist.
 
     Parameters
     ----------
     look
         Is shown each set, condition and its recordings as they were written, so that nobody need read them again.
     """
-    remedy = "remove one of them: each replicate is a test of its own"
     for name in study.recordings:
         if not written_by_workflow(study, name):
-            for condition, written, begun in read_and_checked(study, name):
-                for copy, first in copies(begun):
-                    file = study.recordings[name] / f"{copy.name}.csv"
-                    raise InputError(f"is the same recording as {first.name}.csv", remedy=remedy, file=file)
-                if look:
-                    look(name, condition, written)
-    for condition, tests in (study.source_tests() if study.source else {}).items():
-        for test in tests:
-            try:
-                checked_recording(study, study.condition(condition), test.recording)
-            except InputError as error:
-                where = ", ".join(filter(None, (test.name, error.place)))
-                raise InputError(error.problem, remedy=error.remedy, file=study.source["file"], place=where) from None
-        for copy, first in copies(replace(test.recording, name=test.name) for test in tests):
-            problem = f"is the same test as {first.name}"
-            raise InputError(problem, remedy=remedy, file=study.source["file"], place=copy.name)
+            check(study, name, look)
+    if study.source:
+        tests = {condition: [test.recording for test in of_it] for condition, of_it in study.source_tests().items()}
+        _checked_tests(study, tests, study.source["file"])
 
 
 def written_by_workflow(study: Study, name: str) -> bool:

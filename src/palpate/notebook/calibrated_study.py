@@ -22,6 +22,7 @@ from palpate.output import html_report
 from palpate.output.figures import fitted_curves
 from palpate.solver import store
 from palpate.surrogate import PODRBF
+from palpate.workflow_support.check_study import check_calibration, check_objective
 from palpate.workflow_support.steps import calibrate_study, curves_beside, error_table, fit_surrogate
 
 
@@ -146,8 +147,10 @@ def calibrate(
         When too many simulations fail.
     """
     chosen, report = study_of(study), report or silent
+    check_calibration(chosen)
     tests = StudyTests.of(chosen, recordings)
     observed = resampled(chosen, tests.by_condition)
+    check_objective(chosen, observed)
     models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
     found = calibrate_study(chosen, models, observed, report)
     return CalibratedStudy(chosen, tests, found, curves_beside(chosen, observed, found))

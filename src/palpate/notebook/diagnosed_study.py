@@ -20,6 +20,8 @@ from palpate.notebook.shown import Shown, composed
 from palpate.notebook.study_tests import Given, StudyTests
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves
+from palpate.study.protocol import Protocol
+from palpate.workflow_support.check_study import check_diagnosis
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,21 +141,42 @@ def diagnose(
     Raises
     ------
     InputError
-        When the study or a recording is invalid, or the calibration is of other parameters.
+        When the study or a recording is invalid, or the calibration is of other parameters, another law or tip, other
+        fixed values or other conditions.
     PalpateError
         When the forward model fails wherever a search may begin.
     """
     chosen = study_of(study)
+    check_diagnosis(chosen)
     if calibration is None:
         calibration = calibrate(chosen, recordings, results=results, report=report)
         tests = calibration.tests
     else:
+        _check_same(chosen, calibration.study)
         tests = calibration.tests if recordings is None else StudyTests.of(chosen, recordings)
-    if set(calibration.values) != set(chosen.levels):
-        raise InputError(
-            f"the calibration is of {', '.join(calibration.values)}, the study asks for {', '.join(chosen.levels)}",
-            remedy="give the calibration of this study, or leave it out",
-            place="calibration",
-        )
     content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or silent)
     return DiagnosedStudy(chosen, tests, content, curves)
+
+
+def _check_same(study: Study, calibrated: Study) -> None:
+    """Refuse the calibration of a study that simulates something else; raises `InputError`."""
+    ours, theirs = (", ".join(sorted(each.levels)) for each in (study, calibrated))
+    here, there = ({c.name: _history(c.protocol) for c in each.conditions} for each in (study, calibrated))
+    other = ", ".join(name for name in {**here, **there} if here.get(name) != there.get(name))
+    for differs, what in (
+        (ours != theirs, f"{theirs}, the study asks for {ours}"),
+        (study.model != calibrated.model, f"the law {calibrated.model}"),
+        (study.fixed != calibrated.fixed, "other values under material"),
+        (study.indenter != calibrated.indenter, "another indenter"),
+        (here != there, f"other conditions: {other}"),
+    ):
+        if differs:
+            raise InputError(
+                f"the calibration is of {what}", remedy="give the calibration of this study, or leave it out",
+                place="calibration",
+            )  # fmt: skip
+
+
+def _history(protocol: Protocol) -> tuple[Any, ...]:
+    """Return what a protocol prescribes, to be compared."""
+    return protocol.control, protocol.compliance, protocol.knot_time.tolist(), protocol.knot_drive.tolist()

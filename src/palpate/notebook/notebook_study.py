@@ -58,6 +58,8 @@ class NotebookStudy(Shown, Study):
         InputError
             With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
         """
+        if not isinstance(path, str | Path):
+            raise _no_study(path)
         return cls.of(load_study(path, None if data is None else str(data)))
 
     @classmethod
@@ -189,11 +191,12 @@ def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
         return NotebookStudy.from_mapping(given)
     if isinstance(given, str | Path):
         return NotebookStudy.read(given)
-    raise InputError(
-        f"{type(given).__name__} is no study",
-        remedy="give a Study, a mapping or a YAML file; Study.draft makes one of recordings",
-        place="study",
-    )
+    raise _no_study(given)
+
+
+def _no_study(given: object) -> InputError:
+    remedy = "give a Study, a mapping or a YAML file; Study.draft makes one of recordings"
+    return InputError(f"{type(given).__name__} is no study", remedy=remedy, place="study")
 
 
 def _drafted(given: OneTest) -> Drafted:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
+from palpate.inference.recording_checks import checked_recording
 from palpate.inference.study_recordings import check, check_tests, written_by_workflow
 from palpate.laboratory import virtual
 from palpate.notebook.measured_test import MeasuredTest, read_recording
@@ -112,13 +113,17 @@ def _only_condition(study: Study) -> str:
 
 
 def _tests_of(study: Study, name: str) -> dict[str, list[Recording]]:
-    """Return the recordings of a set of the study; where the workflow would write it first, they are made here."""
-    if study.recordings[name].is_dir() or not written_by_workflow(study, name):
+    """Return the recordings of a set of the study.
+
+    Those that the workflow writes are made here anew: its folder may hold what other settings gave.
+    """
+    if not written_by_workflow(study, name):
         return check(study, name)
     if name in study.laboratory:
         tests: dict[str, list[Recording]] = {condition.name: [] for condition in study.conditions}
         for key, recording in virtual.record(study, study.laboratory[name]).items():
-            tests[key.rpartition("_")[0]].append(recording)
-        return check_tests(study, tests)
+            condition = study.condition(key.rpartition("_")[0])
+            tests[condition.name].append(checked_recording(study, condition, recording))
+        return tests
     found = study.source_tests()
     return check_tests(study, {key: [test.recording for test in tests] for key, tests in found.items()})

@@ -56,15 +56,27 @@ def check_borne(recording: Recording) -> None:
 
 
 def _borne(load: np.ndarray, depth: np.ndarray) -> bool:
-    """Return whether a load (n,) leaves its noise, does not drift, and falls while the tip comes back."""
+    """Return whether a load (n,) leaves its noise, does not drift, and falls while the tip comes back.
+
+    Where it is applied at once, its noise is that of what follows.
+    """
+    applied = _applied_at_once(load)
+    before, load, depth = load[: applied or NEAR_START], load[applied:], depth[applied:]
     smooth, of_average, noise = _averaged(load)
-    rise = float(smooth.max() - np.median(load[:NEAR_START]))
+    rise = float(smooth.max() - np.median(before))
     deepest, part = int(np.argmax(depth)), depth[0] + FIRST_WAY * (depth.max() - depth[0])
     early = float(np.abs(smooth[: max(int(np.argmax(depth >= part)), 1)] - smooth[0]).max())
     drifts = rise < BORNE * noise and rise < DRIFTS * early
     back = smooth[deepest:][depth[deepest:] < part]
     stays = len(back) > 0 and float(smooth[deepest] - back.min()) < FALLS * rise
     return not (rise < BORNE * of_average or drifts or stays)
+
+
+def _applied_at_once(load: np.ndarray) -> int:
+    """Return after how many first points a load (n,) leaves the first one for good, by half its range; 0 if never."""
+    left = load[: 2 * NEAR_START] - load[0] > np.ptp(load) / 2
+    first = int(np.argmax(left[:NEAR_START]))
+    return first if first and left[first:].all() else 0
 
 
 def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +20,7 @@ STIFFNESS_FOLDER = "stiffness"
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 MOST = 200_000  # points that are kept of one: curves are compared at a hundred times
+ROUNDED, COMPARED = 1e-3, 8  # of a channel's range, beyond which no rounding makes copies differ; points that show it
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -187,12 +188,48 @@ def _distinct(time: np.ndarray) -> bool:
 
 
 def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:
-    """Return each recording that repeats an earlier one point by point, and that one."""
-    seen: dict[bytes, Recording] = {}
-    found = []
+    """Return each recording that repeats an earlier one, and that one.
+
+    It has as many points, and each channel agrees at all of them to half of the last digit with which the coarser one
+    is written, as where a test was exported again. Noise makes replicates differ by more.
+    """
+    of_length: dict[int, list[Recording]] = {}
     for recording in recordings:
-        curve = np.concatenate([recording.time, recording.load, recording.depth]).tobytes()
-        first = seen.setdefault(curve, recording)
-        if first is not recording:
-            found.append((recording, first))
-    return found
+        of_length.setdefault(len(recording), []).append(recording)
+    return [pair for alike in of_length.values() if len(alike) > 1 for pair in _copies(alike)]
+
+
+def _copies(alike: Sequence[Recording]) -> Iterator[tuple[Recording, Recording]]:
+    """Yield those of recordings of one length; a few points show of which it may be true."""
+    places = np.linspace(0, len(alike[0]) - 1, COMPARED).astype(int)
+    some = np.array([[each.depth[places], each.load[places]] for each in alike]).reshape(len(alike), -1)
+    within = ROUNDED * np.repeat([[np.ptp(each.depth), np.ptp(each.load)] for each in alike], COMPARED, axis=1)
+    middle = some[:, COMPARED // 2]
+    order = np.argsort(middle, kind="stable")
+    ascending = middle[order]
+    for k, recording in enumerate(alike):
+        ends = middle[k] + within[k, 0] * np.array([-1.0, 1.0])
+        near = order[slice(*np.searchsorted(ascending, ends))]
+        near = near[(near < k) & (np.abs(some[near] - some[k]) <= within[k]).all(axis=1)]
+        for first in [alike[other] for other in np.sort(near)]:
+            pairs = ((getattr(recording, key), getattr(first, key)) for key in ("depth", "load", "time"))
+            if all(_agree_as_written(*pair) for pair in pairs):
+                yield recording, first
+                break
+
+
+def _agree_as_written(values: np.ndarray, others: np.ndarray) -> bool:
+    """Return whether two channels (n,) differ by no more than the rounding of either explains."""
+    span, apart = float(np.ptp(values)), float(np.abs(values - others).max())
+    if apart > ROUNDED * span:
+        return False
+    return apart <= 0.5 * max(_last_digit(values), _last_digit(others)) + 1e-9 * span
+
+
+def _last_digit(values: np.ndarray) -> float:
+    """Return the largest power of ten of which all of some values (n,) are multiples; zero where none is."""
+    for step in 10.0 ** np.arange(3, -10, -1):
+        counts = values / step
+        if (np.abs(counts - np.round(counts)) <= 1e-6 + 1e-15 * np.abs(counts)).all():
+            return float(step)
+    return 0.0

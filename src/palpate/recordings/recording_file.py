@@ -35,8 +35,9 @@ def recording_files(folder: Path) -> list[Path]:
 
 
 def other_files(folder: Path) -> list[Path]:
-    """Return the files in a folder that are no recordings, by name."""
-    return [file for file in _visible(folder, recordings=False) if file.is_file()]
+    """Return what a folder holds besides recordings, by name: other files, and folders with recordings of their own."""
+    others = [file for file in _visible(folder, recordings=False) if file.name != STIFFNESS_FOLDER]
+    return [file for file in others if file.is_file() or recording_files(file)]
 
 
 def _visible(folder: Path, recordings: bool) -> list[Path]:
@@ -47,8 +48,9 @@ def _visible(folder: Path, recordings: bool) -> list[Path]:
 
 
 def condition_of(file: Path) -> str:
-    """Return the condition that the name of a recording's file begins with."""
-    return file.stem.rpartition("_")[0]
+    """Return the condition that the name of a recording's file begins with; empty where no replicate follows."""
+    condition, _, replicate = file.stem.rpartition("_")
+    return condition if replicate.strip() else ""
 
 
 def read_recording(path: str | Path) -> Recording:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from palpate.base.parameters import Parameter, check_values, is_finite_number
 from palpate.errors import InputError
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
@@ -149,4 +151,23 @@ def _checked_area(given: object) -> tuple[float, ...]:
             remedy=GIVE_COEFFICIENTS,
             place=AREA,
         )
+    check_cone(AreaFunction(area), high)
     return area
+
+
+def check_cone(tip: AreaFunction, depth: float) -> None:
+    """Refuse an area function whose cross-section at a depth [nm] is that of no cone of an admissible half-angle.
+
+    Raises
+    ------
+    InputError
+        As where the areas are in um^2 and the depths in nm.
+    """
+    half_angle = math.degrees(math.atan(math.sqrt(float(tip.area(np.array(depth))) / math.pi) / depth))
+    if not HALF_ANGLE.lower <= half_angle <= HALF_ANGLE.upper:
+        raise InputError(
+            f"{AREA} at {depth:.4g} nm is that of a cone of half-angle {half_angle:.3g} degrees, expected "
+            f"{HALF_ANGLE.lower:g} to {HALF_ANGLE.upper:g}",
+            remedy=GIVE_COEFFICIENTS,
+            place=AREA,
+        )

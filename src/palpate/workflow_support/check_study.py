@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +11,16 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
+from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
-from palpate.inference.study_recordings import check_given, written_by_workflow
+from palpate.inference.measures import check_measurable
+from palpate.inference.observation import Observation
+from palpate.inference.study_recordings import check, check_given, check_tests, resampled, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
+from palpate.study.indenter import check_cone
+from palpate.study.protocol import LOAD
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 
@@ -37,24 +42,77 @@ def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | No
         With file, place and remedy, on the first mistake.
     """
     with located_in(study.file):
+        _check_braces(study)
         _check_folders(study)
         _check_laboratory(study)
-        _check_reference(study)
-        with part_of("surrogate"):
-            _check_surrogate(study)
-        check_given(study, look)
-        with part_of("calibration"):
-            settings_of(study)
+        check_calibration(study)
         if study.diagnosis["enabled"]:
-            candidates(study)
+            check_diagnosis(study)
+        check_given(study, look)
+        _check_recorded(study)
     return study
 
 
-def _check_surrogate(study: Study) -> None:
-    """Refuse a surrogate that its snapshots could not be interpolated with; raises `InputError`."""
-    cells = np.array([list(cell.values()) for cell in study.cells])
-    if len(cells) <= MOST_CHECKED:
-        PODRBF(**study.surrogate).check_points(cells)
+def check_calibration(study: Study) -> None:
+    """Refuse a surrogate that its snapshots could not be interpolated with, and settings of no search.
+
+    Raises
+    ------
+    InputError
+    """
+    with part_of("surrogate"):
+        cells = np.array([list(cell.values()) for cell in study.cells])
+        if len(cells) <= MOST_CHECKED:
+            PODRBF(**study.surrogate).check_points(cells)
+    with part_of("calibration"):
+        settings_of(study)
+
+
+def check_diagnosis(study: Study) -> None:
+    """Refuse a reference whose tip has no area where tests unload, and mechanisms that a diagnosis cannot consider.
+
+    Raises
+    ------
+    InputError
+    """
+    if given := study.diagnosis.get("reference"):
+        with part_of("diagnosis.reference"):
+            _check_area(AreaFunction(tuple(given["area"])))
+    candidates(study)
+
+
+def check_objective(study: Study, observed: Mapping[str, Observation]) -> None:
+    """Refuse the objective of a calibration where what was observed under a condition does not allow it.
+
+    Raises
+    ------
+    InputError
+    """
+    with part_of("calibration"):
+        for condition in study.calibrated:
+            check_measurable(condition.name, observed[condition.name].mean, study.calibration["objective"])
+
+
+def _check_recorded(study: Study) -> None:
+    """Refuse an objective, and a reference, with which recordings cannot be compared; raises `InputError`."""
+    relative = study.calibration["objective"] == "relative"
+    referred = study.diagnosis["enabled"] and "reference" in study.diagnosis
+    pressed = [condition.name for condition in study.calibrated if condition.protocol.control == LOAD]
+    for recorded in _recordings(study) if relative or referred else ():
+        check_objective(study, resampled(study, recorded))
+        if referred:
+            with part_of("diagnosis.reference"):
+                law_of_reference([test for name in pressed for test in recorded[name]], study)
+
+
+def _recordings(study: Study) -> Iterator[dict[str, list[Recording]]]:
+    """Yield the checked tests of each set that is there already, and those of the vendor's file."""
+    for name in study.recordings:
+        if not written_by_workflow(study, name):
+            yield check(study, name)
+    if study.source:
+        tests = {name: [test.recording for test in found] for name, found in study.source_tests().items()}
+        yield check_tests(study, tests)
 
 
 def _check_folders(study: Study) -> None:
@@ -65,23 +123,38 @@ def _check_folders(study: Study) -> None:
     for kept in (Path("results"), Path("results") / study.name):
         if os.path.lexists(kept) and not kept.is_dir():
             raise InputError("is no folder, where results are kept", remedy="move it away", file=kept)
-    results = Path("results").resolve()
-    written: dict[Path, str] = {}
-    for name, folder in study.recordings.items():
-        place = Path(os.path.realpath(folder))
-        if written_by_workflow(study, name) and written.setdefault(place, name) != name:
+    own = {Path("results").resolve() / owner / "recordings" for owner in _owners(study.name)}
+    places = {name: Path(os.path.realpath(folder)) for name, folder in study.recordings.items()}
+    for name, place in places.items():
+        if not written_by_workflow(study, name):
+            continue
+        if not own.intersection(place.parents):
             raise InputError(
-                f"the workflow writes this set and {written[place]} into one folder, {folder}",
-                remedy=f"give it results/{study.name}/recordings/{name}",
-                place=f"recordings.{name}",
-            )
-        own = results in place.parents and "recordings" in place.relative_to(results).parts[1:-1]
-        if written_by_workflow(study, name) and not own:
-            raise InputError(
-                f"the workflow writes this set, and would empty {folder} first",
+                f"the workflow writes this set, and would empty {study.recordings[name]} first",
                 remedy=f"give it results/{study.name}/recordings/{name}, or leave out what writes it",
                 place=f"recordings.{name}",
             )
+        for other, folder in places.items():
+            if other != name and place in (folder, *folder.parents):
+                raise InputError(
+                    f"it lies in the folder of {name}, which the workflow writes, and empties first",
+                    remedy="give each set a folder of its own",
+                    place=f"recordings.{other}",
+                )
+
+
+def _check_braces(study: Study) -> None:
+    """Refuse paths of rules that Snakemake would take for patterns; raises `InputError`."""
+    written = [name for name in study.recordings if written_by_workflow(study, name)]
+    paths = {f"recordings.{name}": str(study.recordings[name]) for name in written}
+    for place, path in (paths | ({"source.file": str(study.source["file"])} if study.source else {})).items():
+        if "{" in path or "}" in path:
+            raise InputError(f"{path} has braces, which are wildcards of Snakemake", remedy="rename it", place=place)
+
+
+def _owners(name: str) -> tuple[str, ...]:
+    """Return the folders of results that are a study's own; those of the thesis share one."""
+    return (name, "thesis") if name.startswith("thesis_") else (name,)
 
 
 def _check_laboratory(study: Study) -> None:
@@ -97,12 +170,12 @@ def _check_laboratory(study: Study) -> None:
                 raise InputError(problem, remedy=error.remedy, place=where) from None
 
 
-def _check_reference(study: Study) -> None:
-    """Refuse a reference whose tip has no area where tests unload; raises `InputError`."""
-    given = study.diagnosis.get("reference")
-    if given and AreaFunction(tuple(given["area"])).holds_between(*UNLOADED) != UNLOADED:
+def _check_area(tip: AreaFunction) -> None:
+    """Refuse an area function that is none where tests unload; raises `InputError`."""
+    if tip.holds_between(*UNLOADED) != UNLOADED:
         raise InputError(
             f"the area is not positive, or does not grow, between {UNLOADED[0]:g} and {UNLOADED[1]:g} nm",
             remedy=GIVE_COEFFICIENTS,
-            place="diagnosis.reference.area",
+            place="area",
         )
+    check_cone(tip, UNLOADED[1])

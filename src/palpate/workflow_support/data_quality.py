@@ -20,6 +20,7 @@ from palpate.recordings.recording_file import other_files
 from palpate.study.protocol import LOAD
 from palpate.study.recorded_history import averaged_over, swing
 
+MISSTATED = 0.01  # relative error of a stated largest load from which on it is reported: the material would take it up
 OF_READ = "`palpate read --contact auto` finds the contact"
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
@@ -28,10 +29,11 @@ LONGER = 1.05  # ratio of durations beyond which the end of a test is reported a
 def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
     """Report the anomalies of the tests of a condition.
 
-    Those much deeper or shallower than the others, that begin elsewhere than at contact, or in air, or last longer than
-    the load that is followed; jumps of the depth, pulls on the tip, and loads that are averaged as they are noisy or
-    oscillate.
+    A largest load that the study misstates; tests much deeper or shallower than the others, that begin elsewhere than
+    at contact, or in air, or last longer than the load that is followed; jumps of the depth, pulls on the tip, and
+    loads that are averaged as they are noisy or oscillate.
     """
+    yield from misstated(condition, tests)
     yield from _apart(tests)
     for test in suspects([test for test in tests if interval_of(test) is None]):
         yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test, OF_READ))
@@ -45,6 +47,24 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     yield from _averaged(condition, tests)
     if condition.follows and not condition.own_loads:
         yield from _cut(condition, tests)
+
+
+def misstated(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
+    """Report a largest load or displacement, stated by numbers, that lies off those of the tests.
+
+    The steps beside a test's largest value tell how far noise and coarse sampling may have moved it.
+    """
+    if condition.follows or condition.own_loads:
+        return
+    protocol = condition.protocol
+    drives = [protocol.drive_of(test.load, test.depth) for test in tests]
+    steps = [np.abs(drive[max(k - 1, 0) : k + 2] - drive[k]).max() for drive in drives for k in [int(drive.argmax())]]
+    peak, step, stated = np.median([drive.max() for drive in drives]), np.median(steps), protocol.largest_drive
+    if abs(peak - stated) > MISSTATED * stated + step:
+        yield (
+            f"the largest {protocol.control} of {condition.name} is {peak:.4g} {protocol.unit} in the median of its "
+            f"tests, the study states {stated:.4g} {protocol.unit}: correct it (max_{protocol.control}: {peak:.4g})"
+        )
 
 
 def _apart(tests: Sequence[Recording]) -> Iterator[str]:
@@ -62,7 +82,10 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
 def passed_over(folder: Path) -> Iterator[str]:
     """Yield which files of a folder of recordings are not read."""
     for file in other_files(folder):
-        yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
+        if file.is_dir():
+            yield f"the recordings in the folder {file.name} are not read: move them to {folder}"
+        else:
+            yield f"{file.name} is not read: recordings are .csv files (`palpate read` converts vendors' files)"
 
 
 def _cut(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:

@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from palpate.base.yaml_file import EXPONENT
+from palpate.configuration.schema import study_schema
 from palpate.configuration.study_file import Study, study_from
 from palpate.errors import PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
-TEXTS = ("study", "title")  # which may look like a number
 CONFIGURATION = "configuration of the workflow"
 
 
@@ -33,17 +33,19 @@ def plain(config: Mapping[str, Any]) -> dict[str, Any]:
     so is the place of vendors' files where the study at hand has none.
     """
     apart = COMMAND_LINE if "source" in config else (*COMMAND_LINE, "data")
-    kept = {str(key): value for key, value in config.items() if key not in apart}
-    return {key: value if key in TEXTS else _with_numbers(value) for key, value in kept.items()}
+    kept = {key: value for key, value in config.items() if key not in apart}
+    return dict(_with_numbers(kept, study_schema()))
 
 
-def _with_numbers(value: Any) -> Any:
-    """Return a value of a configuration in which all that is written as 1e9 is a number."""
+def _with_numbers(value: Any, rule: Mapping[str, Any]) -> Any:
+    """Return a value of a configuration in which what is written as 1e9 is a number, unless the schema takes a text."""
     if isinstance(value, Mapping):
-        return {str(key): _with_numbers(inner) for key, inner in value.items()}
+        named, others = rule.get("properties", {}), rule.get("additionalProperties") or {}
+        return {key: _with_numbers(inner, named.get(key, others)) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_with_numbers(inner) for inner in value]
-    return float(value) if isinstance(value, str) and EXPONENT.match(value) else value
+        return [_with_numbers(inner, rule.get("items", {})) for inner in value]
+    text = "string" in rule.get("type", ())
+    return float(value) if isinstance(value, str) and EXPONENT.match(value) and not text else value
 
 
 @contextmanager

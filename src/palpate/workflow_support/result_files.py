@@ -58,13 +58,19 @@ def unseal(log: str | Path) -> None:
 
 
 def altered(logs: Path) -> Iterator[Path]:
-    """Yield the results that are no longer as the jobs whose logs lie in a folder made them; missing ones are not."""
-    for sealed in sorted(logs.rglob(f"*{SEAL}")):
+    """Yield the results that are no longer as the jobs whose logs lie in a folder made them; missing ones are not.
+
+    Of a result that two logs name, as where an earlier version named them otherwise, the later one counts.
+    """
+    made: dict[str, str] = {}
+    for sealed in sorted(logs.rglob(f"*{SEAL}"), key=lambda file: (file.stat().st_mtime_ns, file)):
         for line in sealed.read_text(encoding="utf-8", errors="replace").splitlines():
             known, _, name = line.partition("  ")
-            file = Path(name)
-            if name and file.is_relative_to(logs.parent) and file.is_file() and checksum(file) != known:
-                yield file
+            made[name] = known
+    for name in sorted(made):
+        file = Path(name)
+        if name and file.is_relative_to(logs.parent) and file.is_file() and checksum(file) != made[name]:
+            yield file
 
 
 def move_altered(logs: Path) -> Iterator[str]:

@@ -14,7 +14,9 @@ from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap
 from palpate.recordings.readers.columns import holds_columns, missing_channel, read_columns
+from palpate.recordings.readers.left_out import nothing_found
 from palpate.recordings.readers.source import Source, numbers_of
+from palpate.recordings.readers.tables import tables_of
 from palpate.recordings.readers.tagged import no_less_hidden, not_shown, remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import no_table, unknown
@@ -91,8 +93,17 @@ def read_each(
     corrections: Corrections = None,
     contact: Contact = "file",
     columns: ColumnMap | None = None,
+    *,
+    columns_required: bool = False,
 ) -> list[VendorTest | Unreadable]:
     """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.
+
+    Parameters
+    ----------
+    path, sha256, corrections, contact, columns
+        See `read_vendor_file`.
+    columns_required
+        Whether a file of a known format that lacks the columns is refused: they are meant for this very file.
 
     Raises
     ------
@@ -112,7 +123,7 @@ def read_each(
             if all(block.isspace() for block in source.blocks()):
                 raise InputError("is empty", remedy="export or copy it again", file=path)
             with no_less_hidden(source):
-                tests = [_printable(test) for test in _whole(source, corrections, columns)]
+                tests = [_printable(test) for test in _whole(source, corrections, columns, columns_required)]
                 aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
                 return [*unless_all_fail(remarked(source, aside)), *not_shown(source)]
     except OSError as error:
@@ -153,7 +164,7 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     Raises
     ------
     InputError
-        When a test is missing, cannot be read or is named twice.
+        When a test is missing, cannot be read or is named twice, or the file lacks the columns that are given.
     """
     if "units" in source and "columns" not in source:
         raise InputError(
@@ -161,7 +172,8 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
         )
     columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
-    tests = read_each(source["file"], source.get("sha256"), chosen, source.get("contact", "file"), columns)
+    contact = source.get("contact", "file")
+    tests = read_each(source["file"], source.get("sha256"), chosen, contact, columns, columns_required=True)
     if "condition" in source:
         return {source["condition"]: all_sound(tests)}
     found: dict[str, list[VendorTest]] = {}
@@ -182,13 +194,17 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     return found
 
 
-def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) -> Sequence[VendorTest | Unreadable]:
+def _whole(
+    source: Source, corrections: Corrections, columns: ColumnMap | None, columns_required: bool
+) -> Sequence[VendorTest | Unreadable]:
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
     reader = next((reader for reader in READERS.values() if reader.matches(source)), None)
     if columns is not None and not no_table(source) and (reader is None or holds_columns(source, columns)):
         refuse_corrections(source, corrections)
         return read_columns(source, columns)
     if reader is not None:
+        if columns is not None and columns_required:
+            raise _without_columns(source, columns, reader)
         message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
         return [_with(message, test) for test in reader.read(source, corrections)]
     missing = None if no_table(source) else missing_channel(source)
@@ -200,6 +216,14 @@ def _whole(source: Source, corrections: Corrections, columns: ColumnMap | None) 
             file=source.path,
         )
     raise unknown(source)
+
+
+def _without_columns(source: Source, columns: ColumnMap, reader: Reader) -> InputError:
+    """Return the error of a file of a known format that lacks the columns given for it."""
+    if no_table(source):
+        problem, remedy = f"the file holds no table, and is read as {reader.title}", "leave columns and units off"
+        return InputError(problem, remedy=remedy, place="source.columns")
+    return nothing_found(tables_of(source), columns).located(place="source.columns")
 
 
 def _with(messages: tuple[str, ...], test: VendorTest | Unreadable) -> VendorTest | Unreadable:

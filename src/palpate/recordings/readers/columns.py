@@ -30,6 +30,7 @@ from palpate.recordings.readers.vendor import (
 from palpate.recordings.recording import Recording, spaced
 
 LONG_AGO = 1e6  # of a test's duration, chosen: what counts from longer ago is a calendar's time
+UNLIKE = 0.05  # of the range of loads, by which those of one time differ where tests are mixed
 EPOCH = (1e9, 4.2e9)  # seconds since 1970, in the years 2001 to 2103
 
 
@@ -103,7 +104,7 @@ def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorT
     begin, filled = skipped + part.rows.start, whole(part.channels)
     if body.named is not None or table.delimiter == ",":
         _check_width(table, body.header, begin, filled)
-    kept, messages = _kept(body.cells, part)
+    kept, messages = _kept(body.cells, part, 0 if body.named is not None or body.header is None else body.header + 1)
     units, assumed = _units(columns, body.above, body.header, clock_unit="s" if body.of_clock else None)
     messages = (*body.messages, *part.messages, *messages)
     if assumed:
@@ -195,11 +196,11 @@ def _check_width(table: Table, header: int | None, begin: int, filled: np.ndarra
     raise InputError(f"has {len(table.rows[row])} cells, {problem}", remedy=remedy, place=table.place(row))
 
 
-def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
+def _kept(cells: Table, part: Part, below: int) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the rows of a `part` of the `cells` that make a test, and what is left out in words.
 
-    Idle rows count for nothing. Empty cells before the first and after the last whole row are no
-    damage: a channel may begin later or end earlier.
+    Idle rows count for nothing. Empty cells before the first and after the last whole row are no damage: a channel may
+    begin later or end earlier. Three cells with digits that are no numbers are damage from the row `below` a header on.
     """
     channels, idle = part.channels, part.idle
     filled = whole(channels) & ~idle
@@ -207,11 +208,16 @@ def _kept(cells: Table, part: Part) -> tuple[np.ndarray, tuple[str, ...]]:
     begin, end = ends(filled)
     between = ~idle
     between[:begin] = between[end:] = False
+    for row in cells.aside:
+        k = row - part.rows.start
+        if row >= below and row in part.rows and not (begin <= k < end or idle[k]):
+            unread = all(np.isnan(channel[k]) for channel in channels)
+            between[k] = unread and all(re.search(r"\d", str(cell)) for cell in cells.rows[row])
     late = np.zeros(len(idle), dtype=bool)
     late[filled] = ~increasing(taken(channels[0], filled))
     spoilt = ~filled & (between | partly)
     counted = between.copy()
-    counted[end:] = spoilt[end:] & np.logical_or.reduce([np.isnan(channel[end:]) for channel in channels])
+    counted[end:] |= spoilt[end:] & np.logical_or.reduce([np.isnan(channel[end:]) for channel in channels])
     damaged, kept = np.flatnonzero(counted & (spoilt | late)), np.flatnonzero(filled & ~late)
     if len(damaged) > MOST_LEFT_OUT * counted.sum():
         raise _too_many(cells, part, damaged, late, int(counted.sum()))
@@ -245,5 +251,8 @@ def _too_many(cells: Table, part: Part, damaged: np.ndarray, late: np.ndarray, c
     remedy = "correct them, export the test again, or write each of several tests to a file of its own"
     if late[damaged].all() and stands_still(taken(part.channels[0], filled), ~late[filled])[late[filled]].all():
         what, remedy = "has the time of the row before", "export the time with more digits, as fractions of a second"
+        load = part.channels[1]
+        if np.abs(np.diff(load[filled])[late[filled][1:]]).mean() > UNLIKE * np.ptp(load[filled]):
+            what, remedy = f"{what} and another load", "write each of several tests to a file of its own"
     problem = f"{written!r} {what}; {len(damaged)} of {count} rows cannot be used"
     return InputError(problem, remedy=remedy, place=cells.place(row))

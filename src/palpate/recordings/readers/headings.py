@@ -17,9 +17,12 @@ LIKE_A_UNIT = re.compile(
     r"|(?i:[mun]?sec|(?:milli|micro|nano)?(?:newton|met(?:er|re)|micron|angstr[oö]m|minute|hour|gram|volt|inch)(?:e?s)?"
     r"|(?:milli|micro|nano)?seconds)"
 )
-# Before a bracket or at the end of one or of the heading: ``10^-3 [N]``, ``1e-3 (N)``, ``[N] x1000``.
+# Powers before a bracket or at the end of one or of the heading: ``10^-3 [N]``, ``1e-3 (N)``; what multiplies or
+# divides the name or the unit: ``1000*Load (mN)``, ``[N] x1000``, ``(mN)/1000``.
 FACTOR = re.compile(
     r"(?:10 ?(?:\^|\*\*) ?[-+−]?\d+|10[⁻⁺]?[⁰¹²³⁴-⁹]+|\d[eE][-+]\d+|[x×*] ?10+)(?= ?[*·×]? ?(?:[()\[\]{}<>]|$))"
+    r"|^\d+(?:[.,]\d+)? ?[*·×] ?(?=[^\W\d_])"
+    r"|(?<![^\W_])(?:[*·×/]|[x](?= ?\d)) ?\d+(?:[.,]\d+)?(?![^\W_])"
 )
 SPELT_OUT = re.compile(r"(?<![^\W_])(milli|micro|nano|pico|kilo)[ _-]([Nms])(?![^\W_])", re.IGNORECASE)
 CAMEL = re.compile(r"(?<=[a-z]{2})(?=[A-Z])")

@@ -126,9 +126,9 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
     """Return channels that are infinite where a value stands for a missing one, such as -9999 or a zero that drops out.
 
     Such a value is the same in few rows, and farther from all others of its channel than these are from one another. At
-    the end it may be the specimen's: a film that breaks. A zero drops out where it stands alone between two values that
-    are far from it and near each other, while the other one of load and depth, which come behind the time, is not zero.
-    None is a time's.
+    the end it may be the specimen's: a film that breaks. Zeros with which a test begins are its contact. A zero drops
+    out where it stands alone between two values that are far from it and near each other, and that do not lead to it,
+    while the other one of load and depth, which come behind the time, is not zero. None is a time's.
     """
     found = list(channels)
     for k, channel in enumerate(channels[1:], 1):
@@ -145,24 +145,33 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
             if min(abs(least - code), abs(largest - code)) <= largest - least:
                 continue
             if len(np.unique(channel[others])) >= VARIED:
-                before_last = np.arange(len(channel)) < np.flatnonzero(others)[-1]
-                found[k] = np.where(before_last & (channel == code), np.inf, found[k])
+                first, last = np.flatnonzero(others)[[0, -1]]
+                rows = np.arange(len(channel))
+                inside = (rows < last) & ((rows > first) | (code != 0.0))
+                found[k] = np.where(inside & (channel == code), np.inf, found[k])
     return found
 
 
 def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the rows (m,) of zeros of a channel (n,) that stand alone between values far from them.
 
-    The `other` one, depth or load, is not zero there, as it is where a test begins.
+    The `other` one, depth or load, is not zero there, as it is where a test begins. The values on neither side lead to
+    the zero along a straight line.
     """
-    zeros = 1 + np.flatnonzero((channel[1:-1] == 0) & (channel[:-2] != 0) & (channel[2:] != 0))
-    if not len(zeros) or len(zeros) > FEW * len(channel):
+    zeros = 2 + np.flatnonzero((channel[2:-2] == 0) & (channel[1:-3] != 0) & (channel[3:-1] != 0))
+    if not (0 < len(zeros) <= FEW * len(channel) and np.isfinite(channel).any() and np.isfinite(other).any()):
         return zeros[:0]
     before, after = channel[zeros - 1], channel[zeros + 1]
     spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
     pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
     near = np.abs(after - before) <= np.abs(before) / TWICE
-    return zeros[pressed & near & (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)]
+    with np.errstate(invalid="ignore"):
+        led = [
+            np.abs(2 * beside - next_) < np.abs(beside) / TWICE
+            for beside, next_ in ((before, channel[zeros - 2]), (after, channel[zeros + 2]))
+        ]
+    far = (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)
+    return zeros[pressed & near & far & ~led[0] & ~led[1]]
 
 
 def _extremes(values: np.ndarray) -> tuple[float, float]:
@@ -236,7 +245,7 @@ def _cuts(channels: Channels, filled: np.ndarray, kept: np.ndarray, apart: np.nd
             cuts[int(k)] = "segment"
         elif (
             (anew and as_first[0])
-            or (apart[k] and (back or (returned and step[1] > SAME * span[1])))
+            or (apart[k] and ((back and not goes_on) or (returned and (back or step[1] > SAME * span[1]))))
             or (jumps[k] and returned and others[0][kept[k:]].max() > first[0] + LIKE * span[0])
         ):
             cuts[int(k)] = "test"

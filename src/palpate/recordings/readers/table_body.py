@@ -14,6 +14,7 @@ from palpate.recordings.readers.clock import seconds
 from palpate.recordings.readers.column_map import ColumnMap, columns_of
 from palpate.recordings.readers.decimals import numbers
 from palpate.recordings.readers.headings import is_row_of_units, is_word
+from palpate.recordings.readers.last_row import without_odd_end
 from palpate.recordings.readers.several_tests import Channels, Part, parted, whole, without_stand_ins
 from palpate.recordings.readers.tables import Table
 
@@ -42,7 +43,7 @@ class TableBody:
     of_clock
         Whether the times are read off a clock, in seconds.
     messages
-        What is reported to the user about that.
+        What is reported to the user about that, and about the last row.
     """
 
     table: Table
@@ -73,7 +74,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     shown, messages = seconds([aside[k][0] for k in numeric], heading)
     clock = dict(zip(numeric, shown, strict=True))
     channels = _channels(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
-    channels = without_stand_ins(channels)
+    channels, at_end = without_odd_end(without_stand_ins(channels), cells)
     filled = whole(channels)
     if not filled.any():
         return None
@@ -86,6 +87,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
         repeated[k] = header is not None and [*rows[k]] == [*table.rows[header]]
         blank[k] |= not any(map(str, rows[k]))
     of_clock = clock.get(first, cells.rows[first][0]) != cells.rows[first][0]
+    messages += at_end
     return TableBody(
         table, found[1], cells, found[0], header, above, channels, repeated, repeated | blank, of_clock, messages
     )

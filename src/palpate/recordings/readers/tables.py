@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -19,7 +19,8 @@ from palpate.recordings.readers.vendor import first_few
 
 DELIMITERS = ("\t", ";", "|", ",")
 WORD = re.compile(r"[^\W\d_]")
-LISTED = 12
+LISTED, LONGEST_NAME = 12, 40  # names of columns in a message, and letters of each
+SPANNED = 4  # lines, at most, that one pair of double quotes spans
 SHORTEST = 2  # bytes of an empty line at most; those of three cells have more
 NUMBER = rf"[-+]?(?:(?:\d+\.?|\d*[.,]\d+)(?:[eE][-+]?\d+)?|\d{{1,3}}(?:[{PARTING}]\d{{3}})+(?:[.,]\d*)?)"
 NUMBERS_AT_BLANKS = re.compile(rf" *{NUMBER}(?: +{NUMBER})+ *")
@@ -135,7 +136,7 @@ def tables_of(source: Source) -> list[Table]:
     long = _with_core(source)
     if long:
         return [long]
-    lines = {number: line for number, line in enumerate(source.lines.one_by_one(), 1) if line.strip()}
+    lines = _joined({number: line for number, line in enumerate(source.lines.one_by_one(), 1) if line.strip()})
     delimiter, split = _parting(list(lines.values()))
     return [Table(source, source.path.stem, [split(line) for line in lines.values()], list(lines), delimiter)]
 
@@ -151,7 +152,7 @@ def _with_core(source: Source) -> Table | None:
     first = next((k for k in range(first, last) if lines[k].strip()), last)
     if last - first <= len(lines) / 2:
         return None
-    aside = {k: line for k in (*range(first), *range(last, len(lines))) if (line := lines[k]).strip()}
+    aside = _joined({k: line for k in (*range(first), *range(last, len(lines))) if (line := lines[k]).strip()})
     delimiter, split = _parting([lines[first]] * (len(aside) + 1) + list(aside.values()))
     before, after = ([k + 1 for k in aside if (k < first) == earlier] for earlier in (True, False))
     found = plain_numbers(lines[first:last], delimiter, room=(len(before), len(after)))
@@ -163,6 +164,20 @@ def _with_core(source: Source) -> Table | None:
     rows = OnDemand(len(numbers), lambda k: split(lines[int(numbers[k]) - 1]))
     core = Core(len(before), len(before) + len(filled), list(columns), sign)
     return Table(source, source.path.stem, rows, numbers, delimiter, core)
+
+
+def _joined(lines: Mapping[int, str]) -> dict[int, str]:
+    """Return lines by their numbers; those that a pair of double quotes spans, as a heading may, are one."""
+    found, numbers = dict(lines), list(lines)
+    for place, number in enumerate(numbers):
+        if number not in found or found[number].count('"') % 2 == 0:
+            continue
+        for last in range(place + 1, min(place + SPANNED, len(numbers))):
+            together = numbers[place : last + 1]
+            if sum(found[k].count('"') for k in together) % 2 == 0:
+                found[number] = " ".join(found.pop(k) for k in together)
+                break
+    return {number: found[number] for number in numbers if number in found}
 
 
 def _parting(lines: Sequence[str]) -> tuple[str, Callable[[str], list[str]]]:
@@ -210,5 +225,5 @@ def header_of(tables: Sequence[Table]) -> str:
     """Return the names in the row that looks most like a header: the first with most words."""
     all_rows = (table.rows[k] for table in tables for k in table.aside)
     rows = [[cell for cell in row if isinstance(cell, str) and WORD.search(cell)] for row in all_rows]
-    names = max(rows, key=len, default=[])
+    names = [name[:LONGEST_NAME] for name in max(rows, key=len, default=[])]
     return ", ".join(names[:LISTED]) + (", ..." if len(names) > LISTED else "") if names else "none is found"

@@ -1,4 +1,4 @@
-"""Tests that do not count unless somebody names one: sheets that the vendor's program tags, and those of other names.
+"""Tests that do not count unless somebody names one: averages, sheets that the vendor's program tags, other names.
 
 A remark in the name of a sheet is reported where half of the sheets or more bear none.
 
@@ -20,14 +20,20 @@ from palpate.recordings.readers.vendor import Unreadable, VendorTest
 TAGGED = re.compile(
     r"(?<![^\W_])(tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
 )
+AVERAGED = re.compile(
+    r"(?:(?:the )?(?:average|averages|avg|mean|means|median|mittelwerte?|durchschnitt|moyennes?|promedio)"
+    r"|(?:average|avg|mean|median)[ _-](?:curve|data|test|of[ _-].*)|std|st ?dev|standard deviations?)",
+    re.IGNORECASE,
+)
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:
-    """Return a test, or why it is left out: its sheet's name tags it, or its reader says that it may be none."""
+    """Return a test, or why it is left out: its name tags it or is an average's, or its reader says it may be none."""
     if isinstance(test, Unreadable):
         return test
     mark = TAGGED.search(test.name) if source.workbook else None
-    reason = f"the vendor's file calls it {mark[1].lower()}" if mark else test.uncounted
+    mark = mark or (AVERAGED.fullmatch(test.name.strip()) if test.name != source.path.stem else None)
+    reason = f"the vendor's file calls it {mark[mark.lastindex or 0].lower()}" if mark else test.uncounted
     if not reason:
         return test
     error = InputError(

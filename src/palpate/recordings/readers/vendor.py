@@ -253,10 +253,10 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     return kept, (*reported, *thinned)
 
 
-def first_few(numbers: Sequence[int] | np.ndarray) -> str:
-    """Return the first few of some numbers, and how many more there are."""
-    more = f" and {len(numbers) - PLACES} more" if len(numbers) > PLACES else ""
-    return ", ".join(str(number) for number in numbers[:PLACES]) + more
+def first_few(items: Sequence[int | str] | np.ndarray) -> str:
+    """Return the first few of some numbers or names, and how many more there are."""
+    more = f" and {len(items) - PLACES} more" if len(items) > PLACES else ""
+    return ", ".join(str(item) for item in items[:PLACES]) + more
 
 
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
