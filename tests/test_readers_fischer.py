@@ -55,6 +55,15 @@ def test_tests_below_one_another_in_their_units(tmp_path, columns, more):
         assert test.metadata["F"] == "ESP n 300.000mN/120s/37s"
 
 
+def test_two_series_in_one_file_are_read_under_their_names(tmp_path):
+    file = export(tmp_path, body())
+    second = file.read_bytes().replace(b"FS1.hap", b"FS2.hap")
+    file.write_bytes(file.read_bytes() + second)
+    tests = read_vendor_file(file)
+    assert [test.name for test in tests] == ["FS1.hap Block 1 Value 1", "FS2.hap Block 1 Value 1"]
+    assert [len(test.recording) for test in tests] == [len(TIME)] * 2
+
+
 def test_a_spoilt_test_costs_only_itself(tmp_path):
     first, second = read_each(export(tmp_path, body().replace("\t10\n", "\tten\n"), body()))
     assert isinstance(first, Unreadable)

@@ -100,6 +100,13 @@ def test_names_in_quotes_over_two_lines_state_their_units(tmp_path):
     assert test.recording.depth.max() == pytest.approx(675e3)
 
 
+@pytest.mark.parametrize(("encoding", "cut"), [("utf-32", 0), ("utf-16", 0), ("utf-16", 1)])
+def test_wide_letters_are_read_also_where_the_last_is_cut(tmp_path, encoding, cut):
+    content = "\n".join([HEAD, *ROWS, ""]).encode(encoding)
+    (tmp_path / "x.csv").write_bytes(content[: len(content) - cut])
+    assert whole(read_vendor_file(tmp_path / "x.csv", columns=BY_NAME, contact="none")) == ""
+
+
 def test_exchanged_columns_and_tests_beside_are_told(tmp_path):
     exchanged = [";".join(row.split(";")[k] for k in (0, 2, 1)) for row in ROWS]
     (test,) = read(tmp_path, exchanged, BY_NUMBER, "Time;Depth;Load")

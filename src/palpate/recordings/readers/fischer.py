@@ -1,4 +1,4 @@
-"""Fischer (Fischerscope HM, Picodentor) text exports: all tests of a series, one below another."""
+"""Fischer (Fischerscope HM, Picodentor) text exports: all tests of one or more series, one below another."""
 
 from __future__ import annotations
 
@@ -41,16 +41,26 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     are written above them with theirs. Where these differ, a warning says so.
     """
     refuse_corrections(source, corrections)
-    application = source.first.removesuffix(APPLICATION).strip()
+    begins = [k for k, line in source.lines.in_words() if line.rstrip().endswith(APPLICATION)]
+    several = len(begins) > 1
+    return unless_all_fail(
+        [test for begin, end in pairwise([*begins, len(source.lines)]) for test in _series(source, begin, end, several)]
+    )
+
+
+def _series(source: Source, begin: int, end: int, several: bool) -> list[VendorTest | Unreadable]:
+    """Return the tests of the series on the lines from `begin` up to `end`, of one of `several` under its name."""
+    lines = source.lines[begin:end]
+    application = lines[0].rstrip().removesuffix(APPLICATION).strip()
     dated = re.compile(rf"{re.escape(application)}\s+\d+[./-]\d+[./-]\d+\s+\d+:\d+")
-    starts = [k for k, line in source.lines.in_words() if dated.match(line)]
-    program = metadata(source.lines[: starts[0]]) if starts else {}
-    tests = []
-    for number, (start, end) in enumerate(pairwise([*starts, len(source.lines)]), 1):
-        found = next(filter(None, (BLOCK.match(line) for _, line in source.lines[start:end].in_words())), None)
+    starts = [k for k, line in lines.in_words() if dated.match(line)]
+    program, tests = metadata(lines[: starts[0]]) if starts else {}, []
+    for number, (start, stop) in enumerate(pairwise([*starts, len(lines)]), 1):
+        found = next(filter(None, (BLOCK.match(line) for _, line in lines[start:stop].in_words())), None)
         name = f"Block {found[1]} Value {found[2]}" if found else f"Test {number}"
-        tests.append(attempt(source.path, name, _test, source, name, start, end, program))
-    return unless_all_fail(tests)
+        name = f"{application} {name}" if several else name
+        tests.append(attempt(source.path, name, _test, source, name, begin + start, begin + stop, program))
+    return tests
 
 
 def _test(source: Source, name: str, start: int, end: int, program: dict[str, str]) -> VendorTest:

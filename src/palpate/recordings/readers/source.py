@@ -27,6 +27,7 @@ CONTAINERS = {ZIP: "a zip archive", HDF5: "an HDF5 file"}
 TEST = re.compile(r"t(?:est)?[ _#.-]*(\d+)(?![^\W_])", re.IGNORECASE)
 PADDING = b"\0\x1a"
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+WIDEST = (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)  # the first begins as UTF-16's does
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,8 @@ class Source:
     def lines(self) -> Lines:
         """Lines of text, whatever ends them; a workbook has none.
 
-        UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1 otherwise. What pads the
-        end of the file (zero bytes, DOS's end of text) is dropped.
+        UTF-32 where it is marked, UTF-16 where it is marked or every other byte is zero, UTF-8 where that fits, Latin-1
+        otherwise. What pads the end of the file (zero bytes, DOS's end of text) is dropped.
         """
         if self.begun.startswith((OLE, ZIP, HDF5)):
             return Lines.of(io.BytesIO(), "utf-8")[:0]
@@ -83,11 +84,13 @@ class Source:
         """Yield the text by the encoding that its first bytes speak for; raises `UnicodeDecodeError`."""
         decoder = codecs.getincrementaldecoder(self._encoding)()
         yield from map(decoder.decode, self.blocks())
-        yield decoder.decode(b"", final=True)
+        yield decoder.decode(b"", final=not self.wide)  # a wide text may be cut off within a letter
 
     @property
     def _encoding(self) -> str:
         """The encoding that the first bytes speak for."""
+        if self.begun.startswith(WIDEST):
+            return "utf-32"
         if self.begun.startswith(WIDE):
             return "utf-16"
         first, second, third, fourth = self.begun[:4].ljust(4, b"x")
@@ -99,8 +102,8 @@ class Source:
 
     @property
     def wide(self) -> bool:
-        """Whether the text takes two bytes a letter."""
-        return self._encoding.startswith("utf-16")
+        """Whether the text takes two bytes a letter, or four."""
+        return self._encoding.startswith(("utf-16", "utf-32"))
 
     @cached_property
     def first(self) -> str:
