@@ -231,7 +231,13 @@ def test_a_set_does_not_lie_in_a_folder_that_the_workflow_writes(tmp_path, monke
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"recordings": {"lab": "{lab}"}}, "recordings.lab: {lab} has braces, which are wildcards"),
+        (
+            {
+                "recordings": {"lab": "results/el/recordings/{lab}"},
+                "laboratory": {"lab": {"seed": 1, "parameters": {"youngs_modulus": 3.0}}},
+            },
+            "recordings.lab: results/el/recordings/{lab} has braces, which are wildcards",
+        ),
         ({"diagnosis": {"ranges": {"tip_angle": {}}}}, "diagnosis.ranges.tip_angle: 0 entries are given, expected 1"),
         ({"calibration": {"objective": "relative"}}, "calibration.objective: the mean curve of A is not positive at"),
         (
