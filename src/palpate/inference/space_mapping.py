@@ -120,12 +120,13 @@ class SpaceMapped:
     def held_out(self, u: np.ndarray) -> dict[str, Reference]:
         """Return references at coordinates u (k,) under the study's other conditions, of a mesh with all sectors.
 
-        What finer meshes add is the same part of the depth as in this model.
+        They hold what finer meshes add.
         """
         own = {condition.name for condition in self._conditions}
-        others = [condition for condition in self.full.study.conditions if condition.name not in own]
-        found = _references(replace(self.full, conditions=others), u, all_sectors=True) if others else {}
-        rest = {name: each.rest for name, each in self.references.items()}
+        full = replace(self.full, conditions=[each for each in self.full.study.conditions if each.name not in own])
+        if not full.conditions:
+            return {}
+        found, rest = _references(full, u, all_sectors=True), _rest(full, u)
         return {name: each.with_rest(rest.get(name, 0.0)) for name, each in found.items()}
 
     def _change(self, u: np.ndarray) -> float:
@@ -149,12 +150,7 @@ class SpaceMapped:
         """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
         if not self.full.study.indenter.of_revolution or self._depends_on_edge(u) or self.refined_here:
             return None
-        few, keep = _under_every(self.full).thinned()
-        before, after = (bodies(few.of_accuracy(degrees), u) for degrees in (1, 2))
-        rest = {}
-        for name in before.keys() & after.keys():
-            time = self.full.study.condition(name).protocol.sample_time
-            rest[name] = rest_of(before[name], after[name] - before[name], time, keep[name])
+        rest = _rest(_under_every(self.full), u)
         if not rest.keys() >= {condition.name for condition in self._conditions}:
             return None
         return replace(self.of_record(u).with_rest(rest), refined_here=True)
@@ -245,6 +241,14 @@ class SpaceMapped:
 def _under_every(full: FiniteElements) -> FiniteElements:
     """Return the same under every condition of the study, those that are held out among them."""
     return replace(full, conditions=full.study.conditions)
+
+
+def _rest(full: FiniteElements, u: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the part of the curves (n_points,) at coordinates u (k,) that finer meshes add, where both succeed."""
+    few, keep = full.thinned()
+    before, after = (bodies(few.of_accuracy(degrees), u) for degrees in (1, 2))
+    times = {condition.name: condition.protocol.sample_time for condition in full.conditions}
+    return {n: rest_of(before[n], after[n] - before[n], times[n], keep[n]) for n in before.keys() & after.keys()}
 
 
 def _references(full: FiniteElements, u: np.ndarray, all_sectors: bool = False) -> dict[str, Reference]:
