@@ -6,6 +6,7 @@ from workbooks import write_workbook
 
 from palpate.errors import InputError
 from palpate.recordings.readers import ColumnMap, Unreadable, read_each, read_vendor_file
+from palpate.recordings.readers.several_tests import without_stand_ins
 from palpate.recordings.recording import Recording, copies
 
 HEAD = "Time (s);Load (mN);Depth (nm)"
@@ -91,6 +92,14 @@ def test_cycles_down_to_zero_keep_their_zeros(tmp_path):
     rows = ["0;0;0", *(f"{k};{p};{100 + 20 * p + k}" for k, p in enumerate(load, 1))]
     (test,) = read(tmp_path, rows)
     assert len(test.recording) == 101
+
+
+@pytest.mark.parametrize("row", [1, 20, 38])
+def test_a_zero_that_drops_out_is_no_value_wherever_it_stands(row):
+    load = np.linspace(5.0, 6.0, 40)
+    load[row] = 0.0
+    _, found, _ = without_stand_ins([np.arange(40.0), load, np.linspace(500.0, 900.0, 40)])
+    assert np.flatnonzero(np.isinf(found)).tolist() == [row]
 
 
 def test_names_in_quotes_over_two_lines_state_their_units(tmp_path):

@@ -137,20 +137,22 @@ def _checked_tests(
     return checked
 
 
-def check_given(study: Study, look: Look | None = None) -> None:
-    """Check every set of recordings that exists before the workflow runs, and the tests of the vendor's file.
+def check_given(study: Study, look: Look | None = None) -> list[dict[str, list[Recording]]]:
+    """Check and return every set of recordings that exists before the workflow runs, and the vendor's file's tests.
 
     Parameters
     ----------
     look
         Is shown each set, condition and its recordings as they were written, so that nobody need read them again.
     """
-    for name in study.recordings:
-        if not written_by_workflow(study, name):
-            check(study, name, look)
-    if study.source:
-        tests = {condition: [test.recording for test in of_it] for condition, of_it in study.source_tests().items()}
-        _checked_tests(study, tests, study.source["file"])
+    there = [name for name in study.recordings if not written_by_workflow(study, name)]
+    return [check(study, name, look) for name in there] + ([check_source(study)] if study.source else [])
+
+
+def check_source(study: Study) -> dict[str, list[Recording]]:
+    """Check the tests of the study's vendor file, and return them from contact on; raises `InputError`."""
+    tests = {condition: [test.recording for test in of_it] for condition, of_it in study.source_tests().items()}
+    return _checked_tests(study, tests, study.source["file"])
 
 
 def written_by_workflow(study: Study, name: str) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.recording_checks import checked_recording
-from palpate.inference.study_recordings import check, check_tests, written_by_workflow
+from palpate.inference.study_recordings import check, check_source, check_tests, written_by_workflow
 from palpate.laboratory import virtual
 from palpate.notebook.measured_test import MeasuredTest, read_recording
 from palpate.notebook.simulated_curve import SimulatedCurve
@@ -125,5 +125,4 @@ def _tests_of(study: Study, name: str) -> dict[str, list[Recording]]:
             condition = study.condition(key.rpartition("_")[0])
             tests[condition.name].append(checked_recording(study, condition, recording))
         return tests
-    found = study.source_tests()
-    return check_tests(study, {key: [test.recording for test in tests] for key, tests in found.items()})
+    return check_source(study)

@@ -20,7 +20,8 @@ STIFFNESS_FOLDER = "stiffness"
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 MOST = 200_000  # points that are kept of one: curves are compared at a hundred times
-ROUNDED, COMPARED = 1e-3, 8  # of a channel's range, beyond which no rounding makes copies differ; points that show it
+ROUNDED = 1e-3  # of a channel's range, beyond which no rounding makes copies differ
+COMPARED = 30  # points that show which recordings may be copies
 RATE_START, RATE_SPAN = 0.005, 0.05  # of the largest load, between which the rate of the first loading is taken
 
 
@@ -200,22 +201,19 @@ def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]
 
 
 def _copies(alike: Sequence[Recording]) -> Iterator[tuple[Recording, Recording]]:
-    """Yield those of recordings of one length; a few points show of which it may be true."""
+    """Yield those of recordings of one length; some of their points show of which pairs it may be true."""
+    from scipy.spatial import cKDTree
+
     places = np.linspace(0, len(alike[0]) - 1, COMPARED).astype(int)
-    some = np.array([[each.depth[places], each.load[places]] for each in alike]).reshape(len(alike), -1)
-    within = ROUNDED * np.repeat([[np.ptp(each.depth), np.ptp(each.load)] for each in alike], COMPARED, axis=1)
-    middle = some[:, COMPARED // 2]
-    order = np.argsort(middle, kind="stable")
-    ascending = middle[order]
-    for k, recording in enumerate(alike):
-        ends = middle[k] + within[k, 0] * np.array([-1.0, 1.0])
-        near = order[slice(*np.searchsorted(ascending, ends))]
-        near = near[(near < k) & (np.abs(some[near] - some[k]) <= within[k]).all(axis=1)]
-        for first in [alike[other] for other in np.sort(near)]:
-            pairs = ((getattr(recording, key), getattr(first, key)) for key in ("depth", "load", "time"))
-            if all(_agree_as_written(*pair) for pair in pairs):
-                yield recording, first
-                break
+    some = np.array([[each.depth[places], each.load[places]] for each in alike])
+    some /= np.maximum(ROUNDED * np.ptp(some, axis=(0, 2)), np.finfo(float).tiny)[:, None]
+    pairs = cKDTree(some.reshape(len(alike), -1)).query_pairs(1.0, p=np.inf)
+    found = set[int]()
+    for number, first in sorted((max(pair), min(pair)) for pair in pairs):
+        channels = ((getattr(alike[k], key) for k in (number, first)) for key in ("depth", "load", "time"))
+        if number not in found and all(_agree_as_written(*pair) for pair in channels):
+            found.add(number)
+            yield alike[number], alike[first]
 
 
 def _agree_as_written(values: np.ndarray, others: np.ndarray) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
 from palpate.inference.measures import check_measurable
 from palpate.inference.observation import Observation
-from palpate.inference.study_recordings import check, check_given, check_tests, resampled, written_by_workflow
+from palpate.inference.study_recordings import Look, check_given, resampled, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
@@ -28,7 +28,7 @@ MOST_CHECKED = 3000  # snapshots; beyond, checking takes longer than a minute
 UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
 
 
-def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | None = None) -> Study:
+def checked(study: Study, look: Look | None = None) -> Study:
     """Check a study's recordings, the settings of its calibration and what its diagnosis considers, and return it.
 
     Parameters
@@ -48,8 +48,8 @@ def checked(study: Study, look: Callable[[str, str, list[Recording]], None] | No
         check_calibration(study)
         if study.diagnosis["enabled"]:
             check_diagnosis(study)
-        check_given(study, look)
-        _check_recorded(study)
+        for recorded in check_given(study, look):
+            _check_recorded(study, recorded)
     return study
 
 
@@ -93,26 +93,14 @@ def check_objective(study: Study, observed: Mapping[str, Observation]) -> None:
             check_measurable(condition.name, observed[condition.name].mean, study.calibration["objective"])
 
 
-def _check_recorded(study: Study) -> None:
+def _check_recorded(study: Study, recorded: Mapping[str, list[Recording]]) -> None:
     """Refuse an objective, and a reference, with which recordings cannot be compared; raises `InputError`."""
-    relative = study.calibration["objective"] == "relative"
-    referred = study.diagnosis["enabled"] and "reference" in study.diagnosis
-    pressed = [condition.name for condition in study.calibrated if condition.protocol.control == LOAD]
-    for recorded in _recordings(study) if relative or referred else ():
+    if study.calibration["objective"] == "relative":
         check_objective(study, resampled(study, recorded))
-        if referred:
-            with part_of("diagnosis.reference"):
-                law_of_reference([test for name in pressed for test in recorded[name]], study)
-
-
-def _recordings(study: Study) -> Iterator[dict[str, list[Recording]]]:
-    """Yield the checked tests of each set that is there already, and those of the vendor's file."""
-    for name in study.recordings:
-        if not written_by_workflow(study, name):
-            yield check(study, name)
-    if study.source:
-        tests = {name: [test.recording for test in found] for name, found in study.source_tests().items()}
-        yield check_tests(study, tests)
+    if study.diagnosis["enabled"] and "reference" in study.diagnosis:
+        pressed = [condition.name for condition in study.calibrated if condition.protocol.control == LOAD]
+        with part_of("diagnosis.reference"):
+            law_of_reference([test for name in pressed for test in recorded[name]], study)
 
 
 def _check_folders(study: Study) -> None:

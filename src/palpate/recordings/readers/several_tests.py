@@ -158,20 +158,19 @@ def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
     The `other` one, depth or load, is not zero there, as it is where a test begins. The values on neither side lead to
     the zero along a straight line.
     """
-    zeros = 2 + np.flatnonzero((channel[2:-2] == 0) & (channel[1:-3] != 0) & (channel[3:-1] != 0))
+    zeros = 1 + np.flatnonzero((channel[1:-1] == 0) & (channel[:-2] != 0) & (channel[2:] != 0))
     if not (0 < len(zeros) <= FEW * len(channel) and np.isfinite(channel).any() and np.isfinite(other).any()):
         return zeros[:0]
     before, after = channel[zeros - 1], channel[zeros + 1]
     spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
     pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
     near = np.abs(after - before) <= np.abs(before) / TWICE
-    with np.errstate(invalid="ignore"):
-        led = [
-            np.abs(2 * beside - next_) < np.abs(beside) / TWICE
-            for beside, next_ in ((before, channel[zeros - 2]), (after, channel[zeros + 2]))
-        ]
     far = (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)
-    return zeros[pressed & near & far & ~led[0] & ~led[1]]
+    with np.errstate(invalid="ignore"):
+        for beside, away in ((before, -2), (after, 2)):
+            beyond = channel[np.clip(zeros + away, 0, len(channel) - 1)]
+            far &= ~(np.abs(2 * beside - beyond) < np.abs(beside) / TWICE)
+    return zeros[pressed & near & far]
 
 
 def _extremes(values: np.ndarray) -> tuple[float, float]:

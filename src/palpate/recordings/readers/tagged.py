@@ -18,7 +18,7 @@ from palpate.recordings.readers.units import CHANNELS
 from palpate.recordings.readers.vendor import Unreadable, VendorTest
 
 TAGGED = re.compile(
-    r"(?<![^\W_])(tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
+    r"(?<![^\W_])(?:tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
 )
 AVERAGED = re.compile(
     r"(?:(?:the )?(?:average|averages|avg|mean|means|median|mittelwerte?|durchschnitt|moyennes?|promedio)"
@@ -33,7 +33,7 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
         return test
     mark = TAGGED.search(test.name) if source.workbook else None
     mark = mark or (AVERAGED.fullmatch(test.name.strip()) if test.name != source.path.stem else None)
-    reason = f"the vendor's file calls it {mark[mark.lastindex or 0].lower()}" if mark else test.uncounted
+    reason = f"the vendor's file calls it {mark[0].lower()}" if mark else test.uncounted
     if not reason:
         return test
     error = InputError(
