@@ -1,4 +1,4 @@
-"""In which order the tests run and where, and what several files ask of the solver."""
+"""In which order the tests run and where, and what several files ask of the solver and the command line."""
 
 import pytest
 
@@ -6,6 +6,7 @@ from palpate.base.threads import one_thread_each
 
 one_thread_each()
 
+from palpate.cli.main import main  # noqa: E402
 from palpate.solver.axisymmetric import similar  # noqa: E402
 
 
@@ -57,3 +58,20 @@ def simulated(monkeypatch):
 
     monkeypatch.setattr(similar, "indent_batch", counting)
     return counts
+
+
+@pytest.fixture
+def refused(capsys):
+    """Return what a command says in one line, which is refused with exit code 2."""
+
+    def run(*arguments):
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as leaving:
+            code = leaving.code
+        lines = capsys.readouterr().err.splitlines()
+        assert code == 2
+        assert len(lines) == 1, lines
+        return lines[0]
+
+    return run
