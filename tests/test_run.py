@@ -47,6 +47,16 @@ def run(folder, *arguments):
     return subprocess.run([PALPATE, "run", *arguments], cwd=folder, capture_output=True, text=True)
 
 
+def begun(command, **options):
+    """Start a command that heeds signals, also where `nohup` or a script's background has the tests ignore them."""
+
+    def heed():
+        for number in (signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, signal.SIG_DFL)
+
+    return subprocess.Popen(command, preexec_fn=heed, **options)
+
+
 def contents(folder):
     """Return the bytes of all results of a folder by name, but for logs and what is sent to MLflow, which hold times.
 
@@ -87,7 +97,7 @@ def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cor
     folder, undisturbed
 ):
     (folder / "study.yaml").write_text(yaml.safe_dump(STUDY | {"cells_per_job": 3}))
-    process = subprocess.Popen([PALPATE, "run", "study.yaml", "--cores", "2"], cwd=folder, start_new_session=True)
+    process = begun([PALPATE, "run", "study.yaml", "--cores", "2"], cwd=folder, start_new_session=True)
     while not list(folder.glob("results/store/*/*.npz")):
         assert process.poll() is None
         time.sleep(0.1)
@@ -107,7 +117,7 @@ def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cor
 def test_what_ends_the_command_ends_its_jobs(number):
     script = "import sys; from palpate.cli.run import _executed; print(flush=True); _executed([*sys.argv[1:]])"
     waits = "import time; print('begun', flush=True); time.sleep(60)"
-    process = subprocess.Popen(
+    process = begun(
         [sys.executable, "-c", script, sys.executable, "-c", waits], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
     )
     assert process.stdout.readline() == b"\n"
