@@ -323,6 +323,7 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
         ({"conditions": [{"name": "B", **PROTOCOL}]}, "other conditions: B, A"),
         ({"conditions": [{"name": "A", **PROTOCOL, "hold_time": 20}]}, "other conditions: A"),
         ({"indenter": CONE | {"half_angle": 60}}, "another indenter"),
+        ({"kinematics": "small"}, "large strains"),
         ({"material": {"model": "elastic", "poisson_ratio": 0.2}}, "other values under material"),
     ],
 )

@@ -142,7 +142,7 @@ def diagnose(
     ------
     InputError
         When the study or a recording is invalid, or the calibration is of other parameters, another law or tip, other
-        fixed values or other conditions.
+        kinematics, fixed values or conditions.
     PalpateError
         When the forward model fails wherever a search may begin.
     """
@@ -168,6 +168,7 @@ def _check_same(study: Study, calibrated: Study) -> None:
         (study.model != calibrated.model, f"the law {calibrated.model}"),
         (study.fixed != calibrated.fixed, "other values under material"),
         (study.indenter != calibrated.indenter, "another indenter"),
+        (study.kinematics != calibrated.kinematics, f"{calibrated.kinematics} strains"),
         (here != there, f"other conditions: {other}"),
     ):
         if differs:
