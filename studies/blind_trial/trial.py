@@ -36,8 +36,8 @@ def diagnose_case(study: Study, folder: Path, report: Callable[[str], None]) -> 
 def strength(study: Study, case: Case, folder: Path) -> float:
     """Return the projected signature of the weakest library effect over the detection limit; NaN where there is none.
 
-    A signature is the true effect at the true material, with whatever else acts, whitened and projected off the base
-    model's tangent space there and off the other effect. The limit is the size that the most sensitive filter notices
+    A signature is the true effect at the true material, with whatever else acts, on the laboratory's own mesh, whitened
+    and projected off the base model's tangent space there and off the other effect. The limit is the size that the most sensitive filter notices
     at a family-wise one per cent (Bonferroni).
 
     Raises
@@ -70,7 +70,8 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
     """Return what each mechanism of a case adds to the depth of all conditions (n_all, mechanisms) [nm]."""
     bodily = [key for key in case.mechanisms if not MECHANISMS[key].varies]
     without = [replace(case, mechanisms={k: v for k, v in case.mechanisms.items() if k != key}) for key in bodily]
-    simulated = body_depths(study, [case, *without] if bodily else [], problem.conditions, study.accuracy)
+    accuracy = study.challenge["accuracy"]
+    simulated = body_depths(study, [case, *without] if bodily else [], problem.conditions, accuracy)
     parts = []
     for condition, depths in zip(problem.conditions, simulated, strict=True):
         added = {key: depths[0] - depth for key, depth in zip(bodily, depths[1:], strict=True)}
