@@ -37,8 +37,8 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     """Return the projected signature of the weakest library effect over the detection limit; NaN where there is none.
 
     A signature is the true effect at the true material, with whatever else acts, on the laboratory's own mesh, whitened
-    and projected off the base model's tangent space there and off the other effect. The limit is the size that the most sensitive filter notices
-    at a family-wise one per cent (Bonferroni).
+    and projected off the base model's tangent space there and off the other effect. The limit is the size that the most
+    sensitive filter notices at a family-wise one per cent (Bonferroni).
 
     Raises
     ------
