@@ -28,7 +28,7 @@ def test_tables_show_nothing_where_nothing_is_known():
 
 
 def test_nothing_comes_after_a_base_model_that_nothing_joined():
-    found = {"youngs_modulus": {"estimate": 3.0, "lower": 2.9, "upper": 3.1}}
+    found = {"youngs_modulus": {"estimate": 3.0, "lower": 2.9, "upper": 3.1, "identified": True}}
     content = {"parameters": {"before": found, "after": found}, "candidates": [], "verdict": "unexplained"}
     declared = {parameter.name: parameter for parameter in LAWS["elastic"].parameters}
     title, pieces = _material(content, declared)

@@ -19,6 +19,7 @@ from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Candidate
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
+from palpate.inference.estimates import determined
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.posterior import draws_to_first_order, posterior_draws
@@ -33,12 +34,17 @@ def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, flo
     return {name: summary(drawn[name].to_numpy(), value) for name, value in best.items()}
 
 
-def material_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
-    """Return median and 95 % interval of every free material parameter."""
+def material_parameters(fit: Fit, draws: np.ndarray, explained: bool) -> dict[str, dict[str, float | bool]]:
+    """Return median and 95 % interval of every free material parameter, and whether the recordings determine it.
+
+    They determine none in a fit that does not explain them.
+    """
     free = fit.coordinates.free[: fit.problem.material]
+    lower, upper = np.percentile(draws, [2.5, 97.5], axis=0)
+    known = determined(fit.coordinates, np.minimum(lower, fit.z), np.maximum(upper, fit.z))
     return {
-        each.name: summary(each.physical(column), float(each.physical(best)))
-        for each, column, best in zip(free, draws.T, fit.z, strict=False)
+        each.name: summary(each.physical(column), float(each.physical(best))) | {"identified": bool(explained and yes)}
+        for each, column, best, yes in zip(free, draws.T, fit.z, known, strict=False)
     }
 
 
@@ -182,10 +188,9 @@ def to_mapping(
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
     draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.accepted]
-    before = material_parameters(
-        base.fit, draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
-    )
-    after = material_parameters(best, draws[0]) if draws else before
+    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
+    before = material_parameters(base.fit, of_base, verdict == "adequate")
+    after = material_parameters(best, draws[0], explained=True) if draws else before
     content = {
         "verdict": verdict,
         "p_value": base.p_value,

@@ -79,8 +79,7 @@ def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate
     """
     coordinates = fit.coordinates
     low, high = coordinates.named(found.lower), coordinates.named(found.upper)
-    ended = coordinates.at_limit(found.lower) | coordinates.at_limit(found.upper)
-    identified = (found.upper - found.lower < WIDEST_IDENTIFIED) & explained & ~ended
+    identified = determined(coordinates, found.lower, found.upper) & explained
     at_bound, outside = coordinates.at_limit(fit.z), np.abs(fit.z - 0.5) > 0.5 + 1e-9
     flags = dict(zip(coordinates.names, zip(identified, at_bound, outside, strict=True), strict=True))
     estimated = {}
@@ -88,6 +87,12 @@ def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate
         identifies, bound, beyond = map(bool, flags.get(name, (False, False, False)))
         estimated[name] = Estimate(value, low[name], high[name], identifies, name not in flags, bound, beyond)
     return estimated
+
+
+def determined(coordinates: Coordinates, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return which coordinates (k,) recordings determine, by the ends of their intervals (k,)."""
+    ended = coordinates.at_limit(lower) | coordinates.at_limit(upper)
+    return (upper - lower < WIDEST_IDENTIFIED) & ~ended
 
 
 def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:

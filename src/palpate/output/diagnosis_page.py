@@ -113,7 +113,7 @@ def _material(content: Mapping[str, Any], declared: Mapping[str, Parameter]) -> 
     before, after = content["parameters"]["before"], content["parameters"]["after"]
     table = pd.DataFrame(
         {"parameter": name, "unit": declared[name].unit, "before": before[name]["estimate"]}
-        | {"after": found["estimate"], "lower": found["lower"], "upper": found["upper"]}
+        | {"after": found["estimate"], **{key: found[key] for key in ("lower", "upper", "identified")}}
         for name, found in after.items()
     )
     if content["candidates"]:

@@ -15,6 +15,7 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, mark_synthetic
 
+MOST = 9  # explanations that are drawn
 PARTS = [(segment, part) for segment in ("loading", "hold", "unloading") for part in ("early", "late")]
 
 
@@ -87,11 +88,14 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
 def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     """Draw the log evidence of what was tried, relative to the base model, accepted ones in colour.
 
-    The number beside each bar is relative to the best one.
+    The number beside each bar is relative to the best one. Of many explanations the best are drawn, and the base model.
     """
-    tried = content["tried"][:9]
+    every = content["tried"]
+    first = [k for k, entry in enumerate(every) if not entry["mechanisms"]][:1]
+    shown = sorted(range(len(every)), key=lambda k: (k not in first, k))[:MOST]
+    tried = [every[k] for k in sorted(shown)]
     accepted = [candidate["mechanisms"] for candidate in content["candidates"]]
-    base = next((entry["log_evidence"] for entry in content["tried"] if not entry["mechanisms"]), 0.0)
+    base = every[first[0]]["log_evidence"] if first else 0.0
     names = []
     for k, entry in enumerate(tried):
         titles = [MECHANISMS[key].title for key in entry["mechanisms"]]
@@ -108,13 +112,21 @@ def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     axis.set_xlabel("log evidence relative to the base model\n(numbers: relative to the best)")
     found = "accepted ones in red" if accepted else "none accepted"
     adequate = content["verdict"] == "adequate"
-    axis.set_title("base model adequate, no other tried" if adequate else f"explanations tried; {found}")
+    count = f"{len(every)} explanations tried" if len(every) <= MOST else f"best {MOST} of {len(every)} tried"
+    axis.set_title("base model adequate, no other tried" if adequate else f"{count}; {found}")
 
 
 def _misfit(curve: pd.DataFrame, axis, improved: bool) -> None:
     axis.axhline(0, color="0.7", lw=0.6)
     noise = 2 * curve["noise_nm"]
-    axis.fill_between(curve["time_s"], -noise, noise, color="0.9", lw=0, label="noise, 95 %")
+    axis.fill_between(
+        curve["time_s"],
+        -noise,
+        noise,
+        color="0.9",
+        lw=0,
+        label="noise and scatter of the mean, 95 %, without the error of the model",
+    )
     before = curve["recorded_nm"] - curve["before_nm"]
     axis.plot(curve["time_s"], before, color=SURROGATE, lw=0.9, label="base model")
     if improved:

@@ -71,7 +71,7 @@ def _condition(curve, upper, lower) -> None:
     upper.plot(*_drawn(curve, recorded), "o", color=RECORDED, ms=2.2, mfc="none", mew=0.5, label="recorded")
     upper.plot(*_drawn(curve, simulated), "-", color=SIMULATED, label="finite elements")
     if surrogate.notna().any():
-        upper.plot(*_drawn(curve, surrogate), "--", color=SURROGATE, lw=0.8, label="surrogates")
+        upper.plot(*_drawn(curve, surrogate), color=SURROGATE, lw=3.0, alpha=0.35, zorder=0, label="surrogates")
     error = recorded - simulated
     rmse = np.sqrt(np.mean(error**2))
     shown = f"{rmse:.1f} nm" if unit == "nm" else f"{rmse:.2g} mN"

@@ -11,6 +11,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pandas as pd
+from matplotlib.colors import PowerNorm
 from matplotlib.tri import Triangulation
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
@@ -18,7 +19,7 @@ from palpate.solver.pyramid.mesh_3d import FACES
 from palpate.solver.pyramid.shell import WEDGE
 
 ACROSS = 3  # panels in a row
-CONTACT_RADII = 3.0  # that a panel shows
+CONTACT_RADII = 2.0  # that a panel shows
 LEVELS = 13  # of the contours
 TIP = 0.05  # part of the extent around a sharp apex, where the stress grows without bound, that sets no colour
 
@@ -42,11 +43,11 @@ def draw(folder: Path, path: str | Path) -> None:
         sharex=True,
         sharey=True,
     )
-    levels = np.linspace(0.0, largest, LEVELS)
+    levels = largest * np.linspace(0.0, 1.0, LEVELS) ** 2  # closer where the stress is low, as in most of the body
     moments = zip(table["time_s"], table["load_mN"].round(6), table["depth_nm"], strict=True)
     for axis, (time, load, depth), (sections, values) in zip(axes.flat, moments, drawn, strict=False):
         for shape in sections:
-            filled = axis.tricontourf(shape, values, levels=levels, extend="max", cmap="viridis")
+            filled = axis.tricontourf(shape, values, levels=levels, norm=PowerNorm(0.5), extend="max", cmap="viridis")
         axis.set_title(f"{time:.4g} s, {load:.3g} mN, {depth:.4g} nm")
         axis.set_aspect("equal")
         axis.set_xlim(-extent * solid, extent)
