@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from palpate.mechanisms import MECHANISMS
 from palpate.output.figures.style import (
     DOUBLE_COLUMN,
     RECORDED,
@@ -51,11 +52,12 @@ def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str
     for name, (colour, marker) in ANSWERS.items():
         part = one[one["answer"] == name]
         places = [keys.index(key) for key in part["truth"]]
-        left.plot(part["strength"].clip(0.05), places, marker, color=colour, ls="none", ms=4, label=name)
+        if places:
+            left.plot(part["strength"].clip(0.05), places, marker, color=colour, ls="none", ms=4, label=name)
     left.axvline(1.0, color="0.8", lw=0.8)
     left.axvline(3.0, color="0.6", lw=0.8, ls="--")
     left.set_xscale("log")
-    left.set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
+    left.set_yticks(range(len(keys)), [MECHANISMS[key].title for key in keys])
     left.set_xlabel("strength of the effect")
     left.set_title("single concealed effects: the answer")
     left.legend(
