@@ -1,5 +1,8 @@
 # A study from its configuration to its report: snakemake --cores 2 [--configfile STUDY.yaml]
-DEFAULT = "study" not in config
+
+# The keys of the default study are not mixed into those of a file that is given.
+FILES = workflow.overwrite_configfiles if workflow.modifier.is_main_snakefile() else []
+DEFAULT = "study" not in config and not FILES
 if DEFAULT:
 
     configfile: f"{workflow.basedir}/config/config.yaml"

@@ -5,6 +5,7 @@ for MLflow). settings: `calibration`, `seed`.
 """
 
 from palpate.output.figures import fitted_curves, style
+from palpate.recordings.recording_file import holds_synthetic
 from palpate.workflow_support import job, steps
 from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.run_records import of_calibration, tracked_runs
@@ -19,8 +20,9 @@ def main(snakemake):
         content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
+        synthetic = holds_synthetic(study.recordings[recordings])
         title = f"{study.title}: calibrated on the condition set “{condition_set}”"
-        style.write(output.figure, fitted_curves.compose, curves, title, recordings in study.laboratory)
+        style.write(output.figure, fitted_curves.compose, curves, title, synthetic)
         runs.append(of_calibration(content, study.calibration, [output.result, output.curves, output.figure]))
 
 

@@ -4,11 +4,12 @@ input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV)
 (JSON: the runs for MLflow). settings: `diagnosis`, `calibration`, `seed`.
 """
 
-import functools
+from functools import partial
 
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.output import diagnosis_page
 from palpate.output.figures import explained_curves, style
+from palpate.recordings.recording_file import holds_synthetic
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import estimate_of, write_json
 from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
@@ -18,11 +19,10 @@ def main(snakemake):
     study, output, answer = job.study(snakemake), snakemake.output, {}
     recordings, calibrated = snakemake.wildcards.recordings, estimate_of(snakemake.input.calibration)
     with tracked_runs(study.name, output.record, answer) as runs:
-        report = functools.partial(job.note, snakemake.log[0])
+        report, synthetic = partial(job.note, snakemake.log[0]), holds_synthetic(study.recordings[recordings])
         content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
-        synthetic = recordings in study.laboratory
         style.write(output.figure, explained_curves.compose, content, curves, study.title, synthetic)
         diagnosis_page.write(content, study.declared, output.figure, output.page, f"{study.title}: {recordings}")
         settings = {**study.diagnosis, "seed": study.seed}

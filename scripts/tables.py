@@ -4,6 +4,7 @@ input: calibrations of all condition sets (JSON). output: errors, parameters (CS
 """
 
 from palpate.output.figures import estimates_figure, search_history
+from palpate.recordings.recording_file import holds_synthetic
 from palpate.workflow_support import job, steps
 from palpate.workflow_support.result_files import read_json
 
@@ -15,7 +16,7 @@ def main(snakemake):
     truth = study.laboratory.get(recordings, {}).get("parameters")
     table = steps.parameter_table(found, truth)
     table.to_csv(output.parameters, index=False)
-    synthetic = recordings in study.laboratory
+    synthetic = holds_synthetic(study.recordings[recordings])
     estimates_figure.draw(table, study.levels, study.declared.values(), output.figure, study.title, synthetic)
     search_history.draw(found, output.convergence, "genetic algorithm", synthetic)
 

@@ -1,4 +1,7 @@
-"""Verify the solver and write the report."""
+"""Verify the solver and write the report.
+
+input: reference curves (CSV), if there are any. output: report (HTML), result (JSON). settings: `quick`, `reference`.
+"""
 
 from pathlib import Path
 
@@ -9,7 +12,7 @@ from palpate.workflow_support import job
 
 def main(snakemake):
     reference = snakemake.params.reference
-    settings = Settings.found(bool(snakemake.params.quick), Path(reference) if reference else None)
+    settings = Settings.found(snakemake.params.quick, Path(reference) if reference else None)
     runner.write(runner.run(settings, print), Path(snakemake.output.report).parent)
 
 

@@ -69,6 +69,24 @@ def checked(folder, capsys, **changes):
     return capsys.readouterr().out
 
 
+def test_check_expects_more_time_under_a_pyramid_and_says_for_which_accuracy(tmp_path, capsys):
+    """Without recordings nothing is fitted, and snapshots are those of the cone."""
+    (tmp_path / "lab").mkdir()
+    time = np.linspace(0.0, 60.0, 81)
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    Recording(time, load, 400.0 * np.sqrt(load)).write(tmp_path / "lab/A_1.csv")
+    studies = {"cone": {}, "pyramid": {"indenter": {"shape": "berkovich"}}, "finer": {"accuracy": "fine"}}
+    lines = {}
+    for name, changes in studies.items():
+        for recordings in ({}, {"lab": str(tmp_path / "lab")}):
+            said = checked(tmp_path, capsys, recordings=recordings, diagnosis={"enabled": False}, **changes)
+            (lines[name, bool(recordings)],) = [row for row in said.splitlines() if row.startswith("expected time")]
+    assert lines["pyramid", False] == lines["cone", False]
+    assert "up to 3 curves of the pyramid" in lines["pyramid", True]
+    assert "pyramid" not in lines["cone", True]
+    assert lines["finer", True].startswith("expected time, within a factor of two for accuracy standard (fine takes")
+
+
 def test_check_says_what_is_odd_about_recordings(tmp_path, capsys):
     """One begins far from contact; one outlasts the load that the condition follows; one is no .csv file."""
     folder = tmp_path / "lab"

@@ -11,11 +11,13 @@ from documents import HOOKS
 
 import palpate
 from palpate.cli.main import main
+from palpate.configuration.schema import WITHOUT_LENGTH
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.recordings.recording_file import read_recording
 from palpate.study.indenter import AREA, SHAPES
+from palpate.surrogate import KERNELS
 
 STUDY = {
     "study": "s",
@@ -44,6 +46,15 @@ def load(folder, **changes):
     file = folder / "study.yaml"
     file.write_text(yaml.safe_dump(STUDY | changes, sort_keys=False))
     return load_study(file)
+
+
+def test_a_length_is_taken_with_the_kernels_that_it_changes(tmp_path):
+    for name, kernel in KERNELS.items():
+        if kernel.scaled:
+            assert load(tmp_path, surrogate={"kernel": name, "shape": 0.3}).surrogate["shape"] == 0.3
+        else:
+            assert name in WITHOUT_LENGTH
+            assert load(tmp_path, surrogate={"kernel": name, "shape": "loo_each"}).surrogate["shape"] == "loo_each"
 
 
 def test_defaults_and_order(tmp_path):
@@ -114,6 +125,7 @@ def test_defaults_and_order(tmp_path):
         ),
         ({"design": {"points": 64}}, "design.points", "add kind: sobol"),
         ({"surrogate": {"energy": 0.99, "n_modes": 5}}, "surrogate.energy", "keep one"),
+        ({"surrogate": {"kernel": "linear", "shape": 0.3}}, "surrogate.shape", "no effect on the kernel linear"),
         ({"indenter": STUDY["indenter"] | {"poisson_ratio": 0.07}}, "indenter.poisson_ratio", "add its modulus"),
         ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
         ({"calibration": {"solver_error": 0.3}}, "calibration.solver_error", "0.2 or less; give a ratio"),

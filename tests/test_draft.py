@@ -9,14 +9,17 @@ import yaml
 from palpate.analytic import sneddon
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
+from palpate.draft import first_study
 from palpate.draft.grouping import grouped
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import chosen_law
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import Solid
+from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.recordings.recording import Recording
+from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
@@ -121,6 +124,27 @@ def test_a_draft_is_a_study_that_passes_its_check(tmp_path, monkeypatch, capsys)
     assert yaml.safe_load((tmp_path / "my study/study.yaml").read_text())["recordings"] == {
         "lab": "my study/recordings"
     }
+
+
+def test_a_stiffness_by_oscillation_lies_beside_a_draft_and_is_drafted_again(tmp_path, monkeypatch, capsys):
+    """Recordings have three columns; a draft of them has the stiffness again, and none is left if it fails."""
+    monkeypatch.chdir(tmp_path)
+    test = elastic(1.0, 20)
+    stiffness = np.where(test.load > 0.1, 0.01 * np.sqrt(test.load), np.nan)
+    replace(test, stiffness=stiffness).write(tmp_path / "test.csv")
+    for given, output in (("test.csv", "first"), ("first/recordings", "second")):
+        assert main(["draft", given, "-o", output, "--law", "elastic"]) == 0
+        assert "left out" not in capsys.readouterr().err
+        written = tmp_path / output / "recordings" / "P1_T20_1.csv"
+        assert "\ntime_s,load_mN,depth_nm\n" in "\n" + written.read_text()
+        assert read_recording(written).stiffness == pytest.approx(stiffness, rel=1e-6, nan_ok=True)
+
+    def unsound(study):
+        raise InputError("is not sound", remedy="mend it")
+
+    monkeypatch.setattr(first_study, "check_given", unsound)
+    assert main(["draft", "test.csv", "-o", "third", "--law", "elastic"]) == 2
+    assert not (tmp_path / "third").exists()
 
 
 def test_what_is_no_polymer_is_drafted_as_a_metal_under_diamond(tmp_path, monkeypatch, capsys):

@@ -118,6 +118,15 @@ def test_command_writes_what_paraview_and_people_read(tmp_path):
     assert nodal(mesh).shape == (len(mesh.points),)
 
 
+def test_fields_under_displacement_control_bear_the_simulated_load():
+    pushed = {"drive": "displacement", "max_displacement": 300.0, "loading_time": 10, "unloading_time": 10}
+    specification = specification_from(SPEC | {"protocol": pushed | {"spring": 0.01, "points": 20}})
+    curve = simulate(specification)
+    for fields in fields_at(specification, [5.0, 10.0]):
+        assert fields.load == pytest.approx(np.interp(fields.time, curve.time, curve.load), rel=1e-6)
+        assert fields.depth + fields.load / 0.01 == pytest.approx(30.0 * fields.time, rel=1e-6)
+
+
 @pytest.mark.parametrize("time", ["0", "15,30", "nan"])
 def test_times_outside_the_test_are_refused(tmp_path, capsys, time):
     (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC))

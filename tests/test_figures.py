@@ -4,9 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 from palpate.materials import LAWS
-from palpate.output.figures import estimates_figure, search_history
+from palpate.output.figures import estimates_figure, explained_curves, search_history
 from palpate.output.figures.style import SERIES
 
 RANGES = {"youngs_modulus": [3.0, 4.0], "steady_coefficient": [0.1, 0.2], "transient_exponent_2": [0.3, 0.5]}
@@ -50,3 +51,19 @@ def test_series_are_told_apart_by_who_confuses_red_and_green():
     colours = (light @ seen.T).clip(0.0, 1.0) ** (1 / 2.2)
     apart = np.linalg.norm(colours[:, None] - colours, axis=2)
     assert apart[np.triu_indices(len(SERIES), 1)].min() > 0.15
+
+
+@pytest.mark.parametrize(("part", "meaning"), [("late", "dot: q"), ("whole", "no part shown has q")])
+def test_the_map_of_misfits_explains_a_dot_where_one_is_drawn(part, meaning):
+    """The whole of a segment is not drawn, only its halves."""
+    loading = {"condition": "A", "segment": "loading", "residual_nm": 3.0}
+    rows = [loading | {"part": each, "q_value": 0.01 if each == part else 1.0} for each in ("early", "late", "whole")]
+    tried = [{"mechanisms": [], "log_evidence": -9.0}]
+    content = {"location": rows, "tried": tried, "candidates": [], "verdict": "adequate"}
+    columns = {key: [1.0, 2.0] for key in ("time_s", "recorded_nm", "before_nm", "after_nm", "noise_nm")}
+    curves = pd.DataFrame({"condition": "A", "role": "calibrate", **columns})
+    figure = Figure()
+    explained_curves.compose(figure, content, curves, "PMMA", False)
+    (left,) = [axis for axis in figure.axes if axis.get_title().startswith("base model, recorded")]
+    assert f"[nm]; {meaning} < 0.05" in left.get_title()
+    assert len(left.lines) == (part == "late")

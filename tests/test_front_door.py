@@ -164,6 +164,7 @@ def test_a_simulation_is_the_same_by_mapping_keywords_file_and_study(tmp_path):
     curves = [
         simulate(sections),
         simulate(**sections),
+        simulate(sections, protocol=PROTOCOL | {"points": np.int64(20), "hold_time": np.array(10)}),
         simulate(path),
         simulate(path, material=MATERIAL | {"youngs_modulus": 3}),
         simulate(study.specification({"youngs_modulus": 3.0}, study.conditions[0])),
@@ -281,17 +282,24 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
 
 def test_a_diagnosis_without_candidates_still_shows_itself(fit):
     alone = diagnose(fit.study, calibration=fit)
-    assert alone.verdict == "adequate"
+    assert (alone.verdict, alone.content["recordings"]) == ("adequate", fit.tests.name)
+    assert alone.tried["accepted"].to_list() == [True]
     assert isinstance(alone.to_frame(), pd.DataFrame) and alone.to_frame().empty
     assert "no further effect is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
 
 
-def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys):
+def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys, monkeypatch):
     said = []
+
+    def failing(study, observed, values, report=print):
+        report("not brought to one load")
+        return observed
+
+    monkeypatch.setattr("palpate.workflow_support.steps.brought_to_one_load", failing)
     assert len(list((results / "store").rglob("*.npz"))) == 4
     again = calibrate(fit.study, fit.tests.by_condition, results=results, report=said.append)
     assert any("4 snapshots, 0 computed" in line for line in said)
-    assert again.values == fit.values
+    assert again.values == fit.values and "not brought to one load" in said
     assert capsys.readouterr() == ("", "")
 
 

@@ -9,12 +9,20 @@ from test_front_door import CONE, MATERIAL, PROTOCOL, SETTINGS, measured
 from palpate import Study, calibrate, diagnose, read_recording, read_recordings, simulate
 from palpate.errors import InputError, PalpateError
 
+COLUMNS = {"time": "t", "load": "F", "depth": "h"}
+
 
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda: read_recording("missing.TXT"), r"missing\.TXT: cannot be read"),
         (lambda: read_recording("x.csv", corrections=["tilt"]), "corrections are tilt; name some of: drift, frame"),
+        (lambda: read_recording("x.csv", corrections=5), "corrections are 5; name some of: drift, frame"),
+        (lambda: read_recording("x.csv", corrections=["drift", None]), "corrections are drift, None; name some of"),
+        (lambda: read_recording("x.csv", columns=["t"]), "columns: list is no mapping of channels; name time, load"),
+        (lambda: read_recording("x.csv", columns=COLUMNS, units={"load": 5}), "units: load in '5' is not known"),
+        (lambda: read_recording(None), "path: NoneType is no path; give the path of a file"),
+        (lambda: read_recording("test.csv", contact=None), "contact None is not known; give a depth or one of: file"),
         (lambda: read_recordings("missing.TXT"), r"missing\.TXT: cannot be read"),
         (lambda: simulate(), "material is missing"),
         (lambda: simulate("missing.yaml"), r"missing\.yaml: cannot be read"),
@@ -25,6 +33,9 @@ from palpate.errors import InputError, PalpateError
         (lambda: Study.from_mapping(SETTINGS | {"pointz": 3}), "the mapping, pointz: unknown key 'pointz'"),
         (lambda: Study.draft([]), "no recordings are given"),
         (lambda: Study.draft(3.0), "float is no recording"),
+        (lambda: Study.draft("test.csv", sphere="x"), "sphere: sphere is 'x', expected a number; give a number in nm"),
+        (lambda: Study.draft("test.csv", sphere=-5), "sphere = -5 nm is outside its range"),
+        (lambda: diagnose(SETTINGS, calibration=3), "int is no calibration of a study; give what calibrate returns"),
         (lambda: calibrate(3.0), "float is no study"),
         (lambda: calibrate(SETTINGS), "the study names no recordings; give tests"),
         (lambda: calibrate(SETTINGS, "lob"), "'lob' is no set of recordings of the study, which has: none"),
@@ -37,6 +48,7 @@ from palpate.errors import InputError, PalpateError
 )
 def test_bad_input_is_told_in_one_line(tmp_path, monkeypatch, call, words):
     monkeypatch.chdir(tmp_path)
+    measured().write("test.csv")
     with pytest.raises(InputError, match=words) as raised:
         call()
     assert "\n" not in str(raised.value)

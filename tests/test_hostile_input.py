@@ -145,6 +145,8 @@ def test_what_is_far_too_long_is_refused_soon(tmp_path, kind):
         ({"study": "x" * 300}, "study: .* 80 at most"),
         ({"study": "many\n"}, "study: .* is not allowed"),
         ({"recordings": {"tracking": "lab"}}, "'tracking' is reserved"),
+        ({"recordings": {"sent.json": "lab"}}, "'sent.json' is reserved"),
+        ({"study": "mlflow.db.lock"}, "'mlflow.db.lock' is reserved"),
         ({"parameters": {name: [1.0 + k / 1e3 for k in range(500)] for name in ("youngs_modulus", "yield_stress")}},
          "the levels make 250000 materials, more than 200000; give fewer levels, or design"),
         ({"design": {"kind": "sobol", "points": 10**9}}, "design.points: 1000000000 is given, expected 200000 or less"),

@@ -1,5 +1,6 @@
 """Jobs of the workflow leave a log, and end with one line where palpate refuses."""
 
+import contextlib
 import errno
 import os
 import re
@@ -66,11 +67,40 @@ def test_a_result_that_was_altered_is_set_aside_and_others_stay(tmp_path, monkey
             file.write_text("1.0")
     results[0].write_text("1.1")
     results[1].unlink()
-    (line,) = result_files.move_altered(logs)
-    assert line == f"{results[0]} is not as it was made; it is kept as a.json.altered, and made again"
+    (found,) = result_files.altered(logs)
+    assert str(found) == f"{results[0]} is not as it was made; when it is made again, it is kept as a.json.altered"
+    result_files.move_aside([found])
     assert [file.exists() for file in results] == [False, False, True]
     assert Path("results/s/a.json.altered").read_text() == "1.1"
-    assert list(result_files.move_altered(logs)) == []
+    assert list(result_files.altered(logs)) == []
+
+
+@pytest.mark.faults(before="a dry run left it at another name, and an older one that was kept there was lost")
+@pytest.mark.parametrize("job_ends", [None, "made", "failed"])
+def test_a_result_that_was_set_aside_comes_back_unless_a_job_has_begun_to_make_it(tmp_path, monkeypatch, job_ends):
+    monkeypatch.chdir(tmp_path)
+    logs, file, kept = Path("results/s/logs"), Path("results/s/a.json"), Path("results/s/a.json.altered_2")
+    logs.mkdir(parents=True)
+    with job.logged(logs / "job.log", [str(file)]):
+        file.write_text("1.0")
+    file.write_text("1.1")
+    kept.with_suffix(".altered").write_text("0.9")
+    found = list(result_files.altered(logs))
+    result_files.move_aside(found)
+    assert kept.read_text() == "1.1"
+    if job_ends:
+        with contextlib.suppress(SystemExit), job.logged(logs / "job.log", [str(file)]):
+            if job_ends == "failed":
+                raise MemoryError
+            file.write_text("1.0")
+    monkeypatch.chdir("/")
+    result_files.move_back(found, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert kept.with_suffix(".altered").read_text() == "0.9"
+    assert kept.exists() == bool(job_ends)
+    assert file.exists() == (job_ends != "failed")
+    if file.exists():
+        assert file.read_text() == ("1.0" if job_ends else "1.1")
 
 
 def test_a_result_that_a_job_is_replacing_is_not_set_aside(tmp_path, monkeypatch):
@@ -93,6 +123,19 @@ def test_a_result_counts_as_the_later_of_two_logs_knows_it(tmp_path, monkeypatch
             file.write_text(name)
     os.utime(logs / "job.sha256", (0, 0))
     assert list(result_files.altered(logs)) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "meant"), [(None, False), ("false", False), (False, False), (0, False), ("True", True), (1, True)]
+)
+def test_what_the_command_line_gives_as_text_is_true_or_false(value, meant):
+    assert job.boolean("quick", value) is meant
+
+
+@pytest.mark.parametrize("value", ["no", "", 2])
+def test_what_is_neither_true_nor_false_is_refused(value):
+    with pytest.raises(InputError, match=f"quick={value} is neither true nor false; give quick=true or quick=false"):
+        job.boolean("quick", value)
 
 
 def test_a_defect_keeps_its_traceback(log):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_config import CONDITION, load
+from test_config import CONDITION, TRUTH, load
 
 from palpate.cli.main import main
 from palpate.errors import InputError
@@ -127,6 +127,24 @@ def test_a_load_history_is_taken_from_the_recording_of_its_condition(tmp_path, e
     history = [{"name": "P1_T30", "load_history": "recorded"}]
     (condition,) = load(tmp_path, recordings={"lab": str(folder)}, conditions=history).conditions
     assert condition.protocol.max_load == pytest.approx(force.max(), rel=1e-2)
+
+
+def test_a_laboratory_follows_a_history_and_prescribes_none(tmp_path):
+    """Its set was written under another load; without a measured recording there is nothing to follow."""
+    t, force, depth = curve()
+    folders = {name: tmp_path / name for name in ("virtual", "lab")}
+    for factor, folder in zip((2, 1), folders.values(), strict=True):
+        folder.mkdir()
+        write(folder / "P1_T30_1.csv", t, factor * force, depth)
+    asked = {
+        "conditions": [{"name": "P1_T30", "load_history": "recorded"}],
+        "laboratory": {"virtual": {"parameters": TRUTH}},
+    }
+    sets = {name: str(folder) for name, folder in folders.items()}
+    (condition,) = load(tmp_path, recordings=sets, **asked).conditions
+    assert condition.protocol.max_load == pytest.approx(force.max(), rel=1e-2)
+    with pytest.raises(InputError, match=r"P1_T30_1\.csv to a folder under recordings that no laboratory writes"):
+        load(tmp_path, recordings={"virtual": sets["virtual"]}, **asked)
 
 
 def test_recordings_by_another_clock_are_brought_to_contact(tmp_path):

@@ -2,9 +2,13 @@
 
 import re
 
+import numpy as np
 import pandas as pd
+from test_config import TRUTH, load
 
 from palpate.output.html_report import bound_sentence, misfit_sentence, search_sentences, table
+from palpate.recordings.recording import SYNTHETIC, Recording
+from palpate.workflow_support.study_report import synthetic_sets
 
 
 def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
@@ -37,3 +41,17 @@ def test_an_estimate_outside_its_range_is_told():
     said = bound_sentence({"parameters": {"youngs_modulus": outside, "hardening": limit, "yield_stress": inside}})
     assert said.startswith("At a limit: hardening;") and "plausible range: youngs_modulus." in said
     assert bound_sentence({"parameters": {"youngs_modulus": inside}}) == ""
+
+
+def test_sets_with_simulated_recordings_are_told_whoever_wrote_them(tmp_path):
+    time = np.linspace(0.0, 60.0, 61)
+    for name, notes in (("virtual", (f"{SYNTHETIC}: by a laboratory",)), ("mine", (f"{SYNTHETIC}: b",)), ("lab", ())):
+        (tmp_path / name).mkdir()
+        Recording(time, time, 9.0 * time, notes=("made on Monday", *notes)).write(tmp_path / name / "P1_T30_2.csv")
+        Recording(time, time, 9.0 * time).write(tmp_path / name / "P1_T30_1.csv")
+    sets = {name: str(tmp_path / name) for name in ("virtual", "mine", "lab")}
+    study = load(tmp_path, recordings=sets, laboratory={"virtual": {"parameters": TRUTH}})
+    assert synthetic_sets(study) == [
+        "Recordings “virtual” are synthetic: written by a virtual laboratory, not measured.",
+        "Recordings “mine” contain synthetic ones: simulated, not measured.",
+    ]

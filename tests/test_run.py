@@ -10,11 +10,13 @@ import time
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 import yaml
 
 from palpate.cli.main import main
+from palpate.recordings.recording import Recording
 from palpate.workflow_support import killed_run
 
 ROOT = Path(__file__).parent.parent
@@ -128,6 +130,24 @@ def test_what_ends_the_command_ends_its_jobs(number):
     assert not job.is_running()
 
 
+@pytest.mark.parametrize("data", ["2024", "2024/1.5"])
+def test_data_may_have_the_name_of_a_number(folder, data, capsys, monkeypatch):
+    """The folder of the instrument's file, or the file."""
+    monkeypatch.chdir(folder)
+    time, load = np.linspace(0.0, 60.0, 61), 1.0 - np.abs(np.linspace(-1.0, 1.0, 61))
+    Path("2024").mkdir()
+    Recording(time, load, 400.0 * np.sqrt(load)).write("2024/1.5")
+    source = {"file": "1.5", "recordings": "lab", "conditions": {"A": [1]}}
+    given = STUDY | {"source": source, "conditions": STUDY["conditions"][:1], "laboratory": {}}
+    Path("study.yaml").write_text(yaml.safe_dump(given))
+    monkeypatch.chdir((folder / data).parent)
+    name = os.path.relpath(folder / "study.yaml")
+    found = run(Path.cwd(), name, "--data", Path(data).name, "--cores", "1", "--dry-run")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert main(["check", name, "--data", Path(data).name]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"next: palpate run {name} --data {Path(data).name}"
+
+
 @pytest.mark.faults(before="44 lines of traceback")
 def test_a_study_is_planned_without_a_home_folder(folder):
     environment = {key: value for key, value in os.environ.items() if key != "XDG_CACHE_HOME"}
@@ -148,21 +168,36 @@ def test_a_disk_without_room_is_named_before_anything_runs(folder, monkeypatch, 
     assert [file.name for file in folder.iterdir()] == ["study.yaml"]
 
 
+def states(folder):
+    """Return size and time of each file in a folder."""
+    found = {file: file.stat() for file in folder.rglob("*") if file.is_file()}
+    return {file: (state.st_size, state.st_mtime_ns) for file, state in found.items()}
+
+
 @pytest.mark.faults(before="an edited number went into the report; a cut table was a traceback")
 def test_results_that_were_altered_are_made_again(undisturbed, tmp_path):
+    """What is only planned leaves them as they are; an execution keeps those that it makes again."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     results = tmp_path / "results/elastic"
     calibration = results / "lab/calibrations/all.json"
     calibration.write_text(calibration.read_text().replace('"estimate": 2.', '"estimate": 3.'))
     (results / "snapshots/A_000.csv").write_text("")
     (results / "surrogates/A.npz").write_bytes(b"PK")
+    before = states(results)
     planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
     rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
     assert {"calibration_on_all", "snapshots", "surrogate", "report", "tracking"} <= rules
-    assert (
-        f"{calibration.relative_to(tmp_path)} is not as it was made; it is kept as all.json.altered" in planned.stderr
-    )
-    assert '"estimate": 3.' in (results / "lab/calibrations/all.json.altered").read_text()
+    said = f"{calibration.relative_to(tmp_path)} is not as it was made; when it is made again, it is kept as all.json.a"
+    assert said in planned.stderr
+    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--configfile", "study.yaml"]
+    subprocess.run([*command, "--unlock"], cwd=tmp_path, check=True)
+    assert states(results) == before
+    subprocess.run([*command, "--cores", "1", "--", "results/elastic/snapshots/A_000.csv"], cwd=tmp_path, check=True)
+    assert (results / "snapshots/A_000.csv.altered").read_bytes() == b""
+    made = (undisturbed / "results/elastic/snapshots/A_000.csv").read_bytes()
+    assert (results / "snapshots/A_000.csv").read_bytes() == made
+    for other in (results / "lab", results / "surrogates"):
+        assert states(other) == {file: state for file, state in before.items() if file.is_relative_to(other)}
 
 
 @pytest.mark.faults(before="Snakemake asked for --unlock, for which an installed package has no Snakefile")

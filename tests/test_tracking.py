@@ -17,7 +17,15 @@ import pytest
 from palpate.cli.main import main
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
-from palpate.workflow_support.run_records import Run, git_commit, of_calibration, of_diagnosis, tracked_runs
+from palpate.workflow_support.run_records import (
+    Run,
+    git_commit,
+    of_calibration,
+    of_diagnosis,
+    of_surrogate,
+    tracked_runs,
+)
+from palpate.workflow_support.tracking import pending
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
 Y = np.outer(X[:, 0] + X[:, 1] ** 2, np.linspace(1, 2, 5))
@@ -29,11 +37,13 @@ def write_records(folder, execution="one"):
     os.environ["PALPATE_EXECUTION"] = execution
     tracking.mkdir(parents=True, exist_ok=True)
     save(PODRBF().fit(X, Y), X, Y, folder / "results/s/model.npz")
+    (folder / "results/s/fit.csv").write_text("a")
     with tracked_runs("s", tracking / "surrogate.json") as runs:
-        runs.append(Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"loo_rms_at_point": [1.0] * 5}))
-        runs[0].surrogate = str(folder / "results/s/model.npz")
+        runs.append(Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"loo_rms_at_point_nm": [1.0] * 5}))
+        runs[0].surrogate = "results/s/model.npz"
     with tracked_runs("s", tracking / "fit.json", {"tags": {"lab.verdict": "adequate"}}) as runs:
         runs.append(Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]}))
+        runs[0].files = ["results/s/fit.csv"]
     return tracking
 
 
@@ -74,6 +84,21 @@ def test_runs_hold_what_fits_are_compared_by():
     assert (base.name, base.metrics["before_rmse_nm"]) == ("explanation base model", 9.0)
 
 
+def test_errors_of_loads_arrive_and_names_of_roles_are_kept_apart():
+    errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4}
+    loads = {"rmse_mN": 0.3, "mean_abs_error_mN": 0.2}
+    conditions = {"calibrate": {"role": "validate"} | errors | loads, "T030": {"role": "calibrate"} | errors}
+    told = {"seed": 1, "misfit_ratio": 1.0, "converged": True, "recordings": "lab", "condition_set": "all"}
+    content = told | {"parameters": {}, "history": [], "conditions": conditions}
+    metrics = of_calibration(content, {}, []).metrics
+    assert metrics["condition calibrate.mean_abs_error_mN"] == 0.2
+    assert metrics["validate.rmse_mN"] == pytest.approx(0.3)
+    assert metrics["calibrate.rmse_nm"] == metrics["T030.rmse_nm"] == 2.0
+    assert not {"calibrate.rmse_mN", "T030.rmse_mN"} & set(metrics)
+    summary = {"unit": "mN", "loo_rmse_mN": 0.1, "loo_rms_mN": [0.1, 0.2]}
+    assert of_surrogate("T030", {}, {}, summary).series == {"loo_rms_at_point_mN": [0.1, 0.2]}
+
+
 def test_the_commit_is_that_of_the_code_wherever_a_study_is_run(tmp_path, monkeypatch):
     at_home = git_commit()
     monkeypatch.chdir(tmp_path)
@@ -104,21 +129,92 @@ def test_what_was_recorded_arrives_once(here, capsys):
     assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
 
 
+def runs_in(store):
+    """Return the client of a store, and the runs of the experiment `s` by name."""
+    import mlflow
+
+    client = mlflow.MlflowClient(store)
+    found = client.search_runs([client.get_experiment_by_name("s").experiment_id])
+    names = {run.info.run_name: run for run in found}
+    assert len(names) == len(found)
+    return client, names
+
+
+def test_records_are_sent_from_any_folder_with_their_artifacts(here):
+    write_records(here / "study")
+    results = here / "study/results"
+    assert main(["track", "--send", "--results", str(results)]) == 0
+    client, runs = runs_in(f"sqlite:///{results}/mlflow.db")
+    assert [file.path for file in client.list_artifacts(runs["search"].info.run_id)] == ["fit.csv"]
+    assert (results / "mlartifacts/s").is_dir()
+    assert [file.name for file in here.iterdir()] == ["study"]
+
+
+@pytest.mark.faults(before="counted as sent, without the file")
+def test_a_missing_artifact_is_named_and_its_record_is_not_counted_as_sent(here, capsys):
+    folder = write_records(here)
+    (here / "results/s/fit.csv").unlink()
+    assert main(["track", "--send"]) == 1
+    line, left = capsys.readouterr().out.splitlines()
+    assert f"({here}/results/s/fit.csv is missing: run the study again)" in line
+    assert left == "s: 2 records are on disk only"
+    assert pending(folder) == ["fit.json", "surrogate.json"]
+
+
+@pytest.mark.faults(before="the first run arrived twice")
+@pytest.mark.parametrize("call", ["create_run", "log_batch"])
+def test_a_record_that_was_sent_in_part_is_completed(here, monkeypatch, call):
+    """A server fails at the last of three runs: before it is made, or before it is filled."""
+    import mlflow
+
+    folder = here / "results/s/tracking"
+    monkeypatch.setenv("PALPATE_EXECUTION", "one")
+    with tracked_runs("s", folder / "fit.json") as runs:
+        runs += [Run(name, "fit", metrics={"evaluations": 7.0}) for name in ("a", "b", "c")]
+    answer, asked = getattr(mlflow.MlflowClient, call), []
+
+    def failing(*arguments, **named):
+        asked.append(1)
+        if len(asked) == (4 if call == "create_run" else 3):  # the execution's own run is made first
+            raise ConnectionError("no answer")
+        return answer(*arguments, **named)
+
+    monkeypatch.setattr(mlflow.MlflowClient, call, failing)
+    store = ["--results", str(here / "results")]
+    assert main(["track", "--send", *store]) == 1
+    assert main(["track", "--send", *store]) == 0
+    _, found = runs_in(f"sqlite:///{here}/results/mlflow.db")
+    assert sorted(found) == ["a", "b", "c", "workflow one"]
+    assert all(found[name].data.metrics["evaluations"] == 7.0 for name in "abc")
+    assert {run.info.status for run in found.values()} == {"FINISHED"}
+
+
+def at_once(*jobs):
+    """Call `send_from` with each of these arguments, in processes of their own."""
+    started = [multiprocessing.get_context("spawn").Process(target=send_from, args=job) for job in jobs]
+    for process in started:
+        process.start()
+    for process in started:
+        process.join()
+    assert [process.exitcode for process in started] == [0] * len(started)
+
+
+@pytest.mark.faults(before="every run arrived twice")
+def test_two_processes_that_send_the_same_records_send_them_once(here):
+    write_records(here)
+    at_once((here,), (here,))
+    assert len(runs_in(f"sqlite:///{here}/results/mlflow.db")[1]) == 3
+
+
 @pytest.mark.faults(before="no run of eight writers arrived")
 def test_four_folders_that_share_a_fresh_store_lose_nothing(tmp_path):
     import mlflow
 
     uri = f"sqlite:///{tmp_path}/shared.db"
-    context, jobs = multiprocessing.get_context("spawn"), []
-    for number in range(4):
-        (tmp_path / str(number)).mkdir()
-        write_records(tmp_path / str(number), execution=str(number))
-        jobs.append(context.Process(target=send_from, args=(tmp_path / str(number), uri)))
-    for job in jobs:
-        job.start()
-    for job in jobs:
-        job.join()
-    assert [job.exitcode for job in jobs] == [0] * 4
+    folders = [tmp_path / str(number) for number in range(4)]
+    for folder in folders:
+        write_records(folder, execution=folder.name)
+    at_once(*((folder, uri) for folder in folders))
     client = mlflow.MlflowClient(uri)
     runs = client.search_runs([client.get_experiment_by_name("s").experiment_id])
     assert len(runs) == 12

@@ -9,13 +9,16 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
 from palpate.configuration.study_file import study_from
+from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import simulate_batch
 
 ROOT = Path(__file__).parent.parent
@@ -172,6 +175,11 @@ def planned(folder, *targets, study):
         ({"calibration": {"generations": 12}}, {"calibration"}, {"surrogate", "laboratory_virtual"}),
         ({"conditions": TINY["conditions"][:2]}, {"calibration", "laboratory_virtual"}, {"surrogate"}),
         ({"title": "another"}, {"tables", "report", "calibration", "diagnosis"}, {"surrogate"}),
+        (
+            {"conditions": [condition | {"own_loads": True} for condition in TINY["conditions"]]},
+            {"calibration", "calibration_on_all", "diagnosis"},
+            {"surrogate", "laboratory_virtual"},
+        ),
     ],
 )
 def test_a_change_reruns_what_rests_on_it_and_nothing_else(finished, change, again, kept):
@@ -190,16 +198,23 @@ def test_what_is_drawn_under_the_title_is_drawn_again_under_a_new_one(file):
 
 
 def test_an_edited_recording_is_calibrated_again(finished):
-    shutil.copytree(finished / "results/tiny/recordings/virtual", finished / "own")
+    """With the stiffness that lies beside."""
+    own = finished / "own"
+    shutil.copytree(finished / "results/tiny/recordings/virtual", own)
+    recording = read_recording(own / "T030_1.csv")
+    replace(recording, stiffness=np.full(len(recording), 0.01)).write_apart(own / "T030_1.csv")
     study = TINY | {"recordings": TINY["recordings"] | {"own": "own"}}
     target = "results/tiny/own/calibrations/fast.json"
     run = snakemake(finished, target, study=study)
     assert run.returncode == 0, run.stderr[-3000:]
     assert planned(finished, target, study=study) == set()
-    file = finished / "own/T030_1.csv"
-    was = file.stat()
-    file.write_text(file.read_text() + "# looked at again\n")
-    os.utime(file, ns=(was.st_atime_ns, was.st_mtime_ns))  # as a copy that keeps times leaves it
+    for file in (own / "T030_1.csv", own / "stiffness/T030_1.csv"):
+        was, text = file.stat(), file.read_text()
+        for again in (text + "# looked at again\n", text):
+            file.write_text(again)
+            os.utime(file, ns=(was.st_atime_ns, was.st_mtime_ns))  # as a copy that keeps times leaves it
+            assert planned(finished, target, study=study) == ({"calibration"} if again != text else set())
+    (own / "stiffness/T030_1.csv").unlink()
     assert planned(finished, target, study=study) == {"calibration"}
 
 
@@ -232,6 +247,14 @@ def test_nothing_of_the_default_study_leaks_into_another(tmp_path):
     without = {key: value for key, value in TINY.items() if key not in ("recordings", "laboratory", "condition_sets")}
     rules = planned(copied(tmp_path, "config"), study=without)
     assert rules == {"snapshots", "snapshot_index", "surrogate", "surrogate_figure", "report", "tracking", "all"}
+
+
+def test_a_file_without_the_name_of_a_study_is_named(tmp_path):
+    without = {key: value for key, value in TINY.items() if key != "study"}
+    run = snakemake(copied(tmp_path, "config"), "--dry-run", study=without)
+    assert run.returncode == 2
+    (line,) = [line for line in run.stderr.splitlines() if line.startswith("palpate:")]
+    assert "study.yaml, top level: the key 'study' is missing" in line
 
 
 def test_the_workflow_is_a_module_of_another(tmp_path):
@@ -303,6 +326,24 @@ def test_files_that_are_missing_are_told_before_anything_runs(tmp_path, target, 
     assert run.returncode == 2
     assert words in run.stderr
     assert "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize("failed", [0, 1])
+def test_a_verification_with_failed_checks_ends_with_an_error_and_keeps_its_report(tmp_path, failed):
+    results = copied(tmp_path, "config") / "results/verification"
+    results.mkdir(parents=True)
+    (results / "report.html").write_text("made before")
+    (results / "verification.json").write_text(json.dumps({"checks": 2, "failed": failed}))
+    run = execute(tmp_path, "verification", "--config", "quick=false")
+    assert run.returncode == failed, run.stderr[-3000:]
+    assert ("1 of 2 checks failed; see results/verification/report.html" in run.stderr) == bool(failed)
+    assert (results / "report.html").read_text() == "made before"
+
+
+def test_a_key_on_the_command_line_that_is_neither_true_nor_false_is_refused(tmp_path):
+    run = execute(copied(tmp_path, "config"), "verification", "--dry-run", "--config", "quick=maybe")
+    assert run.returncode == 2
+    assert run.stderr.splitlines()[-1].startswith("palpate: quick=maybe is neither true nor false")
 
 
 def test_a_key_on_the_command_line_that_a_study_does_not_know_is_refused(tmp_path):

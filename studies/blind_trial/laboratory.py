@@ -12,7 +12,7 @@ import numpy as np
 from palpate.configuration.study_file import Condition, Study
 from palpate.laboratory.virtual import correlated_noise, off_the_mesh
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import SYNTHETIC, Recording
 from studies.blind_trial.cases import Case
 from studies.blind_trial.unknown import UNKNOWN, Curve
 
@@ -62,7 +62,7 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
                 h = mechanism.record(time, load, h, {name: v * own.get(name, 1.0) for name, v in values.items()})
         h = h + noise["sigma_nm"] * first_order(len(time), noise["memory"], rng)
         h = h + background(time, noise["drift_nm_s"], noise["drift_time_s"], rng)
-        notes = ("SYNTHETIC: written by palpate's blind trial, not measured",)
+        notes = (f"{SYNTHETIC}: written by palpate's blind trial, not measured",)
         recordings.append(Recording(time, load, h, name=f"{condition.name}_{replicate}", notes=notes))
     return recordings
 

@@ -100,5 +100,5 @@ class Fitted:
         file = folder / f"{self.name.replace(' ', '_')}.npz"
         save(self.model, self.parameters, self.curves, file)
         found.params |= self.model.get_params()
-        found.series["loo_rms_at_point"] = self.model.loo_rms_.tolist()
+        found.series["loo_rms_at_point_nm"] = self.model.loo_rms_.tolist()
         return replace(found, surrogate=str(file))

@@ -26,6 +26,7 @@ rule calibration:
         settings=constant(STUDY.calibration),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
+        own_loads=OWN_LOADS,
         code=code("scripts/calibration.py"),
     message:
         "calibration of {wildcards.recordings} on the condition set {wildcards.condition_set}"

@@ -1,4 +1,5 @@
 # What all rules share: the checked study, its plan of snapshots, and the identity of this execution.
+import atexit
 import datetime
 import functools
 import hashlib
@@ -41,10 +42,20 @@ except InputError as error:  # compiled kernels can be kept nowhere
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
-from palpate.inference.study_recordings import files_of, written_by_workflow
+from palpate.inference.study_recordings import (
+    files_of,
+    with_stiffness,
+    written_by_workflow,
+)
 from palpate.workflow_support import job, manifest
 from palpate.workflow_support.check_study import checked
-from palpate.workflow_support.result_files import checksum, move_altered, read_json
+from palpate.workflow_support.result_files import (
+    altered,
+    checksum,
+    move_aside,
+    move_back,
+    read_json,
+)
 
 
 @functools.cache
@@ -87,6 +98,14 @@ def attempt(receipt):
     return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
+def quick():
+    """Whether the verification leaves out what takes long."""
+    try:
+        return job.boolean("quick", config.get("quick"))
+    except InputError as error:
+        refuse(error)
+
+
 def curves(values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
@@ -99,13 +118,17 @@ def curves(values, accuracy):
     ]
 
 
+def joint_checksum(files):
+    """One checksum of files, as a copy keeps the time of an old one."""
+    return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
+
+
 @functools.cache
 def contents(name):
-    """One checksum of a set of recordings, as a copy keeps the time of an old file; none of what the workflow writes."""
+    """The checksum of a set of recordings; none of what the workflow writes."""
     if written_by_workflow(STUDY, name):
         return ""
-    each = [checksum(file) for file in files_of(STUDY, name)]
-    return hashlib.sha256("".join(each).encode()).hexdigest()
+    return joint_checksum(files_of(STUDY, name))
 
 
 def all_recordings(wildcards):
@@ -126,12 +149,16 @@ STUDY = read_study()
 FOLDER = f"results/{STUDY.name}"
 if workflow.is_main_process:
     try:
-        for line in move_altered(Path(FOLDER, "logs")):
-            print(f"palpate: {line}", file=sys.stderr)
+        ALTERED = list(altered(Path(FOLDER, "logs")))
+        atexit.register(move_back, ALTERED, Path.cwd())  # after a dry run
+        move_aside(ALTERED)
     except OSError as error:
         refuse(of_system(error))
+    for result in ALTERED:
+        print(f"palpate: {result}", file=sys.stderr)
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
 CALIBRATED = [condition.name for condition in STUDY.calibrated]
+OWN_LOADS = [condition.name for condition in STUDY.conditions if condition.own_loads]
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

@@ -20,6 +20,7 @@ rule diagnosis:
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
+        own_loads=OWN_LOADS,
         code=code("scripts/diagnosis.py"),
     message:
         "diagnosis of {wildcards.recordings}"

@@ -25,7 +25,7 @@ if STUDY.source:
 
     rule vendor_recordings:
         input:
-            STUDY.source["file"],
+            with_stiffness(Path(STUDY.source["file"])),
         output:
             files_of(STUDY, STUDY.source["recordings"]),
         log:
@@ -36,7 +36,7 @@ if STUDY.source:
             source=constant(
                 {key: STUDY.source[key] for key in STUDY.source if key != "file"}
             ),
-            content=checksum(Path(STUDY.source["file"])),
+            content=joint_checksum(with_stiffness(Path(STUDY.source["file"]))),
             code=code("scripts/vendor_recordings.py"),
         message:
             "recordings from the vendor's file"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,7 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     study = load_study(arguments.study, arguments.data)
     print(f"relative paths count from {Path.cwd()}")
     print(*examined(study), *expected(study, os.cpu_count() or 1), sep="\n")
-    print(f"next: palpate run {arguments.study}")
+    data = ["--data", arguments.data] if arguments.data else []
+    print("next:", shlex.join(["palpate", "run", str(arguments.study), *data]))
     for line in changed(study, plain(read_yaml(arguments.study)), Path("results") / study.name):
         print(f"{line}: run the study again")
     return 0

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="the study")
     parser.add_argument(
-        "--cores", type=int, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
+        "--cores", type=_cores, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
     )
     parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would be done, and do nothing")
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     study = checked(load_study(arguments.study, arguments.data))
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
-    command += ["--config", f"data={arguments.data}"] if arguments.data else []
+    command += ["--config", f"data={_as_text(arguments.data)}"] if arguments.data else []
     command += ["--dry-run"] if arguments.dry_run else []
     if arguments.dry_run:
         return subprocess.run(command, env=_environment(), check=False).returncode
@@ -58,6 +58,26 @@ def run(arguments: argparse.Namespace) -> int:
         raise PalpateError(f"the folder {here} is locked by {_holder(here)}")
     with killed_run.marked(here):
         return _executed(command)
+
+
+def _cores(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of cores, 1 or more")
+    return value
+
+
+def _as_text(data: str) -> str:
+    """Return the path of data so that Snakemake keeps it as text: of the name 2024 it would make a number."""
+    if not os.path.isdir(data):
+        try:
+            float(data)
+        except ValueError:
+            return data
+    return os.path.join(".", data)
 
 
 def snakefile() -> Path:

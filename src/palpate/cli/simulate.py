@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 when the solver fails."""
     from palpate.base.overwrite import checked_output
     from palpate.base.yaml_file import read_yaml
-    from palpate.recordings.recording import Recording
+    from palpate.recordings.recording import SYNTHETIC, Recording
     from palpate.solver.simulation import simulate, specification_from
 
     path = arguments.specification
@@ -37,6 +37,6 @@ def run(arguments: argparse.Namespace) -> int:
         simulation = simulate(specification_from(values))
     if simulation.status != "ok":
         raise PalpateError(f"{path}: the simulation failed: {simulation.reason}")
-    notes = ("SYNTHETIC: simulated by palpate",)
+    notes = (f"{SYNTHETIC}: simulated by palpate",)
     Recording(simulation.time, simulation.load, simulation.depth, notes=notes).write(output)
     return 0

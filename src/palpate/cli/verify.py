@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from palpate.errors import InputError, PalpateError
+from palpate.errors import InputError
 
 NAME = "verify"
 HELP = "check the solver against exact solutions and CalculiX, and write a report"
@@ -37,8 +37,5 @@ def run(arguments: argparse.Namespace) -> int:
     result = runner.run(settings, lambda line: print(line, flush=True))
     runner.write(result, arguments.output)
     print(arguments.output / "report.html")
-    if result["failed"]:
-        raise PalpateError(
-            f"{result['failed']} of {result['checks']} checks failed; see {arguments.output}/report.html"
-        )
+    runner.refuse_failed(result, arguments.output / "report.html")
     return 0

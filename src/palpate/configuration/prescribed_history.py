@@ -28,7 +28,7 @@ class Histories:
     points
         Samples of a simulated curve.
     recordings
-        Folder of each set of recordings.
+        Folder of each set of recordings that no laboratory of the study writes: its recordings follow the history.
     source
         The section ``source`` of the study.
     tests
@@ -65,5 +65,5 @@ class Histories:
                     return read_recording(file)
         raise InputError(
             "load_history is `recorded`, but there is no recording of this condition",
-            remedy=f"add {entry['name']}_1.csv to one of the folders under recordings",
+            remedy=f"add {entry['name']}_1.csv to a folder under recordings that no laboratory writes",
         )

@@ -44,6 +44,7 @@ PROBLEMS = {
     "required": "the key {missing!r} is missing",
 }
 LONGEST = 60  # letters of a value in a message
+WITHOUT_LENGTH = ("cubic", "linear")  # kernels of which a length changes the weights, and not the interpolant
 NUMBERED = ("source", "contact")  # a table whose keys may be numbers, those of tests
 
 
@@ -167,6 +168,12 @@ def check_contradictions(values: Mapping[str, Any]) -> None:
         )  # fmt: skip
     if "energy" in surrogate and surrogate.get("n_modes") is not None:
         raise InputError("energy has no effect beside n_modes", remedy="keep one of them", place="surrogate.energy")
+    kernel, shape = surrogate.get("kernel"), surrogate.get("shape")
+    if kernel in WITHOUT_LENGTH and is_finite_number(shape):
+        raise InputError(
+            f"a length has no effect on the kernel {kernel}", remedy="leave it out, or give loo_each",
+            place="surrogate.shape",
+        )  # fmt: skip
     if len(challenge.get("mechanisms", ())) == 1 and challenge.get("two") != 0:
         raise InputError(
             "one mechanism alone gives no case with two effects", remedy="name more, or give two: 0",

@@ -24,7 +24,10 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
-SHARED = ("mlartifacts", "mlflow.db", "store", "thesis", "verification")  # names in results that belong to no study
+SHARED = (  # names in results that belong to no study
+    "mlartifacts", "mlflow.db", "mlflow.db-journal", "mlflow.db-shm", "mlflow.db-wal", "mlflow.db.lock", "store",
+    "thesis", "verification",
+)  # fmt: skip
 TAKEN_AS_THEY_ARE = (
     "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "points", "seed",
     "surrogate",
@@ -213,7 +216,9 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     with part_of("indenter"):
         indenter = Indenter.from_mapping(values["indenter"])
     recordings = recording_sets(settings)
-    histories = Histories(settings["points"], recordings, source, tests)
+    laboratory = settings.get("laboratory", {})
+    measured = {name: folder for name, folder in recordings.items() if name not in laboratory}
+    histories = Histories(settings["points"], measured, source, tests)
     conditions = tuple(_condition(k, entry, histories) for k, entry in enumerate(values["conditions"]))
     names = [condition.name for condition in conditions]
     for name in names:
@@ -230,7 +235,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         conditions=conditions,
         condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
         recordings=recordings,
-        laboratory=settings.get("laboratory", {}),
+        laboratory=laboratory,
         source=source,
         source_tests=tests,
         **{key: settings[key] for key in TAKEN_AS_THEY_ARE},

@@ -18,9 +18,9 @@ def accepted_of(found: list[Candidate], tried: list[Candidate], level: float) ->
     """Return the adequate ones of `found`, best first, whose evidence is within a ratio of 100 of the best tried.
 
     None may be accepted: where a far likelier explanation still leaves more than noise, the truth is not among the
-    adequate ones. An adequate explanation whose likelihood is within the same ratio of an accepted one is accepted
-    beside it, even if its evidence is lower because it could have explained much else: the recordings do not
-    distinguish them.
+    adequate ones. An adequate explanation whose likelihood is within the same ratio of that of the likeliest accepted
+    one is accepted beside it, even if its evidence is lower because it could have explained much else: the recordings
+    do not distinguish them.
     """
     best = best_evidence(tried)
     passed = best_first([candidate for candidate in found if candidate.adequate(level)])

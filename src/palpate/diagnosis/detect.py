@@ -28,12 +28,13 @@ from scipy.stats import chi2
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.screen import Screen, count_of_trials
 from palpate.inference.covariance import noise_of
-from palpate.inference.explanation import Fit
+from palpate.inference.explanation import Fit, orthonormal
 from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 
 DEGREE = 2  # of the polynomials over segments
+LEAST = 1e-3  # part of a filter outside the tangent space, below which it shows nothing
 LEAST_LOG_P = -700.0  # where a probability underflows
 REGULAR = 1e-9  # of the largest variance and 1 nm^2, added to each: a covariance of few common factors is singular
 
@@ -41,15 +42,6 @@ REGULAR = 1e-9  # of the largest variance and 1 nm^2, added to each: a covarianc
 def log_p(basis: np.ndarray, white: np.ndarray) -> np.ndarray:
     """Return the logarithm of the chi-square probability of whitened residuals (n_all, m) in a filter's basis."""
     return chi2.logsf(np.sum((basis.T @ white) ** 2, axis=0), basis.shape[1])
-
-
-def orthonormal(columns: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the part of `columns` outside `tangent` (both whitened); may be empty."""
-    scale = np.linalg.norm(columns, axis=0)
-    columns = columns[:, scale > 1e-9] / scale[scale > 1e-9]
-    left = columns - tangent @ (tangent.T @ columns)
-    u, s, _ = np.linalg.svd(left, full_matrices=False)
-    return u[:, s > 1e-3]
 
 
 def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
@@ -64,9 +56,9 @@ def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
     for key, effects in screen.effects.items():
         if key in fit.explanation:
             continue
-        found += [orthonormal(column[:, None], tangent) for column in fit.whiten(effects.T).T]
+        found += [orthonormal(column[:, None], tangent, LEAST) for column in fit.whiten(effects.T).T]
         if MECHANISMS[key].varies:
-            found.append(orthonormal(fit.whiten(problem.own_values(key)), tangent))
+            found.append(orthonormal(fit.whiten(problem.own_values(key)), tangent, LEAST))
     size = len(problem.mean)
     first = 0
     for condition in problem.conditions:
@@ -74,7 +66,7 @@ def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
             columns = np.zeros((size, DEGREE + 1))
             rows = first + np.flatnonzero(where)
             columns[rows] = np.vander(np.linspace(-1, 1, len(rows)), DEGREE + 1)
-            found.append(orthonormal(fit.whiten(columns), tangent))
+            found.append(orthonormal(fit.whiten(columns), tangent, LEAST))
         first += len(condition.protocol.sample_time)
     return [basis for basis in found if basis.shape[1]]
 
@@ -137,7 +129,8 @@ def replicates_differ(fit: Fit, keys: Iterable[str], site_scatter: float, signif
     significance
         Probability below which noise does not explain it.
     """
-    return combined([[1.0], between_replicates(fit, keys, site_scatter), [1.0]]) < significance
+    of_tests = [1.0] if fit.own else []
+    return combined([[1.0], between_replicates(fit, keys, site_scatter), of_tests]) < significance
 
 
 def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:
@@ -153,12 +146,13 @@ def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> li
         return []
     problem, found = fit.problem, []
     present = [problem.unit_effects(amplitude) for amplitude in fit.own]
+    usual = noise_of(problem, fit.own, fit.residual, site_scatter)
     for key in [key for key in keys if MECHANISMS[key].varies and key not in fit.explanation]:
         columns = {amplitude: problem.unit_effects(amplitude) for amplitude in problem.typical(key)}
         more = [a for a, column in columns.items() if not any(np.allclose(column, other) for other in present)]
         if more:
             wider = noise_of(problem, tuple(sorted((*fit.own, *more))), fit.residual, site_scatter)
-            ratio = 2.0 * max(wider.log_likelihood - fit.errors.noise.log_likelihood, 0.0)
+            ratio = 2.0 * max(wider.log_likelihood - usual.log_likelihood, 0.0)
             fewer = float(chi2.sf(ratio, len(more) - 1)) if len(more) > 1 else 0.0
             found.append(0.5 * (fewer + float(chi2.sf(ratio, len(more)))))
     return found

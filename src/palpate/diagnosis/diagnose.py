@@ -269,7 +269,7 @@ def _fitted(
         trusted = explained or len(done) >= policy.least or way.fit.misfit_ratio <= policy.trusted
         if way.optimistic < floor or (trusted and way.optimistic < behind):
             break
-        name = "+".join([*way.fit.explanation, way.key])
+        name = "+".join(sorted([*way.fit.explanation, way.key]))
         try:
             candidate = search.examined(side_by_side.fitted(way, likely))
         except PalpateError as error:
@@ -277,6 +277,7 @@ def _fitted(
             report(f"{name}: {error}")
             continue
         done.append(candidate)
+        failed.pop(name, None)
         evidence = candidate.fit.log_evidence
         behind = max(behind, evidence - (policy.behind_adequate if candidate.adequate(level) else policy.behind_best))
         report(

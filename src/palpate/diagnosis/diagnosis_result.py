@@ -150,6 +150,18 @@ def _accepted(
     }
 
 
+def _next_test(study: Study, diagnosis: Diagnosis, draws: list[np.ndarray]) -> dict[str, Any] | None:
+    """Return the test that separates the two best explanations, or a suspected one from the base model.
+
+    `draws` (m, k) are from the posteriors of the accepted explanations, then of the base model.
+    """
+    accepted = [candidate.fit for candidate in diagnosis.accepted]
+    if diagnosis.verdict == "suspected":
+        accepted.append(diagnosis.base.fit)
+    pressed = all(condition.protocol.control == LOAD for condition in study.conditions)
+    return discriminating_test(study, accepted, draws) if len(accepted) > 1 and pressed else None
+
+
 def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
     """Return the row of an explanation that was fitted; its evidence is with a discrepancy where none is `accepted`."""
     weighed = candidate.fit if accepted else candidate.fit.with_discrepancy
@@ -202,9 +214,7 @@ def to_mapping(
             _accepted(study, observed, *found, own_laws)
             for found in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
         ],
-        "discriminating_test": discriminating_test(study, [candidate.fit for candidate in diagnosis.accepted], draws)
-        if len(draws) > 1 and all(c.protocol.control == LOAD for c in study.conditions)
-        else None,
+        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base]),
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
         "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],

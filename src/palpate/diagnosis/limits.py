@@ -9,6 +9,7 @@ import numpy as np
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
+from palpate.diagnosis.candidates import KINDS_OF_TESTS
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
@@ -88,7 +89,7 @@ def without_mean(diagnosis: Diagnosis) -> list[str]:
     """Return which effects of the most likely accepted explanation may be zero in the mean of the recordings."""
     return [
         f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
-        "differ, and is only suspected."
+        "differ, and alone would only be suspected."
         for candidate in diagnosis.accepted[:1]
         for key in zero_on_average(candidate.fit)
     ]
@@ -114,7 +115,8 @@ def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) 
     if diagnosis.verdict != "unexplained":
         return []
     found = p_between_tests(diagnosis.tried[0].fit, rng)
-    titles = sorted({MECHANISMS[name.split(".")[0]].title for name, p in found.items() if p < level})
+    count = KINDS_OF_TESTS * len(found)
+    titles = sorted({MECHANISMS[name.split(".")[0]].title for name, p in found.items() if count * p < level})
     if not titles:
         return []
     return [

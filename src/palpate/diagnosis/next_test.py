@@ -52,7 +52,7 @@ class FeasibleTest:
     @property
     def condition(self) -> Condition:
         """The test as a condition that takes no part in the fit."""
-        return Condition("next", "validate", self.protocol)
+        return Condition("", "validate", self.protocol)
 
 
 def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[FeasibleTest]:
@@ -92,7 +92,7 @@ def _trapezoid(phrase: str, load: float, time: float, hold: float = 0.0) -> Feas
 
 
 def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
-    """Return the test that separates the two best explanations most surely, with its expected power.
+    """Return the test that separates the first two explanations most surely, with its expected power.
 
     The distance of the two predicted curves is measured against the covariance of noise, site scatter, slow drift,
     values of three new recordings and the simulation's error (the mean over both explanations), plus the uncertainty of
@@ -113,7 +113,7 @@ def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarra
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.phrase, **test.settings, "expected_power": power, "distance": distance}
-        entry["separates"] = ["+".join(first.explanation), "+".join(second.explanation)]
+        entry["separates"] = ["+".join(fit.explanation) or "base model" for fit in (first, second)]
         if best is None or distance > best["distance"]:
             best = entry
     return best

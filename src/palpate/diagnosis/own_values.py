@@ -29,7 +29,8 @@ def recording_values(
     By generalised least squares of a recording's departure from the forward model's curve, given the common material
     and the common mean, with the covariance of its point noise, site scatter, slow drift and the model's error. The
     intervals include the uncertainty of the material, except for held-out conditions, where the slopes are not known.
-    Several mechanisms that vary are estimated together. What exact laws give for a single recording, such as the drift
+    Several mechanisms that vary are estimated together. A condition that takes no part, and in which one of them shows
+    nothing, has no values. What exact laws give for a single recording, such as the drift
     in its own hold, joins as data. Held-out conditions under which the forward model fails have no values.
 
     Parameters
@@ -54,6 +55,8 @@ def recording_values(
             continue
         covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
+        if not design.any(axis=0).all():
+            continue
         weighed = np.linalg.solve(covariance, design)
         for number, depth in enumerate(item.response, 1):
             own = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()

@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit, orthonormal
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
@@ -86,7 +86,7 @@ class Screen:
         """
         found = float(np.max(self._shares(fit, key)[1], initial=0.0))
         if MECHANISMS[key].varies:
-            basis = np.linalg.qr(fit.off_tangent(fit.whiten(fit.problem.own_values(key))))[0]
+            basis = orthonormal(fit.whiten(fit.problem.own_values(key)), fit.tangent_space)
             along = basis.T @ fit.off_tangent(fit.white)
             found = max(found, float(np.sum(along**2)) - basis.shape[1] + 1.0)
         return found
@@ -112,8 +112,9 @@ class Screen:
         places, effects = self.trials[key].copy(), self.effects[key].T
         for k, searched in enumerate(MECHANISMS[key].searched(fit.problem.scale).values()):
             if searched.proportional:
-                shares = self._shares(fit, key)[0]
-                places[:, k], effects = shares * places[:, k], shares * effects
+                shares, coordinates = self._shares(fit, key)[0], fit.problem.coordinates((key,)).free
+                size = coordinates[fit.problem.material + k]
+                places[:, k], effects = size.scaled(shares * size.physical(places[:, k])), shares * effects
         tangent = fit.whiten(fit.tangent)
         left = fit.whiten(fit.residual[:, None] - effects)
         change = np.linalg.lstsq(tangent, left, rcond=1e-8)[0]

@@ -20,11 +20,15 @@ from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
+from palpate.errors import InputError
+from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.inference.study_recordings import check, resampled
-from palpate.inference.study_scale import middle, with_contact_sought
+from palpate.inference.study_scale import with_contact_sought
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
+
+OWN_LOADS = "tests under loads of their own are compared with the help of the calibrated material"
 
 
 def run_diagnosis(
@@ -74,9 +78,19 @@ def diagnosed(
         Checked recordings of each condition, from contact on.
     study, calibrated, report, threads
         See `run_diagnosis`.
+
+    Raises
+    ------
+    InputError
+        When tests have loads of their own, and no calibrated parameters are given.
+    PalpateError
+        When such tests cannot be simulated with these, or the forward model fails wherever a search may begin.
     """
     rng = np.random.default_rng([study.seed, 1])
-    problem = Problem.of(study, resampled(study, recorded)).at_one_load(calibrated or middle(study), report)
+    problem = Problem.of(study, resampled(study, recorded))
+    if calibrated is None and any(item.own for item in problem.recorded.values()):
+        raise InputError(OWN_LOADS, remedy="calibrate first, and give its parameters", place="calibrated")
+    problem = problem.at_one_load(calibrated or {}, refused)
     tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
     pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}

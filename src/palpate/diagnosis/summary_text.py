@@ -33,17 +33,19 @@ def sentence(content: Mapping[str, Any]) -> str:
         best = f"The best explanation: {_claim(content['candidates'][0])}"
         uncertain = _may_be_none(content["candidates"][0])
         why = f", because the mean of the {uncertain} may be zero" if uncertain else ""
-        return f"{start} {best}. These recordings do not suffice to identify it{why}; {_gain(content)}."
+        best = f"{best}. These recordings do not suffice to identify it{why}; {_gain(content)}."
+        return f"{start} {best}{_next_test(content, 'it from the base model')}"
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
-    test = content["discriminating_test"]
-    further = (
-        f" {test['test'][0].upper()}{test['test'][1:]} would distinguish the first two with a probability of "
-        f"{test['expected_power']:.0%}."
-        if test
-        else ""
-    )
     names = f"Each of these explains it, and these tests do not distinguish them: {names}"
-    return f"{start} {names}.{_in_all(content)}{further}"
+    return f"{start} {names}.{_in_all(content)}{_next_test(content, 'the first two')}"
+
+
+def _next_test(content: Mapping[str, Any], what: str) -> str:
+    """Return the test that would distinguish `what`, with its power; nothing where none was found."""
+    if not (test := content["discriminating_test"]):
+        return ""
+    phrase = f"{test['test'][0].upper()}{test['test'][1:]}"
+    return f" {phrase} would distinguish {what} with a probability of {test['expected_power']:.0%}."
 
 
 def _may_be_none(candidate: Mapping[str, Any]) -> str:
@@ -90,7 +92,7 @@ def _claim(candidate: Mapping[str, Any]) -> str:
 def _nearest(content: Mapping[str, Any]) -> str:
     """Return the most likely explanation, where its residual is clearly more than noise."""
     best = content["tried"][0]
-    if not best["mechanisms"] or best["p_value"] is None or best["p_value"] >= CLEARLY:
+    if not best["mechanisms"] or best["p_value"] >= CLEARLY:
         return ""
     claims = []
     for key in best["mechanisms"]:

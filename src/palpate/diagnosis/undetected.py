@@ -24,7 +24,7 @@ from palpate.inference.estimated_noise import adjusted
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS
 
-UNIFORM = 1.0 / 3.0  # variance of a uniform distribution from -1 to 1
+UNIFORM = 1.0 / 3.0  # mean square of values distributed evenly from 0, or from -1, to 1
 SHOWN_PRIOR_VARIANCE = 4.0 / 3.0  # of uniform values, in units of three quarters of a range
 COARSE = 0.01  # of the largest depth, above which what an amplitude leaves uncertain is reported
 

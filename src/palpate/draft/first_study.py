@@ -196,7 +196,7 @@ def _written(file: Path, text: str, folder: Path, groups: Sequence[Group], tests
     with rolled_back_on_error(file, folder):
         folder.mkdir(parents=True)
         for path, recording in recordings.items():
-            recording.write(path)
+            recording.write_apart(path)
         file.write_text(text, encoding="utf-8")
         try:
             study = load_study(file)

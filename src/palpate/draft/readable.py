@@ -10,6 +10,7 @@ from palpate.errors import InputError
 from palpate.recordings.borne_load import check_borne
 from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
 from palpate.recordings.readers.vendor import attempt, first_few
+from palpate.recordings.recording import STIFFNESS_FOLDER
 
 
 def readable(
@@ -67,10 +68,11 @@ def _files_in(given: Path) -> list[Path]:
 
 
 def _folders_beside_files(given: Path) -> list[str]:
-    """Return the names of the visible folders in a folder that holds files, too."""
+    """Return the names of the visible folders in a folder that holds files, too; that of stiffness does not count."""
     if not given.is_dir() or _files_in(given) == [given]:
         return []
-    return sorted(each.name for each in given.iterdir() if each.is_dir() and not each.name.startswith("."))
+    names = (each.name for each in given.iterdir() if each.is_dir() and not each.name.startswith("."))
+    return sorted(name for name in names if name != STIFFNESS_FOLDER)
 
 
 def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:

@@ -39,12 +39,12 @@ class Amplitude:
         """Return all amplitudes of a mechanism that has parameters `values`.
 
         Two amplitudes with the same effect compare equal, so that a noise model with them is fitted once: further
-        parameters are rounded to two digits, and where they make no difference their neutral values are taken.
+        parameters are rounded to three digits, and where they make no difference their neutral values are taken.
         """
         mechanism, found = MECHANISMS[key], []
         others = [p.name for p in mechanism.parameters if p.name not in mechanism.amplitudes]
         for name in mechanism.amplitudes:
-            here = cls(key, name, tuple((other, float(f"{values[other]:.2g}")) for other in others))
+            here = cls(key, name, tuple((other, float(f"{values[other]:.3g}")) for other in others))
             plain = cls(key, name, tuple((other, mechanism.neutral[other]) for other in others))
             found.append(plain if np.array_equal(here.added(PROBE, PROBE), plain.added(PROBE, PROBE)) else here)
         return tuple(found)

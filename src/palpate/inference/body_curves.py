@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 def bodies(model: FiniteElements, u: np.ndarray, pyramid: bool = False) -> dict[str, np.ndarray]:
     """Return the curve of the body (n,) under each condition where its simulation succeeds; none of an impossible body.
 
+    A body may be impossible under a single condition, such as one that ends before the controller's lag.
+
     Parameters
     ----------
     model
@@ -30,7 +33,9 @@ def bodies(model: FiniteElements, u: np.ndarray, pyramid: bool = False) -> dict[
     try:
         outcomes = simulate_batch([specification(u, condition) for condition in model.conditions])
     except InputError:
-        return {}
+        alone = [replace(model, conditions=(condition,)) for condition in model.conditions]
+        parts = [bodies(each, u, pyramid) for each in alone] if len(alone) > 1 else []
+        return {name: curve for part in parts for name, curve in part.items()}
     return {
         condition.name: outcome.response - added_by_instrument(acting, condition.protocol)
         for condition, outcome in zip(model.conditions, outcomes, strict=True)

@@ -17,6 +17,7 @@ from palpate.inference.genetic import GeneticSettings
 from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.measures import OBJECTIVES, check_indents
+from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.inference.surrogates import Predictor, Surrogates
 
@@ -186,7 +187,7 @@ def base_fit(
         fitter = replace(fitter, problem=brought)
         fit = fitter.base([*begun, *fitter.scattered(rng)])
     if brought is not problem:
-        brought = problem.at_one_load(coordinates.named(fit.z), report)
+        brought = problem.at_one_load(coordinates.named(fit.z), refused)
         fitter = Fitter(brought, scatter, settings.solver_error)
         fit = fitter.base([fit.z])
     fit = on_finer_meshes(fitter, fit)

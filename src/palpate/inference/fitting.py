@@ -183,7 +183,7 @@ class Fitter:
 
     def rest_on(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
-        self.problem = replace(self.problem, forward=base.model)
+        self.problem, self._noise = replace(self.problem, forward=base.model, at=base.z), {}
         return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:

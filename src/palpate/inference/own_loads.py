@@ -17,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.errors import PalpateError
 from palpate.inference.observation import Observation
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
@@ -36,6 +37,11 @@ def own_protocol(protocol: Protocol, recording: Recording) -> Protocol:
 def stretched(protocol: Protocol, recording: Recording) -> Recording:
     """Return a recording on a clock on which it lasts as long as the history of its condition."""
     return replace(recording, time=recording.time * (protocol.knot_time[-1] / recording.time[-1]))
+
+
+def refused(reason: str) -> None:
+    """Raise `PalpateError` with a reason, where tests under other loads would count as they are."""
+    raise PalpateError(reason)
 
 
 def brought_to_one_load(

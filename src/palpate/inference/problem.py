@@ -43,12 +43,16 @@ class Problem:
         The base model under the conditions that take part.
     scale
         Size of the study.
+    at : ndarray, shape (k,), optional
+        Coordinates of the material at which effects on a load are taken, where a displacement is prescribed; by default
+        the middle of the ranges.
     """
 
     conditions: tuple[Condition, ...]
     recorded: Mapping[str, Observation]
     forward: Forward
     scale: Scale
+    at: np.ndarray | None = None
 
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
@@ -197,7 +201,7 @@ class Problem:
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
         """Return what one unit of an amplitude adds (n_points,) [nm].
 
-        Where a displacement is prescribed it is the derivative at the mid-range material; for a condition that takes no
+        Where a displacement is prescribed it is the derivative at the material of `at`; for a condition that takes no
         part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
@@ -228,7 +232,8 @@ def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]
     explanation, none = (amplitude.key,), amplitude.parameters(0.0)
     coordinates = problem.coordinates(explanation).free[problem.material :]
     beside = [float(coordinate.scaled(none[coordinate.name.split(".")[1]])) for coordinate in coordinates]
-    z = np.concatenate([np.full(problem.material, 0.5), beside])
+    material = np.full(problem.material, 0.5) if problem.at is None else problem.at
+    z = np.concatenate([material, beside])
     (outcome,) = problem.model(explanation).tangents([z])
     if isinstance(outcome, str):
         raise PalpateError(f"{amplitude.key}, {outcome}")

@@ -9,7 +9,7 @@ from scipy.linalg import block_diag
 
 GRID = 0.005  # of the depth: largest error of grid convergence, of yielding bodies
 SHAPE = 1.0 / 3.0  # of a law's discrepancy, which varies along a test
-FADES_OVER = 0.1  # of a test
+FADES_OVER = 0.1  # of the samples of a test
 
 
 def model_covariance(
@@ -24,7 +24,8 @@ def model_covariance(
 
     What a study states beyond `GRID` is a discrepancy of the law (M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B
     63 (2001) 425-464). It has a shape as well: a third of it varies along each test, as a random function of the
-    fraction of the test whose correlation falls to 1/e over a tenth; half of its variance is common to all conditions.
+    sample's number whose correlation falls to 1/e over a tenth of them; half of its variance is common to all
+    conditions.
 
     Where the load answers it departs by the `shares` of that, see `palpate.study.quantity.Quantity.share`.
     """

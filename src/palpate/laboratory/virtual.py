@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.recordings.recording_file import recording_files
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import Protocol
@@ -92,7 +92,7 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
                 load,
                 depth,
                 name=name,
-                notes=("SYNTHETIC: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
+                notes=(f"{SYNTHETIC}: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
             )
     return recordings
 

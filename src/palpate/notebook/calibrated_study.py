@@ -153,7 +153,7 @@ def calibrate(
     check_objective(chosen, observed)
     models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
     found = calibrate_study(chosen, models, observed, report)
-    return CalibratedStudy(chosen, tests, found, curves_beside(chosen, observed, found))
+    return CalibratedStudy(chosen, tests, found, curves_beside(chosen, observed, found, report))
 
 
 def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:

@@ -57,7 +57,8 @@ class DiagnosedStudy(Shown):
     @property
     def tried(self) -> pd.DataFrame:
         """Every explanation that was fitted, best first: mechanisms, log_evidence, p_value, rmse_nm, accepted."""
-        accepted = [candidate["mechanisms"] for candidate in self.content["candidates"]]
+        base: list[list[str]] = [[]] if self.verdict == "adequate" else []
+        accepted = base + [candidate["mechanisms"] for candidate in self.content["candidates"]]
         return pd.DataFrame(
             {
                 "mechanisms": " + ".join(entry["mechanisms"]) or "base model",
@@ -151,11 +152,14 @@ def diagnose(
     if calibration is None:
         calibration = calibrate(chosen, recordings, results=results, report=report)
         tests = calibration.tests
+    elif not isinstance(calibration, CalibratedStudy):
+        problem = f"{type(calibration).__name__} is no calibration of a study"
+        raise InputError(problem, remedy="give what calibrate returns, or leave it out", place="calibration")
     else:
         _check_same(chosen, calibration.study)
         tests = calibration.tests if recordings is None else StudyTests.of(chosen, recordings)
     content, curves = diagnosed(chosen, tests.by_condition, calibration.values, report or silent)
-    return DiagnosedStudy(chosen, tests, content, curves)
+    return DiagnosedStudy(chosen, tests, content | {"recordings": tests.name}, curves)
 
 
 def _check_same(study: Study, calibrated: Study) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -168,7 +169,7 @@ def read_recording(
     InputError
         When the file cannot be read, holds several tests and none is chosen, or has no such test.
     """
-    path = Path(path)
+    path = _path(path)
     tests, chosen = _read(path, contact, corrections, columns, units)
     if test is None and len([each for each in tests if isinstance(each, VendorTest) or each.sought]) > 1:
         names = ", ".join(f"{each.name!r}" for each in tests)
@@ -206,11 +207,32 @@ def read_recordings(
     InputError
         When no test can be read.
     """
-    path = Path(path)
+    path = _path(path)
     tests, chosen = _read(path, contact, corrections, columns, units)
     lost = tuple(messages(path, [test for test in tests if isinstance(test, Unreadable)]))
     readable = [test for test in tests if isinstance(test, VendorTest)]
     return [MeasuredTest(path, test, chosen, () if number else lost) for number, test in enumerate(readable)]
+
+
+def _path(given: object) -> Path:
+    """Return the path of a file; raises `InputError` when it is none."""
+    if not isinstance(given, str | PathLike):
+        raise InputError(f"{type(given).__name__} is no path", remedy="give the path of a file", place="path")
+    return Path(given)
+
+
+def _corrections(given: object) -> frozenset[str] | None:
+    """Return the corrections that are named, one or several; raises `InputError` when one is not known."""
+    if given is None:
+        return None
+    names = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+    if not all(name in CORRECTIONS for name in names):
+        raise InputError(
+            f"corrections are {', '.join(map(str, names))}",
+            remedy=f"name some of: {', '.join(CORRECTIONS)}; an empty list for none",
+            place="corrections",
+        )
+    return frozenset(map(str, names))
 
 
 def _read(
@@ -221,17 +243,15 @@ def _read(
     units: Mapping[str, str] | None,
 ) -> tuple[Sequence[VendorTest | Unreadable], frozenset[str] | None]:
     """Return the tests of a file, each from contact on, and which corrections are in the depth."""
-    chosen = None if corrections is None else frozenset([corrections] if isinstance(corrections, str) else corrections)
-    if chosen is not None and not chosen <= set(CORRECTIONS):
-        raise InputError(
-            f"corrections are {in_words(chosen)}",
-            remedy=f"name some of: {', '.join(CORRECTIONS)}; an empty list for none",
-            place="corrections",
-        )
+    chosen = _corrections(corrections)
+    for place, given in (("columns", columns), ("units", units)):
+        if given is not None and not isinstance(given, Mapping):
+            problem = f"{type(given).__name__} is no mapping of channels"
+            raise InputError(problem, remedy="name time, load and depth, such as {'load': ...}", place=place)
     if units and not columns:
         raise InputError("units are given without columns", remedy="give columns too", file=path, place="units")
-    named = {key: str(column) for key, column in (columns or {}).items()}
-    table = ColumnMap(named, units or {}) if named else None
+    named, stated = ({key: str(text) for key, text in (given or {}).items()} for given in (columns, units))
+    table = ColumnMap(named, stated) if named else None
     whole = read_each(path, corrections=chosen, contact="none", columns=table)
     with located_in(path):
         return zeroed_each(path, whole, contact), chosen

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
@@ -17,11 +16,13 @@ from palpate.configuration.study_file import Study, load_study, study_from
 from palpate.draft import Drafted, readable, study_name, write_study
 from palpate.errors import InputError
 from palpate.notebook.measured_test import MeasuredTest
+from palpate.notebook.plain_values import plain
 from palpate.notebook.session import new_folder
 from palpate.notebook.shown import Shown, axes_for
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
 from palpate.recordings.readers import VendorTest
+from palpate.study.indenter import RADIUS
 from palpate.study.protocol import LOAD
 
 
@@ -71,7 +72,7 @@ class NotebookStudy(Shown, Study):
         InputError
             As `read`.
         """
-        return cls.of(study_from(_plain(values), "the mapping"))
+        return cls.of(study_from(plain(values), "the mapping"))
 
     @classmethod
     def draft(
@@ -105,7 +106,8 @@ class NotebookStudy(Shown, Study):
         Raises
         ------
         InputError
-            When no recording can be used, a unit looks mistaken, or the folder holds a study already.
+            When no recording can be used, a unit looks mistaken, `sphere` is no radius, or the folder holds a
+            study already.
         """
         messages: list[str] = []
 
@@ -117,12 +119,13 @@ class NotebookStudy(Shown, Study):
         given = several(recordings)
         if not given:
             raise InputError("no recordings are given", remedy="give a file or a test", place="recordings")
+        radius = None if sphere is None else replace(RADIUS, name="sphere").check(plain(sphere))
         files = [Path(each) for each in given if isinstance(each, str | Path)]
         drafted = readable(files, reported) if files else []
         drafted += [_drafted(each) for each in given if not isinstance(each, str | Path)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else Path(_origin(given[0])))
-        found = write_study(drafted, output, name, reported, law, sphere)
+        found = write_study(drafted, output, name, reported, law, radius)
         return cls.of(found.study, [*messages, *found.remarks])
 
     def _sentences(self) -> list[str]:
@@ -212,14 +215,3 @@ def _origin(given: OneTest) -> str:
     if isinstance(given, str | Path):
         return Path(given).stem
     return given.file.stem if isinstance(given, MeasuredTest) else recording_of(given).name or "recording"
-
-
-def _plain(values: Any) -> Any:
-    """Return mappings, lists and numbers as a YAML file would give them."""
-    if isinstance(values, Mapping):
-        return {key: _plain(value) for key, value in values.items()}
-    if isinstance(values, np.ndarray | np.generic):
-        return values.tolist()
-    if isinstance(values, list | tuple):
-        return [_plain(value) for value in values]
-    return str(values) if isinstance(values, Path) else values

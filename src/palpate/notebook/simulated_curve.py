@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 
 from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError, located_in
+from palpate.notebook.plain_values import plain
 from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.style import RECORDED
-from palpate.recordings.recording import Recording
+from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.solver import simulation
 from palpate.study.specification import Specification
 
@@ -43,7 +44,7 @@ class SimulatedCurve(Shown):
     @property
     def recording(self) -> Recording:
         """The curve as a recording, which can be drafted and calibrated like a measured one."""
-        notes = ("SYNTHETIC: simulated by palpate",)
+        notes = (f"{SYNTHETIC}: simulated by palpate",)
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
 
     def _sentences(self) -> list[str]:
@@ -87,7 +88,7 @@ def simulate(
     ----------
     specification
         A mapping with the keys below, the path of such a YAML file, or what ``Study.specification`` returns. Keywords
-        replace entries of a mapping or a file.
+        replace entries of a mapping or a file. Numbers and arrays may be those of NumPy.
     material
         ``model`` and all parameters of that law by name, such as
         ``{"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}`` [GPa], [-].
@@ -141,4 +142,4 @@ def _asked(
     file = specification if isinstance(specification, str | Path) else None
     values: Any = read_yaml(file) if file is not None else specification or {}
     with located_in(file):
-        return simulation.specification_from({**values, **given} if isinstance(values, Mapping) else values)
+        return simulation.specification_from(plain({**values, **given}) if isinstance(values, Mapping) else values)

@@ -37,8 +37,7 @@ class StudyTests:
     @property
     def synthetic(self) -> bool:
         """Whether any of them was simulated, and not measured."""
-        every = [recording for found in self.by_condition.values() for recording in found]
-        return any(note.startswith("SYNTHETIC") for recording in every for note in recording.notes)
+        return any(recording.synthetic for found in self.by_condition.values() for recording in found)
 
     @classmethod
     def of(cls, study: Study, recordings: Given) -> StudyTests:

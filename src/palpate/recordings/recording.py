@@ -17,6 +17,7 @@ from palpate.errors import InputError
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 STIFFNESS_FOLDER = "stiffness"
+SYNTHETIC = "SYNTHETIC"  # begins the comment that marks a recording as simulated, not measured
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
 MOST = 200_000  # points that are kept of one: curves are compared at a hundred times
@@ -62,6 +63,11 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def synthetic(self) -> bool:
+        """Whether its notes say that it was simulated, and not measured."""
+        return marked_synthetic(self.notes)
 
     def at(self, kept: slice | np.ndarray) -> Recording:
         """Return the recording at some of its points."""
@@ -147,6 +153,11 @@ class Recording:
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def marked_synthetic(notes: Iterable[str]) -> bool:
+    """Return whether the notes of a recording say that it was simulated, and not measured."""
+    return any(note.startswith(SYNTHETIC) for note in notes)
 
 
 def spaced(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -19,7 +19,16 @@ import numpy as np
 
 from palpate.base.yaml_file import refuse_special
 from palpate.errors import InputError
-from palpate.recordings.recording import HEADER, MOST, STIFFNESS_FOLDER, WITH_STIFFNESS, Recording, check_points
+from palpate.recordings.recording import (
+    HEADER,
+    MOST,
+    STIFFNESS_FOLDER,
+    WITH_STIFFNESS,
+    Recording,
+    check_points,
+    marked_synthetic,
+    spaced,
+)
 from palpate.study.protocol import DISPLACEMENT, LOAD
 
 LOAD_HISTORY = "time_s,load_mN"
@@ -53,6 +62,11 @@ def condition_of(file: Path) -> str:
     return condition if replicate.strip() else ""
 
 
+def holds_synthetic(folder: Path) -> bool:
+    """Return whether any recording in a folder is marked as simulated; reads the comments above the headers only."""
+    return any(marked_synthetic(_begun(_numbered(file))[0]) for file in recording_files(folder))
+
+
 def read_recording(path: str | Path) -> Recording:
     """Read a recording CSV and check it; its stiffness may lie in a folder beside (`Recording.write_apart`).
 
@@ -63,7 +77,11 @@ def read_recording(path: str | Path) -> Recording:
         beside it is that of other times.
     """
     path = Path(path)
-    recording = _recording_at(path)
+    return with_stiffness_beside(_recording_at(path), path)
+
+
+def with_stiffness_beside(recording: Recording, path: Path) -> Recording:
+    """Return the recording of a CSV with the stiffness that lies in a folder beside it; raises `InputError`."""
     apart = path.with_name(STIFFNESS_FOLDER)
     if recording.stiffness is not None or not apart.is_dir() or not (apart / path.name).is_file():
         return recording
@@ -107,8 +125,9 @@ def _recording_at(path: Path) -> Recording:
 
 
 def recording_in(lines: Sequence[str], path: Path) -> Recording:
-    """Return the recording that the `lines` of a CSV hold, checked; raises `InputError` as `read_recording` does."""
-    return _checked(enumerate(lines, 1), path, large=False)
+    """Return the recording that the `lines` of a CSV hold, as `read_recording` does, but without a stiffness beside."""
+    recording = _checked(enumerate(lines, 1), path, large=False)
+    return recording if len(recording) <= MOST else recording.at(spaced(np.arange(len(recording)))[0])
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:

@@ -123,6 +123,12 @@ def write(result: dict[str, Any], folder: Path) -> None:
     )
 
 
+def refuse_failed(result: dict[str, Any], report: Path) -> None:
+    """Raise `PalpateError`, which names the report, when a check failed."""
+    if result["failed"]:
+        raise PalpateError(f"{result['failed']} of {result['checks']} checks failed; see {report}")
+
+
 def _notes(result: dict[str, Any]) -> Iterator[str]:
     yield f"{result['checks'] - result['failed']} of {result['checks']} checks passed."
     for case in result["cases"]:

@@ -2,8 +2,9 @@
 
 A calibration simulates curves and derivatives until it has converged, and a diagnosis does so for each explanation;
 neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of a public
-recording (docs/measurements.md) on a free core; a study may well take half or twice as long, and a diagnosis that finds
-its explanation early much less.
+recording (docs/measurements.md) on a free core, at ``accuracy: standard``; a study may well take half or twice as long,
+and a diagnosis that finds its explanation early much less. Under a pyramid snapshots and searches are those of the
+equivalent cone, and fits simulate a few curves of the pyramid besides.
 """
 
 from __future__ import annotations
@@ -19,6 +20,9 @@ CORNERS = 0.005  # of that, more for each corner of the load beyond those of a t
 CALIBRATION = 400  # curves of one condition
 EXPLANATION = 200  # curves of one condition for each mechanism that is considered, pairs included
 FURTHER = 0.3  # of that, for each further condition: conditions are solved together
+PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
+PYRAMIDS = 3  # such curves of one condition, at most in a calibration (docs/pyramid.md), and about in a diagnosis
+STANDARD = "standard"  # the accuracy for which these times hold
 COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 
@@ -31,13 +35,18 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     fits = together * CALIBRATION * len(study.condition_sets)
     mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
     explanations = together * EXPLANATION * mechanisms
-    total = snapshots + fits + explanations
+    searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
+    pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
+    accurate = cost * PYRAMID * pyramids
+    total = snapshots + fits + explanations + accurate
     parts = [f"{curves} snapshots {_in_words(snapshots)}"]
     parts += [f"calibration {_in_words(fits)}"] if study.recordings else []
     parts += [f"diagnosis of {mechanisms} mechanisms up to {_in_words(explanations)}"] if mechanisms else []
-    plural = "s" if cores > 1 else ""
+    parts += [f"up to {pyramids} curves of the pyramid {_in_words(accurate)}"] if pyramids else []
+    processors = f"{cores} free core{'s' if cores > 1 else ''}"
+    finer = "" if study.accuracy == STANDARD else f" for accuracy {STANDARD} ({study.accuracy} takes longer)"
     yield (
-        f"expected time, within a factor of two: {_in_words(total)} on {cores} free core{plural} ({', '.join(parts)}); "
+        f"expected time, within a factor of two{finer}: {_in_words(total)} on {processors} ({', '.join(parts)}); "
         f"{_in_words(COMPILING)} more at the first use, for compilation"
     )
 

@@ -14,11 +14,12 @@ from typing import Any
 from palpate.base.yaml_file import EXPONENT
 from palpate.configuration.schema import study_schema
 from palpate.configuration.study_file import Study, study_from
-from palpate.errors import PalpateError, of_system
+from palpate.errors import InputError, PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
 
 COMMAND_LINE = ("quick", "reference")  # what --config takes beside keys of a study
 CONFIGURATION = "configuration of the workflow"
+BOOLEAN = {"true": True, "1": True, "false": False, "0": False}
 
 
 def study(snakemake: Any) -> Study:
@@ -46,6 +47,20 @@ def _with_numbers(value: Any, rule: Mapping[str, Any]) -> Any:
         return [_with_numbers(inner, rule.get("items", {})) for inner in value]
     text = "string" in rule.get("type", ())
     return float(value) if isinstance(value, str) and EXPONENT.match(value) and not text else value
+
+
+def boolean(key: str, value: Any) -> bool:
+    """Return whether a key of the command line is true; without a value it is not. Snakemake reads ``false`` as text.
+
+    Raises
+    ------
+    InputError
+        When the value is none of `BOOLEAN`.
+    """
+    text = "false" if value is None else str(value).lower()
+    if text not in BOOLEAN:
+        raise InputError(f"{key}={value} is neither true nor false", remedy=f"give {key}=true or {key}=false")
+    return BOOLEAN[text]
 
 
 @contextmanager

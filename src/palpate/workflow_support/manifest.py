@@ -11,7 +11,8 @@ from typing import Any
 
 from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
-from palpate.inference.study_recordings import find
+from palpate.inference.study_recordings import with_stiffness
+from palpate.recordings.recording_file import recording_files
 from palpate.workflow_support.result_files import checksum, read_json
 from palpate.workflow_support.run_records import git_commit
 
@@ -42,14 +43,21 @@ def of(study: Study, configuration: Mapping[str, Any], folder: Path) -> dict[str
 def files(study: Study, folder: Path) -> Iterator[Path]:
     """Yield the recordings of a study, its vendor's file, and the results that its report shows."""
     if study.source:
-        yield Path(study.source["file"])
+        yield from with_stiffness(Path(study.source["file"]))
     yield folder / "snapshots.csv"
+    yield from recordings(study)
     for name in study.recordings:
-        yield from (file for group in find(study, name).values() for file in group)
         yield folder / name / "calibration.json"
         yield from (folder / name / "calibrations" / f"{condition_set}.json" for condition_set in study.condition_sets)
         if study.diagnosis["enabled"]:
             yield folder / name / "diagnosis.json"
+
+
+def recordings(study: Study) -> Iterator[Path]:
+    """Yield the recordings of a study that are there, with the files of their stiffness."""
+    for folder in study.recordings.values():
+        for file in recording_files(folder):
+            yield from with_stiffness(file)
 
 
 def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> list[str]:
@@ -68,7 +76,8 @@ def changed(study: Study, configuration: Mapping[str, Any], folder: Path) -> lis
             lines.append(f"{name} was deleted since {folder / 'report.html'} was made")
         elif checksum(Path(name)) != known:
             lines.append(f"{name} changed since {folder / 'report.html'} was made")
-    return lines
+    added = [name for name in map(str, recordings(study)) if name not in then["files"]]
+    return lines + [f"{name} was added since {folder / 'report.html'} was made" for name in added]
 
 
 def without_data(configuration: Mapping[str, Any]) -> dict[str, Any]:

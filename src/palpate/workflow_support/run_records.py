@@ -6,6 +6,7 @@ workflow lie under one parent run, whose name is the time at which the execution
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import time
@@ -20,7 +21,8 @@ import numpy as np
 from palpate.workflow_support.result_files import write_json
 
 EXECUTION = "PALPATE_EXECUTION"
-ERRORS = ("rmse_nm", "r2", "mean_abs_error_nm", "percent_error")
+ROLES = ("calibrate", "validate")
+ERRORS = ("rmse_nm", "rmse_mN", "r2", "mean_abs_error_nm", "mean_abs_error_mN", "percent_error")  # mN: as far as given
 
 
 @dataclass
@@ -100,21 +102,26 @@ def of_surrogate(
         f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in levels.items()
     }
     metrics = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
-    series = {"loo_rms_at_point": next(value for name, value in summary.items() if name.startswith("loo_rms_"))}
+    series = {f"loo_rms_at_point_{summary['unit']}": summary[f"loo_rms_{summary['unit']}"]}
     return Run(f"surrogate {condition}", "surrogate", {"condition": condition}, params, metrics, series)
 
 
 def of_calibration(result: Mapping[str, Any], settings: Mapping[str, Any], files: Sequence[str | Path]) -> Run:
-    """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence."""
+    """Return the run of a calibration: settings and seed, estimates with intervals, misfit, errors, convergence.
+
+    Errors are given by condition, as in ``P1.00_T030.rmse_nm``, and over all conditions of a role, as in
+    ``calibrate.rmse_nm``. The errors of a condition that has the name of a role are ``condition calibrate.rmse_nm``.
+    """
     metrics = {"misfit_ratio": result["misfit_ratio"], "converged": float(result["converged"])}
     for name, entry in result["parameters"].items():
         metrics |= {f"{name}.{key}": float(entry[key]) for key in ("estimate", "lower", "upper", "identified")}
     for name, entry in result["conditions"].items():
-        metrics |= {f"{name}.{key}": float(entry[key]) for key in ERRORS}
-    for role in ("calibrate", "validate"):
-        errors = [entry["rmse_nm"] for entry in result["conditions"].values() if entry["role"] == role]
+        label = f"condition {name}" if name in ROLES else name
+        metrics |= {f"{label}.{key}": float(entry[key]) for key in ERRORS if key in entry}
+    for role, key in itertools.product(ROLES, ("rmse_nm", "rmse_mN")):
+        errors = [entry[key] for entry in result["conditions"].values() if entry["role"] == role and key in entry]
         if errors:
-            metrics[f"{role}.rmse_nm"] = float(np.sqrt(np.mean(np.square(errors))))
+            metrics[f"{role}.{key}"] = float(np.sqrt(np.mean(np.square(errors))))
     tags = {"recordings": result["recordings"], "condition_set": result["condition_set"]}
     name = f"fit {result['recordings']} {result['condition_set']}"
     series = {"best_sum_of_objectives": [row["best_sum"] for row in result["history"]]}

@@ -138,14 +138,33 @@ def run_calibration(
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
         for name, item in measured.items()
     }
-    result = calibrate_study(study, models, roles, lambda line: print(f"{recordings}, {condition_set}: {line}"))
-    return result, curves_beside(study, roles, result)
+
+    def report(line: str) -> None:
+        print(f"{recordings}, {condition_set}: {line}")
+
+    result = calibrate_study(study, models, roles, report)
+    return result, curves_beside(study, roles, result, report)
 
 
-def curves_beside(study: Study, observed: Mapping[str, Observation], result: Calibration) -> pd.DataFrame:
+def curves_beside(
+    study: Study,
+    observed: Mapping[str, Observation],
+    result: Calibration,
+    report: Callable[[str], None] = print,
+) -> pd.DataFrame:
     """Return a table of the curves of all conditions, recorded, of the surrogates and simulated.
 
     Tests with loads of their own are brought to one load at the estimate.
+
+    Parameters
+    ----------
+    study
+    observed
+        Of every condition by its name.
+    result
+        The calibration.
+    report
+        Called with one line for each condition whose tests cannot be brought to one load.
 
     Returns
     -------
@@ -153,7 +172,7 @@ def curves_beside(study: Study, observed: Mapping[str, Observation], result: Cal
         Columns as in `run_calibration`.
     """
     tables = []
-    observed = brought_to_one_load(study, observed, result.values)
+    observed = brought_to_one_load(study, observed, result.values, report)
     for condition in study.conditions:
         item = observed[condition.name]
         count, unit = len(item.response), item.quantity.unit

@@ -10,6 +10,7 @@ import pandas as pd
 
 from palpate.configuration.study_file import Study
 from palpate.output import html_report
+from palpate.recordings.recording_file import holds_synthetic
 from palpate.workflow_support.result_files import read_json
 
 
@@ -27,11 +28,7 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
     ]
     summaries = [read_json(folder / "surrogates" / f"{c.name}.json") for c in study.calibrated]
     notes = [summary["missing"] for summary in summaries if summary["missing"]]
-    notes += [
-        f"Recordings “{recordings}” are synthetic: written by a virtual laboratory, not measured."
-        for recordings in study.recordings
-        if recordings in study.laboratory
-    ]
+    notes += synthetic_sets(study)
     for recordings in study.recordings:
         found = folder / recordings
         diagnosis = _diagnosis(found) if study.diagnosis["enabled"] else []
@@ -41,6 +38,17 @@ def write(study: Study, folder: Path, path: Path, made_from: Mapping[str, Any]) 
         sections.append(("Source of the recordings", [html_report.paragraph(facts)]))
     sections.append(("Inputs and versions", _origin(made_from)))
     html_report.build(study.title, sections, notes, path)
+
+
+def synthetic_sets(study: Study) -> list[str]:
+    """Return which sets of recordings hold simulated ones, one line each."""
+    written = "are synthetic: written by a virtual laboratory, not measured."
+    given = "contain synthetic ones: simulated, not measured."
+    return [
+        f"Recordings “{name}” {written if name in study.laboratory else given}"
+        for name, folder in study.recordings.items()
+        if holds_synthetic(folder)
+    ]
 
 
 def _calibration(study: Study, found: Path) -> list[str]:

@@ -1,8 +1,9 @@
 """Sending the records of jobs (`run_records`) to MLflow, with short time-outs; those that cannot be sent stay on disk.
 
-The store is a local SQLite file unless ``MLFLOW_TRACKING_URI`` names another. A fresh one is made once, under a lock
-that lies beside it, so that several folders may share one file. What was sent is listed in ``sent.json`` of the study's
-folder of records, by checksum: a second run sends nothing twice.
+The store is a SQLite file in the folder of results unless ``MLFLOW_TRACKING_URI`` names another. A fresh one is made
+once, under a lock that lies beside it, so that several folders may share one file. Records that were sent are listed
+in ``sent.json`` of the study's folder of records, by checksum. Each run in the store is tagged with the checksum of its
+record and with its index there: after a failure only those that are missing are sent.
 """
 
 from __future__ import annotations
@@ -24,9 +25,8 @@ from palpate.errors import PalpateError
 from palpate.surrogate.saved import load
 from palpate.workflow_support.result_files import checksum, read_json, write_json
 
-STORE = "sqlite:///results/mlflow.db"
 SECONDS = 5  # that one request may take
-PATIENCE = 60  # s, for another process that makes the store
+PATIENCE = 60  # s, for another process that makes the store or sends the same records
 LIMITS = {
     "MLFLOW_HTTP_REQUEST_TIMEOUT": str(SECONDS),
     "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "0",
@@ -38,40 +38,51 @@ LIMITS = {
 def send(folder: Path) -> list[str]:
     """Send all records below a study's folder of records that have not been sent, and return those that could not be.
 
-    Anything that goes wrong with the server, the store or the network ends the sending with one line of warning.
+    Anything that goes wrong with the server, the store, the network or an artifact ends the sending with one line of
+    warning. A second process that sends the same records waits for the first.
 
     Parameters
     ----------
     folder
         Such as ``results/STUDY/tracking``.
     """
-    ledger, waiting = folder / "sent.json", pending(folder)
-    for number, name in enumerate(waiting):
-        try:
-            _send(read_json(folder / name))
-        except Exception as error:  # a server may answer with anything; results never depend on it
-            left, problem = len(waiting) - number, _problem(str(error))
-            print(f"tracking: {left} records stay on disk ({problem}); palpate track --send sends them")
-            return waiting[number:]
-        write_json(ledger, {**_sent(folder), name: checksum(folder / name)})
+    results = folder.parents[1]
+    try:
+        with _alone(folder / "sent.lock"):
+            for name in pending(folder):
+                digest = checksum(folder / name)  # before it is read: should it change meanwhile, it is sent again
+                _send(read_json(folder / name), digest, results)
+                write_json(folder / "sent.json", {**_sent(folder), name: digest})
+    except Exception as error:  # a server may answer with anything; results never depend on it
+        waiting = pending(folder)
+        if waiting:
+            problem = f"{len(waiting)} records stay on disk ({_problem(str(error), results)})"
+            print(f"tracking: {problem}; palpate track --send sends them")
+        return waiting
     return []
 
 
-def _problem(answer: str) -> str:
+def _problem(answer: str, results: Path) -> str:
     """Return in one line what MLflow answers, with the remedy where the answer has none."""
-    uri = _uri()
+    uri = _uri(results)
     if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", answer):
         return (
             f"{uri.removeprefix('sqlite:///')} is of another version of MLflow, schema {found[1]} where {found[2]} is "
             f"expected: move it away, or if it is older run mlflow db upgrade {uri}"
         )
     if "filesystem tracking backend" in answer:
-        return f"MLFLOW_TRACKING_URI is {uri}, a folder, which MLflow writes no more: name a server or {STORE}"
+        remedy = f"name a server or {_default(results)}"
+        return f"MLFLOW_TRACKING_URI is {uri}, a folder, which MLflow writes no more: {remedy}"
     return " ".join(answer.split())[:200]
 
 
-def _uri() -> str:
-    return os.environ.get("MLFLOW_TRACKING_URI") or STORE
+def _uri(results: Path) -> str:
+    return os.environ.get("MLFLOW_TRACKING_URI") or _default(results)
+
+
+def _default(results: Path) -> str:
+    """Return the address of the store in a folder of results."""
+    return f"sqlite:///{results}/mlflow.db"
 
 
 def pending(folder: Path) -> list[str]:
@@ -90,30 +101,64 @@ def _sent(folder: Path) -> dict[str, Any]:
     return {}
 
 
-def _send(record: Mapping[str, Any]) -> None:
-    """Send the runs of one record."""
-    uri = _uri()
+def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
+    """Send the runs of one record that the store does not hold completely.
+
+    Parameters
+    ----------
+    record, digest
+        The record, and its checksum.
+    results
+        The folder of all results. Paths of artifacts count from the folder above it, in which the study ran.
+
+    Raises
+    ------
+    PalpateError
+        When an artifact is missing, or the store is no database.
+    """
+    uri, above = _uri(results), Path(os.path.abspath(results)).parent
+    runs = [_located(run, above) for run in record["runs"]]
     _check_file(uri)
     os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
     import mlflow
 
     logging.getLogger("mlflow").setLevel(logging.ERROR)
-    with _alone(uri):
+    with _alone(_lock_of(uri)):
         mlflow.set_tracking_uri(uri)
         client = mlflow.MlflowClient()
-        experiment = _experiment(client, record["study"], uri)
+        experiment = _experiment(client, record["study"], results)
         parent = _parent(client, experiment, record)
-    for run in record["runs"]:
-        tags = {"kind": run["kind"], "mlflow.parentRunId": parent, "git_commit": record["git_commit"], **run["tags"]}
-        made = client.create_run(experiment, start_time=run["started"], tags=tags, run_name=run["name"])
-        _fill(client, made.info.run_id, run)
-        client.set_terminated(made.info.run_id, end_time=run["ended"])
+    shared = {"mlflow.parentRunId": parent, "git_commit": record["git_commit"], "record": digest}
+    there = _runs_in_store(client, experiment, digest, len(runs))
+    for index, run in enumerate(runs):
+        tags = {"kind": run["kind"], **shared, "index_in_record": str(index), **run["tags"]}
+        made = there.get(str(index)) or client.create_run(
+            experiment, start_time=run["started"], tags=tags, run_name=run["name"]
+        )
+        if made.info.status != "FINISHED":
+            _fill(client, made.info.run_id, run)
+            client.set_terminated(made.info.run_id, end_time=run["ended"])
     for key, value in record["answer"].get("tags", {}).items():
         client.set_tag(parent, key, value)
     for key, value in record["answer"].get("metrics", {}).items():
         client.log_metric(parent, key, value)
-    if record["runs"]:
-        client.set_terminated(parent, end_time=max(run["ended"] for run in record["runs"]))
+    if runs:
+        client.set_terminated(parent, end_time=max(run["ended"] for run in runs))
+
+
+def _located(run: Mapping[str, Any], above: Path) -> dict[str, Any]:
+    """Return a run with the absolute paths of its artifacts; raises `PalpateError` where one is missing."""
+    files, surrogate = [str(above / file) for file in run["files"]], run["surrogate"] and str(above / run["surrogate"])
+    for file in filter(None, [*files, surrogate]):
+        if not Path(file).is_file():
+            raise PalpateError(f"{file} is missing: run the study again")
+    return {**run, "files": files, "surrogate": surrogate}
+
+
+def _runs_in_store(client: Any, experiment: str, digest: str, count: int) -> dict[str, Any]:
+    """Return those of the `count` runs of a record that the store holds, by their index."""
+    found = client.search_runs([experiment], f"tags.record = '{digest}'", max_results=max(count, 1))
+    return {run.data.tags["index_in_record"]: run for run in found}
 
 
 def _check_file(uri: str) -> None:
@@ -129,12 +174,13 @@ def _check_file(uri: str) -> None:
         raise PalpateError(f"{file} cannot be read as a database, {error}: {remedy}") from None
 
 
-def _experiment(client: Any, study: str, uri: str) -> str:
+def _experiment(client: Any, study: str, results: Path) -> str:
     """Return the id of the study's experiment, made if there is none."""
     found = client.get_experiment_by_name(study)
     if found is not None:
         return str(found.experiment_id)
-    location = (Path("results/mlartifacts") / study).resolve().as_uri() if uri == STORE else None
+    default = _uri(results) == _default(results)
+    location = (results / "mlartifacts" / study).resolve().as_uri() if default else None
     return str(client.create_experiment(study, artifact_location=location))
 
 
@@ -164,9 +210,8 @@ def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
     for part in _parts([Param(key, str(value)) for key, value in run["params"].items()], 100):
         client.log_batch(identity, params=part)
     for file in run["files"]:
-        if Path(file).is_file():
-            client.log_artifact(identity, file)
-    if run["surrogate"] and Path(run["surrogate"]).is_file():
+        client.log_artifact(identity, file)
+    if run["surrogate"]:
         with mlflow.start_run(run_id=identity):
             mlflow.sklearn.log_model(
                 load(run["surrogate"]),
@@ -181,21 +226,24 @@ def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
         yield entries[first : first + size]
 
 
+def _lock_of(uri: str) -> Path:
+    """Return the lock of a store: beside an SQLite file, elsewhere one of this machine's user."""
+    if uri.startswith("sqlite:///"):
+        return Path(uri.removeprefix("sqlite:///") + ".lock")
+    name = hashlib.sha256(uri.encode()).hexdigest()[:16]
+    return Path(tempfile.gettempdir()) / f"palpate-{os.getuid()}-{name}.lock"
+
+
 @contextlib.contextmanager
-def _alone(uri: str) -> Iterator[None]:
-    """Wait until no other process makes the store: a lock beside an SQLite file, elsewhere one of this machine's user.
+def _alone(lock: Path) -> Iterator[None]:
+    """Wait until no other process holds a lock.
 
     Raises
     ------
     TimeoutError
         When another process holds it for longer than `PATIENCE`.
     """
-    if uri.startswith("sqlite:///"):
-        lock = Path(uri.removeprefix("sqlite:///") + ".lock")
-        lock.parent.mkdir(parents=True, exist_ok=True)
-    else:
-        name = hashlib.sha256(uri.encode()).hexdigest()[:16]
-        lock = Path(tempfile.gettempdir()) / f"palpate-{os.getuid()}-{name}.lock"
+    lock.parent.mkdir(parents=True, exist_ok=True)
     try:
         with FileLock(lock, timeout=PATIENCE):
             yield

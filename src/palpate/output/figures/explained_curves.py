@@ -67,20 +67,20 @@ def _map(content: Mapping[str, Any], names: Sequence[str], axis) -> None:
     found = {(row["segment"], row["part"]) for row in content["location"]}
     parts = [part for part in PARTS if part in found]
     values = np.full((len(conditions), len(parts)), np.nan)
-    for row in content["location"]:
-        if (row["segment"], row["part"]) in parts:
-            i, j = conditions.index(row["condition"]), parts.index((row["segment"], row["part"]))
-            values[i, j] = row["residual_nm"]
-            if row["q_value"] < CERTAIN:
-                axis.plot(j, i, "o", color=RECORDED, ms=4, mec="white", mew=0.7)
+    shown = [row for row in content["location"] if (row["segment"], row["part"]) in parts]
+    for row in shown:
+        i, j = conditions.index(row["condition"]), parts.index((row["segment"], row["part"]))
+        values[i, j] = row["residual_nm"]
+        if row["q_value"] < CERTAIN:
+            axis.plot(j, i, "o", color=RECORDED, ms=4, mec="white", mew=0.7)
     largest = max(float(np.nanmax(np.abs(values))), 1e-9)
     image = axis.imshow(values, cmap="RdBu_r", vmin=-largest, vmax=largest, aspect="auto")
     axis.set_xticks(range(len(parts)), [f"{part}\n{segment}" for segment, part in parts], fontsize=5.5)
     axis.set_yticks(range(len(conditions)), conditions, fontsize=6.5)
     axis.spines[["left", "bottom"]].set_visible(False)
     axis.tick_params(length=0)
-    certain = any(row["q_value"] < CERTAIN for row in content["location"])
-    meaning = "dot: q" if certain else "no part has q"
+    certain = any(row["q_value"] < CERTAIN for row in shown)
+    meaning = "dot: q" if certain else "no part shown has q"
     axis.set_title(f"base model, recorded - simulated [nm]; {meaning} < {CERTAIN:g}")
     axis.figure.colorbar(image, ax=axis, shrink=0.85)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from palpate.recordings.readers.source import Source
 from palpate.recordings.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
 from palpate.recordings.recording import HEADER, WITH_STIFFNESS
-from palpate.recordings.recording_file import recording_in
+from palpate.recordings.recording_file import recording_in, with_stiffness_beside
 
 
 def matches(source: Source) -> bool:
@@ -15,9 +15,9 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
-    """Read the recording; there is nothing to leave off in it."""
+    """Read the recording, and its stiffness if that lies beside; there is nothing to leave off in it."""
     refuse_corrections(source, corrections)
-    recording = recording_in(source.lines.one_by_one(), source.path)
+    recording = with_stiffness_beside(recording_in(source.lines.one_by_one(), source.path), source.path)
     return [VendorTest(recording.name, recording)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
@@ -61,16 +62,16 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     Raises
     ------
     InputError
-        When load or depth has the wrong sign or never changes, the tip never comes to the depth given, or too few
-        points are left to find contact in.
+        When the contact is neither of these, load or depth has the wrong sign or never changes, the tip never comes to
+        the depth given, or too few points are left to find contact in.
     """
     r = test.recording
+    if contact not in CONTACTS if isinstance(contact, str) else not isinstance(contact, Real):
+        raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     if contact == "none":
         return test
     _check_signs(test.name, r)
     test = replace(test, warnings=(*test.warnings, *_never_borne(r)))
-    if isinstance(contact, str) and contact not in CONTACTS:
-        raise InputError(f"contact {contact!r} is not known", remedy=f"give a depth or one of: {', '.join(CONTACTS)}")
     if contact == "file":
         return _from_the_file_s(test)
     try:
