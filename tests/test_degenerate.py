@@ -76,14 +76,6 @@ def test_what_an_offset_adds_to_a_load_is_that_of_the_material_that_was_found():
     assert stiff == pytest.approx(4.0 * soft, rel=1e-3, abs=1e-3 * np.abs(stiff).max())
 
 
-def test_a_tip_that_is_round_already_is_rounded_by_nothing():
-    study = study_from(
-        ELASTIC | {"indenter": {"shape": "sphero_cone", "half_angle": 70.3, "radius": 200.0},
-                   "conditions": [{"name": "A", "max_load": 1.0, **TRAPEZOID}]}, "study.yaml")  # fmt: skip
-    specification = study.specification({"youngs_modulus": 4.0}, study.conditions[0])
-    assert MECHANISMS["tip_rounding"].assumed(specification) == {"radius": 200.0}
-
-
 def test_unlike_loads_that_cannot_be_corrected_end_a_fit():
     with pytest.raises(PalpateError, match="not brought to one load"):
         refused("M: its tests are not brought to one load, as a simulation failed (no contact)")

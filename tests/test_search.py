@@ -340,7 +340,7 @@ def test_what_failed_among_sets_is_recorded_by_all_its_mechanisms():
 
     search, failed = searching({"adhesion": 5.0}, policy=POLICY, joined=joined, examined=None), {}
     assert _fitted(SideBySide(search), [candidate("friction", 3.0)], 5, failed, lambda said: None) == []
-    assert failed == {"friction+adhesion": "no convergence"}
+    assert failed == {"adhesion+friction": "no convergence"}
 
 
 def prospects(found, gains, keys):

@@ -13,8 +13,6 @@ from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import RADIUS
 from palpate.study.specification import Specification
 
-SHARP = 1e-3  # nm
-
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Give the cone or pyramid a cap; raises `InputError` for other shapes."""
@@ -34,14 +32,13 @@ MECHANISM = Mechanism(
     title="tip rounding",
     effect="the tip is a spherical cap that runs tangentially into the cone",
     parameters=(RADIUS,),
-    neutral={"radius": SHARP},
+    neutral={"radius": 1e-3},
     example={"radius": 200.0},
     source="Cheng & Cheng, J. Appl. Phys. 84 (1998) 1284-1291",
     plausible=lambda s: {"radius": Range(1.0, 600.0, least=1.0)},
     concealed=lambda rng: {"radius": log_uniform(rng, 10.0, 400.0)},
     simulate=simulate,
     solver_scatter=0.06,
-    assumed=lambda s: {"radius": s.indenter.radius or SHARP},
     unidentifiable_at_one_load=True,
     of_the_tip=True,
 )
